@@ -361,7 +361,7 @@ pub struct Definition {
 pub struct Name {
     /// The name.
     pub text: String,
-    /// Where it was typed.
+    /// Where it was typed; the default where no text has it.
     pub span: Span,
 }
 

@@ -503,7 +503,7 @@ pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
 
 /// One operand, or several joined by `word`.
 #[inline(never)]
-pub(crate) fn joined(mut operands: Vec<Expr>, word: &str) -> Fallible<Expr> {
+pub(crate) fn joined(mut operands: Vec<Expr>, word: &'static str) -> Fallible<Expr> {
     if operands.len() == 1 {
         return Ok(operands.remove(0));
     }
@@ -536,9 +536,8 @@ pub(crate) fn numbers_only<'e>(exprs: impl IntoIterator<Item = &'e Expr>) -> Fal
 }
 
 /// Fails on a number, which does not hold or fail to hold.
-fn condition_only(expr: &Expr, word: &str) -> Fallible<()> {
+pub(crate) fn condition_only(expr: &Expr, word: &'static str) -> Fallible<()> {
     if !expr.is_condition() {
-        let word = word.to_owned();
         return Err(Error::new(expr.span, ErrorKind::ValueAsCondition { word }));
     }
     Ok(())

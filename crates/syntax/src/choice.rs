@@ -6,16 +6,19 @@
 //! value; and where no piece holds, and there is no last value, a choice has none.
 
 use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation, Series};
-use crate::condition::{comparisons, sides};
+use crate::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::{Locals, Lowering};
 use crate::span::Span;
-use crate::value::{Value, common_size};
+use crate::value::Value;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
 /// The most terms of a sum, factors of a product and repetitions of a function.
 pub(crate) const MOST_TERMS: i64 = 1000;
+
+/// The most steps of arithmetic by which a whole number is found.
+const MOST_STEPS: usize = 256;
 
 /// The most numbers that are chosen between where a choice depends on another.
 const MOST_LEAVES: usize = 500;
@@ -30,30 +33,17 @@ impl<'a> Lowering<'a> {
     ) -> Fallible<Value> {
         if let Some((index, argument)) = as_sinc(pieces, otherwise) {
             let argument = self.value_of(argument, locals)?;
-            return self.composed(index, argument, pieces[0].0.span);
+            return self.call(&Function::Composed(index), vec![argument], pieces[0].0.span);
         }
-        let mut values = Vec::with_capacity(pieces.len());
-        for (_, value) in pieces {
-            values.push(self.value_of(value, locals)?);
-        }
-        let mut rest = match otherwise {
-            Some(value) => Some(self.value_of(value, locals)?),
-            None => None,
-        };
+        let exprs = pieces.iter().map(|(_, value)| value).chain(otherwise);
+        let mut values = self.values_of(exprs, locals)?;
+        let mut rest = otherwise.and_then(|_| values.pop());
         for ((condition, place), value) in pieces.iter().zip(values).rev() {
             let operands: Vec<Value> = std::iter::once(value).chain(rest).collect();
-            let size = common_size(&operands, place.span)?;
-            let mut nodes = Vec::with_capacity(size);
-            for index in 0..size {
-                nodes.push(match operands.as_slice() {
-                    [yes, no] => {
-                        let (yes, no) = (yes.part(index), no.part(index));
-                        self.choose(condition, false, yes, no, locals)?
-                    }
-                    only => self.only_where(only[0].part(index), condition, locals)?,
-                });
-            }
-            rest = Some(Value::shaped(nodes, &operands));
+            rest = Some(self.by_component(&operands, place.span, |all, parts| match parts {
+                [yes, no] => all.choose(condition, false, *yes, *no, locals),
+                only => all.only_where(only[0], condition, locals),
+            })?);
         }
         rest.ok_or_else(|| Error::new(Span::default(), ErrorKind::Empty))
     }
@@ -68,7 +58,7 @@ impl<'a> Lowering<'a> {
         locals: &Locals<'a>,
     ) -> Fallible<NodeId> {
         if has_one_sign(condition) {
-            let (margin, strict) = self.margin(condition, negated, locals)?;
+            let (margin, strict) = self.margin(condition, negated, Purpose::Restriction, locals)?;
             return Ok(self.by_margin(margin, strict, yes, no));
         }
         match &condition.kind {
@@ -91,10 +81,7 @@ impl<'a> Lowering<'a> {
                 }
                 Ok(node)
             }
-            _ => {
-                let word = "if".to_owned();
-                Err(Error::new(condition.span, ErrorKind::ValueAsCondition { word }))
-            }
+            _ => Err(Error::new(condition.span, ErrorKind::ValueAsCondition { word: "if" })),
         }
     }
 
@@ -146,26 +133,22 @@ impl<'a> Lowering<'a> {
         left: &mut usize,
     ) -> Option<NodeId> {
         *left = left.checked_sub(1)?;
-        let (op, operands) = match self.graph.node(margin) {
+        let operands = match self.graph.node(margin) {
             Node::Constant(constant) => {
                 let bounds = constant.bounds();
                 let holds = if constant.is_zero() { !strict } else { bounds.lo > 0.0 };
                 return Some(if holds { values.0 } else { values.1 });
             }
-            Node::Apply(op, operands) => (*op, operands.to_vec()),
-            Node::Variable(_) | Node::Parameter(_) => return None,
+            Node::Apply(op, operands) if *op == Op::SelectNegative => operands.to_vec(),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return None,
         };
-        match (op == Op::SelectNegative, operands.as_slice()) {
-            (true, [by, below, above]) => {
-                let below = self.by_numbers(*below, strict, values, left)?;
-                let above = self.by_numbers(*above, strict, values, left)?;
-                if below == above && self.total.get(by.index()) == Some(&true) {
-                    return Some(below);
-                }
-                Some(self.graph.apply(op, &[*by, below, above]))
-            }
-            _ => None,
+        let by = operands[0];
+        let below = self.by_numbers(operands[1], strict, values, left)?;
+        let above = self.by_numbers(operands[2], strict, values, left)?;
+        if below == above && self.total.get(by.index()) == Some(&true) {
+            return Some(below);
         }
+        Some(self.graph.apply(Op::SelectNegative, &[by, below, above]))
     }
 
     /// `node` where `condition` holds, undefined elsewhere.
@@ -225,12 +208,12 @@ impl<'a> Lowering<'a> {
     /// A function applied as often as the first argument says, to the second; what follows stays.
     pub(crate) fn iterate(
         &mut self,
-        function: &'a Function,
+        function: &Function,
         mut arguments: Vec<Value>,
         span: Span,
     ) -> Fallible<Value> {
         let count = match arguments.remove(0) {
-            Value::Number(node) => self.integer_of(node),
+            Value::Number(node) => integer_of(&self.graph, node, &mut MOST_STEPS.clone()),
             Value::Vector(_) | Value::Matrix(_) => None,
         };
         let Some(count) = count.filter(|count| *count >= 0) else {
@@ -251,16 +234,11 @@ impl<'a> Lowering<'a> {
     /// The whole number that an expression is.
     fn whole(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<i64> {
         let node = self.number(expr, locals)?;
-        match self.integer_of(node) {
+        match integer_of(&self.graph, node, &mut MOST_STEPS.clone()) {
             Some(whole) if whole.abs() <= 1_000_000_000 => Ok(whole),
             Some(_) => Err(Error::new(expr.span, ErrorKind::TooManyTerms { limit: MOST_TERMS })),
             None => Err(Error::new(expr.span, ErrorKind::RangeNotWhole)),
         }
-    }
-
-    /// The whole number that a node is.
-    fn integer_of(&self, node: NodeId) -> Option<i64> {
-        integer_of(&self.graph, node, &mut 256)
     }
 }
 
@@ -316,32 +294,6 @@ fn as_sinc<'e>(
         && arguments.as_slice() == std::slice::from_ref(&**left);
     let index = zeroset_ops::COMPOSED.iter().position(|composed| composed.name == "sinc")?;
     is_sinc.then_some((index, &**left))
-}
-
-/// Whether a condition is one margin: of inequalities that are all strict or all not.
-fn has_one_sign(condition: &Expr) -> bool {
-    fn strictness(condition: &Expr, negated: bool, all: &mut Vec<bool>) -> bool {
-        match &condition.kind {
-            ExprKind::And(items) | ExprKind::Or(items) => {
-                items.iter().all(|item| strictness(item, negated, all))
-            }
-            ExprKind::Not(inner) => strictness(inner, !negated, all),
-            ExprKind::Compare(_, rest) => rest.iter().all(|(relation, _)| match relation {
-                Relation::Equal | Relation::Unequal => false,
-                Relation::Less | Relation::Greater => {
-                    all.push(!negated);
-                    true
-                }
-                Relation::LessEqual | Relation::GreaterEqual => {
-                    all.push(negated);
-                    true
-                }
-            }),
-            _ => false,
-        }
-    }
-    let mut all = Vec::new();
-    strictness(condition, false, &mut all) && all.windows(2).all(|pair| pair[0] == pair[1])
 }
 
 /// Whether a condition can restrict a value by itself.

@@ -10,37 +10,63 @@ use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
 impl<'a> Lowering<'a> {
-    /// The function that is ≤ 0 inside the solid that a condition describes, or with `negated` its
-    /// opposite, and above 0 elsewhere; defined everywhere.
-    pub(crate) fn solid(&mut self, expr: &'a Expr, negated: bool) -> Fallible<NodeId> {
-        let locals = &[];
-        match &expr.kind {
+    /// The function that is ≤ 0 inside the solid that a condition describes, and above 0 elsewhere; defined everywhere.
+    pub(crate) fn solid(&mut self, condition: &'a Expr) -> Fallible<NodeId> {
+        // What is positive where the opposite holds.
+        let (node, _) = self.margin(condition, true, Purpose::Face, &[])?;
+        Ok(node)
+    }
+
+    /// A function that is positive or, unless the condition is strict, 0 just where `condition`, or
+    /// with `negated` its opposite, holds; and whether that is strict.
+    pub(crate) fn margin(
+        &mut self,
+        condition: &'a Expr,
+        negated: bool,
+        purpose: Purpose,
+        locals: &Locals<'a>,
+    ) -> Fallible<(NodeId, bool)> {
+        let mut margins = Vec::new();
+        let all = match &condition.kind {
+            ExprKind::Not(inner) => return self.margin(inner, !negated, purpose, locals),
             ExprKind::And(items) | ExprKind::Or(items) => {
-                let is_and = matches!(expr.kind, ExprKind::And(_));
-                let op = if is_and == negated { Op::Min } else { Op::Max };
-                let solids: Fallible<Vec<NodeId>> =
-                    items.iter().map(|item| self.solid(item, negated)).collect();
-                Ok(self.fold(op, &solids?))
+                for item in items {
+                    margins.push(self.margin(item, negated, purpose, locals)?);
+                }
+                matches!(condition.kind, ExprKind::And(_))
             }
-            ExprKind::Not(inner) => self.solid(inner, !negated),
             ExprKind::Compare(first, rest) => {
-                let mut all = Vec::new();
                 for (left, relation, right) in comparisons(first, rest) {
-                    let Some((low, high, _)) = sides(left, relation, right) else {
-                        let kind = match relation {
-                            Relation::Equal => ErrorKind::EquationInCondition,
-                            _ => ErrorKind::UnequalOutsideBraces,
+                    let Some((low, high, strict)) = sides(left, relation, right) else {
+                        let kind = match (purpose, relation) {
+                            (Purpose::Face, Relation::Equal) => ErrorKind::EquationInCondition,
+                            (Purpose::Face, _) => ErrorKind::UnequalOutsideBraces,
+                            (Purpose::Restriction, Relation::Equal) => {
+                                ErrorKind::RestrictionIsEquation
+                            }
+                            (Purpose::Restriction, _) => ErrorKind::MixedRestriction,
                         };
                         return Err(Error::new(left.span.to(right.span), kind));
                     };
                     let (low, high) = if negated { (high, low) } else { (low, high) };
-                    let one = self.difference(low, high, locals)?;
-                    all.push(self.otherwise_outside(one, 1));
+                    let difference = self.difference(high, low, locals)?;
+                    let outside = match purpose {
+                        Purpose::Face => 1,
+                        Purpose::Restriction => -1,
+                    };
+                    let margin = self.otherwise_outside(difference, outside);
+                    margins.push((margin, strict != negated));
                 }
-                Ok(self.fold(if negated { Op::Min } else { Op::Max }, &all))
+                true
             }
-            _ => Err(Error::new(expr.span, ErrorKind::ValueAsCondition { word: "and".to_owned() })),
+            _ => return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
+        };
+        let strict = margins[0].1;
+        if purpose == Purpose::Restriction && margins.iter().any(|(_, other)| *other != strict) {
+            return Err(Error::new(condition.span, ErrorKind::MixedRestriction));
         }
+        let nodes: Vec<NodeId> = margins.into_iter().map(|(node, _)| node).collect();
+        Ok((self.fold(if all == negated { Op::Max } else { Op::Min }, &nodes), strict))
     }
 
     /// `node` where it is defined, else a number that means outside; `node` alone if it cannot be
@@ -110,7 +136,8 @@ impl<'a> Lowering<'a> {
                 Ok(root)
             }
             ExprKind::Or(_) | ExprKind::Not(_) => {
-                let (bound, strict) = self.margin(condition, false, locals)?;
+                let (bound, strict) =
+                    self.margin(condition, false, Purpose::Restriction, locals)?;
                 Ok(self.graph.apply(restriction(strict), &[root, bound]))
             }
             _ => Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
@@ -122,56 +149,22 @@ impl<'a> Lowering<'a> {
     pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
         match &condition.kind {
             ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),
-            _ if bounds_a_solid(condition) => {
-                let other = self.solid(condition, false)?;
+            _ if strictness(condition, false).is_some() => {
+                let other = self.solid(condition)?;
                 Ok(self.graph.apply(Op::Max, &[root, other]))
             }
             _ => self.restrict(root, condition, &[]),
         }
     }
+}
 
-    /// A function that is positive or, unless the condition is strict, 0 just where `condition`, or
-    /// with `negated` its opposite, holds; and whether that is strict.
-    pub(crate) fn margin(
-        &mut self,
-        condition: &'a Expr,
-        negated: bool,
-        locals: &Locals<'a>,
-    ) -> Fallible<(NodeId, bool)> {
-        let mut margins = Vec::new();
-        let op = match &condition.kind {
-            ExprKind::Not(inner) => return self.margin(inner, !negated, locals),
-            ExprKind::And(items) | ExprKind::Or(items) => {
-                for item in items {
-                    margins.push(self.margin(item, negated, locals)?);
-                }
-                let is_and = matches!(condition.kind, ExprKind::And(_));
-                if is_and == negated { Op::Max } else { Op::Min }
-            }
-            ExprKind::Compare(first, rest) => {
-                for (left, relation, right) in comparisons(first, rest) {
-                    let Some((low, high, strict)) = sides(left, relation, right) else {
-                        let kind = match relation {
-                            Relation::Equal => ErrorKind::RestrictionIsEquation,
-                            _ => ErrorKind::MixedRestriction,
-                        };
-                        return Err(Error::new(left.span.to(right.span), kind));
-                    };
-                    let (low, high) = if negated { (high, low) } else { (low, high) };
-                    let margin = self.difference(high, low, locals)?;
-                    margins.push((self.otherwise_outside(margin, -1), strict != negated));
-                }
-                if negated { Op::Max } else { Op::Min }
-            }
-            _ => return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
-        };
-        let strict = margins[0].1;
-        if margins.iter().any(|(_, other)| *other != strict) {
-            return Err(Error::new(condition.span, ErrorKind::MixedRestriction));
-        }
-        let nodes: Vec<NodeId> = margins.into_iter().map(|(node, _)| node).collect();
-        Ok((self.fold(op, &nodes), strict))
-    }
+/// What a margin is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// Where it is 0 is the face of a solid.
+    Face,
+    /// Its sign decides what is defined, or which of two values is taken.
+    Restriction,
 }
 
 /// Each comparison of a chain with its sides.
@@ -203,14 +196,23 @@ fn restriction(strict: bool) -> Op {
     if strict { Op::WherePositive } else { Op::WhereNonneg }
 }
 
-/// Whether a condition is made of inequalities only.
-fn bounds_a_solid(condition: &Expr) -> bool {
+/// Whether each inequality that a condition, or with `negated` its opposite, is made of is strict; `None` for a condition
+/// that is made of others, too.
+fn strictness(condition: &Expr, negated: bool) -> Option<Vec<bool>> {
     match &condition.kind {
-        ExprKind::And(items) | ExprKind::Or(items) => items.iter().all(bounds_a_solid),
-        ExprKind::Not(inner) => bounds_a_solid(inner),
-        ExprKind::Compare(_, rest) => {
-            rest.iter().all(|(sign, _)| !matches!(sign, Relation::Equal | Relation::Unequal))
+        ExprKind::And(items) | ExprKind::Or(items) => {
+            let each: Option<Vec<_>> = items.iter().map(|item| strictness(item, negated)).collect();
+            Some(each?.concat())
         }
-        _ => false,
+        ExprKind::Not(inner) => strictness(inner, !negated),
+        ExprKind::Compare(first, rest) => comparisons(first, rest)
+            .map(|(left, relation, right)| Some(sides(left, relation, right)?.2 != negated))
+            .collect(),
+        _ => None,
     }
+}
+
+/// Whether a condition is one margin: of inequalities that are all strict or all not.
+pub(crate) fn has_one_sign(condition: &Expr) -> bool {
+    strictness(condition, false).is_some_and(|all| all.windows(2).all(|pair| pair[0] == pair[1]))
 }

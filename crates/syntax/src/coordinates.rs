@@ -5,7 +5,7 @@
 //! definitions that were taken. Where a text defines a name, it means that.
 
 use crate::arrange::statements;
-use crate::ast::{Definition, Expr, ExprKind, Name, NamedValue, Statement};
+use crate::ast::{Definition, ExprKind, Name, NamedValue, Statement};
 use crate::build::Builder;
 use crate::grammar::Rule;
 use crate::limits::Limits;
@@ -130,7 +130,7 @@ pub(crate) fn implied(
         let is_vector = is_program || has_components(text, lines, name);
         if let (Some(span), true) = (place(name), is_vector) {
             notes.push(Note { span, kind: NoteKind::PointOfSpace { name: name.to_owned() } });
-            given.push((if name == "p" { "p" } else { "pos" }, "vec3(x, y, z)"));
+            given.push((name, "vec3(x, y, z)"));
         }
     }
     let [r, rho, theta, phi] = ["r", "rho", "theta", "phi"].map(place);
@@ -205,40 +205,10 @@ fn has_components(text: &str, lines: &[Line<'_>], name: &str) -> bool {
 fn define((name, body): Given, scope: &Scope, limits: &Limits) -> Option<Built> {
     let pieces = statements(body, limits).ok()?;
     let mut builder = Builder::new(body, pieces.first()?, scope, &[], limits);
-    let mut body = builder.only_expression().ok()?;
-    place_at_start(&mut body);
-    let span = Span::at(0);
+    let body = builder.only_expression().ok()?;
+    let span = Span::default();
     let name = Name { text: name.to_owned(), span };
     let definition = Definition { name, parameters: None, body, range: None };
     let used = builder.used;
     Some(Built { statement: Statement::Define(definition), span, notes: Vec::new(), used })
-}
-
-/// Takes the places of another text away.
-fn place_at_start(expr: &mut Expr) {
-    expr.span = Span::at(0);
-    match &mut expr.kind {
-        ExprKind::Sum(first, rest) => {
-            place_at_start(first);
-            for (_, term) in rest {
-                place_at_start(term);
-            }
-        }
-        ExprKind::Product(first, rest) => {
-            place_at_start(first);
-            for (_, factor) in rest {
-                place_at_start(factor);
-            }
-        }
-        ExprKind::Power(base, exponent) => {
-            place_at_start(base);
-            place_at_start(exponent);
-        }
-        ExprKind::Call(_, arguments) => {
-            for argument in arguments {
-                place_at_start(argument);
-            }
-        }
-        _ => {}
-    }
 }

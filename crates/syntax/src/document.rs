@@ -275,12 +275,9 @@ impl<'a> Reader<'a> {
                 self.notes.push(Note { span: earlier.span, kind: NoteKind::Redefined { name } });
             }
         }
-        definitions = definitions
-            .iter()
-            .enumerate()
-            .filter(|(index, (definition, _))| last[definition.name.text.as_str()] == *index)
-            .map(|(_, both)| *both)
-            .collect();
+        let mut last: Vec<usize> = last.into_values().collect();
+        last.sort_unstable();
+        definitions = last.into_iter().map(|index| definitions[index]).collect();
         no_recursion(&definitions)?;
         let settings = std::mem::take(&mut self.settings);
         let used: FxHashSet<&str> =
@@ -318,7 +315,7 @@ impl<'a> Reader<'a> {
         }
         style(&mut surfaces, &settings, &values)?;
         let mut picture = settings.picture;
-        if let Some((value, step)) = &settings.contours {
+        if let Some(Contours { value, step }) = &settings.contours {
             let value = value.as_ref().map(|value| values.value(value)).transpose()?;
             picture.contours = Some(Contours { value, step: step.clone() });
         }
@@ -440,7 +437,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surfac
     };
     let (root, kind) = match lowering.equation(expr)? {
         Some(root) => (root, SurfaceKind::Equation),
-        None => (lowering.solid(expr, false)?, SurfaceKind::Solid),
+        None => (lowering.solid(expr)?, SurfaceKind::Solid),
     };
     let root = restrictions.iter().try_fold(root, |root, condition| match kind {
         SurfaceKind::Equation => lowering.restrict(root, condition, &[]),

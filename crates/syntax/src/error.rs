@@ -262,7 +262,7 @@ pub enum ErrorKind {
     #[error("a comparison cannot be used as a number")]
     ConditionAsValue,
     #[error("`{word}` applies only to comparisons")]
-    ValueAsCondition { word: String },
+    ValueAsCondition { word: &'static str },
     #[error("an equation cannot be part of `and`, `or` or `not`")]
     EquationInCondition,
     #[error("an equation has only one `=`")]

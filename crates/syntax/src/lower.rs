@@ -210,21 +210,17 @@ impl<'a> Lowering<'a> {
 
     #[inline(never)]
     fn negated(&mut self, inner: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
-        let inner = self.value_of(inner, locals)?;
-        Ok(self.each(inner, Self::opposite))
+        let value = self.value_of(inner, locals)?;
+        self.by_component(&[value], inner.span, |all, parts| Ok(all.opposite(parts[0])))
     }
 
     #[inline(never)]
-    fn values_of(
+    pub(crate) fn values_of(
         &mut self,
         exprs: impl Iterator<Item = &'a Expr>,
         locals: &Locals<'a>,
     ) -> Fallible<Vec<Value>> {
-        let mut values = Vec::with_capacity(exprs.size_hint().0);
-        for expr in exprs {
-            values.push(self.value_of(expr, locals)?);
-        }
-        Ok(values)
+        exprs.map(|expr| self.value_of(expr, locals)).collect()
     }
 
     /// A sum or a product, from the left: `op` is the operation of each sign.
@@ -290,7 +286,9 @@ impl<'a> Lowering<'a> {
                     }
                     Binding::Definition(definition) => (*name, *definition),
                 };
-                let value = self.value_of(&definition.body, &[]).map_err(|e| at_use(e, span))?;
+                let is_typed = definition.name.span != Span::default();
+                let value = self.value_of(&definition.body, &[]);
+                let value = value.map_err(|error| at_use(error, span, is_typed))?;
                 self.values.insert(name, value.clone());
                 Ok(value)
             }
@@ -301,7 +299,7 @@ impl<'a> Lowering<'a> {
     #[inline(never)]
     pub(crate) fn call(
         &mut self,
-        function: &'a Function,
+        function: &Function,
         mut arguments: Vec<Value>,
         span: Span,
     ) -> Fallible<Value> {
@@ -313,8 +311,7 @@ impl<'a> Lowering<'a> {
                     .try_fold(first, |all, next| self.native(*op, &[all, next], span))
             }
             Function::Native(op) if op.arity() > arguments.len() => {
-                let nodes = arguments.pop().map(|value| value.parts().to_vec());
-                Ok(Value::Number(self.fold(*op, &nodes.unwrap_or_default())))
+                Ok(Value::Number(self.fold(*op, arguments[0].parts())))
             }
             Function::Native(op) => self.native(*op, &arguments, span),
             Function::Length => {
@@ -333,8 +330,7 @@ impl<'a> Lowering<'a> {
                 if zeroset_ops::COMPOSED[*index].name == "hypot"
                     && matches!(arguments.as_slice(), [Value::Vector(_)]) =>
             {
-                let Some(Value::Vector(nodes)) = arguments.pop() else { unreachable!("matched") };
-                Ok(Value::Number(self.length(&nodes)))
+                Ok(Value::Number(self.length(arguments[0].parts())))
             }
             Function::Composed(index) => {
                 let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
@@ -352,18 +348,6 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A function of one value that is a formula over others.
-    pub(crate) fn composed(
-        &mut self,
-        index: usize,
-        argument: Value,
-        span: Span,
-    ) -> Fallible<Value> {
-        let names = zeroset_ops::COMPOSED[index].parameters.iter().copied();
-        let function = Function::Composed(index);
-        self.expand(&function, vec![argument], names, prelude::body(index), span)
-    }
-
     /// The body of a function with `names` replaced by its arguments.
     #[inline(never)]
     fn expand(
@@ -379,7 +363,12 @@ impl<'a> Lowering<'a> {
             return Ok(value.clone());
         }
         let locals: Vec<(&str, Value)> = names.zip(key.1.iter().cloned()).collect();
-        let value = self.value_of(body, &locals).map_err(|error| at_use(error, span))?;
+        let (is_typed, noted) = (!matches!(function, Function::Composed(_)), self.notes.len());
+        let value = self.value_of(body, &locals);
+        let value = value.map_err(|error| at_use(error, span, is_typed))?;
+        if !is_typed {
+            self.notes.truncate(noted);
+        }
         self.expanded.insert(key, value.clone());
         Ok(value)
     }
@@ -416,9 +405,10 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Errors of size inside a definition are shown where it is used: that is what can be changed.
-fn at_use(mut error: Box<Error>, span: Span) -> Box<Error> {
-    if matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
+/// Errors of size inside a definition are shown where it is used: that is what can be changed. So are all errors where the
+/// definition is not typed, whose places are those of another text.
+fn at_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
+    if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;
     }
     error

@@ -18,16 +18,14 @@ impl Lowering<'_> {
         arguments: &[Value],
         span: Span,
     ) -> Fallible<Value> {
-        let given: usize = arguments.iter().map(|value| value.parts().len()).sum();
-        let source = match arguments {
-            [Value::Number(node)] => vec![*node],
-            [Value::Matrix(nodes)] => nodes.clone(),
-            _ if given == size * size => {
-                let nodes = arguments.iter().flat_map(|value| value.parts().iter().copied());
-                return Ok(Value::Matrix(nodes.collect()));
+        let source: Vec<NodeId> = arguments.iter().flat_map(Value::parts).copied().collect();
+        if !matches!(arguments, [Value::Number(_) | Value::Matrix(_)]) {
+            let given = source.len();
+            if given != size * size {
+                return Err(Error::new(span, ErrorKind::MatrixSize { size, given }));
             }
-            _ => return Err(Error::new(span, ErrorKind::MatrixSize { size, given })),
-        };
+            return Ok(Value::Matrix(source));
+        }
         let (zero, one) = (self.graph.integer(0), self.graph.integer(1));
         let known = if source.len() == 1 { 0 } else { source.len().isqrt() };
         let element = |index: usize| {
@@ -49,45 +47,46 @@ impl Lowering<'_> {
         operands: &[Value],
         span: Span,
     ) -> Fallible<Value> {
-        let refused = || Error::new(span, ErrorKind::Matrix);
-        let [left, right] = operands else { return Err(refused()) };
-        let is_product = op == Op::Mul;
-        match (left, right) {
-            (Value::Matrix(a), Value::Matrix(b)) if is_product && a.len() == b.len() => {
-                let n = a.len().isqrt();
-                let columns = b.chunks(n).flat_map(|column| self.times(a, column));
-                Ok(Value::Matrix(columns.collect()))
-            }
-            (Value::Matrix(a), Value::Vector(v)) if is_product && a.len().isqrt() == v.len() => {
-                Ok(Value::Vector(self.times(a, v)))
-            }
-            (Value::Vector(v), Value::Matrix(b)) if is_product && b.len().isqrt() == v.len() => {
-                let columns = b.chunks(v.len()).map(|column| self.products(v, column));
-                Ok(Value::Vector(columns.collect()))
-            }
-            (Value::Matrix(a), Value::Matrix(b))
-                if matches!(op, Op::Add | Op::Sub) && a.len() == b.len() =>
-            {
-                let nodes = a.iter().zip(b).map(|(a, b)| self.graph.apply(op, &[*a, *b]));
-                Ok(Value::Matrix(nodes.collect()))
-            }
-            (Value::Matrix(a), Value::Number(b)) if is_product || op == Op::Div => {
-                let nodes = a.iter().map(|a| self.graph.apply(op, &[*a, *b]));
-                Ok(Value::Matrix(nodes.collect()))
-            }
-            (Value::Number(a), Value::Matrix(b)) if is_product => {
-                let nodes = b.iter().map(|b| self.graph.apply(op, &[*a, *b]));
-                Ok(Value::Matrix(nodes.collect()))
-            }
-            _ => Err(refused()),
+        if op == Op::Mul
+            && let [left, right] = operands
+            && let Some(product) = self.product(left, right)
+        {
+            return Ok(product);
         }
+        let is_by_element = match operands {
+            [Value::Matrix(a), Value::Matrix(b)] => {
+                matches!(op, Op::Add | Op::Sub) && a.len() == b.len()
+            }
+            [Value::Matrix(_), Value::Number(_)] => matches!(op, Op::Mul | Op::Div),
+            [Value::Number(_), Value::Matrix(_)] => op == Op::Mul,
+            _ => false,
+        };
+        if !is_by_element {
+            return Err(Error::new(span, ErrorKind::Matrix));
+        }
+        self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
-    /// A matrix times a vector of as many components.
-    fn times(&mut self, matrix: &[NodeId], vector: &[NodeId]) -> Vec<NodeId> {
-        let n = vector.len();
-        let row = |row: usize| matrix.iter().skip(row).step_by(n).copied().collect::<Vec<_>>();
-        (0..n).map(|index| self.products(&row(index), vector)).collect()
+    /// The product of two matrices, or of a matrix and a vector; `None` where the sizes differ, and for other values.
+    fn product(&mut self, left: &Value, right: &Value) -> Option<Value> {
+        let n = match (left, right) {
+            (Value::Matrix(a), Value::Matrix(b)) if a.len() == b.len() => a.len().isqrt(),
+            (Value::Matrix(m), Value::Vector(v)) | (Value::Vector(v), Value::Matrix(m))
+                if m.len().isqrt() == v.len() =>
+            {
+                v.len()
+            }
+            _ => return None,
+        };
+        let rows = match left {
+            Value::Matrix(nodes) => Self::transposed(nodes),
+            _ => left.parts().to_vec(),
+        };
+        let mut nodes = Vec::new();
+        for column in right.parts().chunks(n) {
+            nodes.extend(rows.chunks(n).map(|row| self.products(row, column)));
+        }
+        Some(if nodes.len() == n { Value::Vector(nodes) } else { Value::Matrix(nodes) })
     }
 
     /// The sum of products of what stands at the same place.
@@ -97,25 +96,8 @@ impl Lowering<'_> {
         self.fold(Op::Add, &products)
     }
 
-    /// A matrix with rows and columns exchanged.
-    pub(crate) fn transpose(value: &Value, span: Span) -> Fallible<Value> {
-        let Value::Matrix(nodes) = value else {
-            return Err(Error::new(span, ErrorKind::NotAMatrix));
-        };
-        let n = nodes.len().isqrt();
-        Ok(Value::Matrix((0..n * n).map(|at| nodes[at % n * n + at / n]).collect()))
-    }
-
-    /// The determinant, by its first column.
-    pub(crate) fn determinant(&mut self, value: &Value, span: Span) -> Fallible<NodeId> {
-        match value {
-            Value::Matrix(nodes) => Ok(self.minor(nodes)),
-            _ => Err(Error::new(span, ErrorKind::NotAMatrix)),
-        }
-    }
-
-    /// The determinant of a matrix of 1, 4, 9 or 16 elements.
-    fn minor(&mut self, nodes: &[NodeId]) -> NodeId {
+    /// The determinant of a matrix of 1, 4, 9 or 16 elements, by its first column.
+    pub(crate) fn determinant(&mut self, nodes: &[NodeId]) -> NodeId {
         if let [only] = nodes {
             return *only;
         }
@@ -124,7 +106,7 @@ impl Lowering<'_> {
         for row in 0..n {
             let rest: Vec<NodeId> =
                 (n..n * n).filter(|at| at % n != row).map(|at| nodes[at]).collect();
-            let smaller = self.minor(&rest);
+            let smaller = self.determinant(&rest);
             let term = self.graph.apply(Op::Mul, &[nodes[row], smaller]);
             sum = Some(match sum {
                 None => term,
@@ -134,5 +116,11 @@ impl Lowering<'_> {
             });
         }
         sum.unwrap_or(nodes[0])
+    }
+
+    /// The elements of a matrix with rows and columns exchanged.
+    pub(crate) fn transposed(nodes: &[NodeId]) -> Vec<NodeId> {
+        let n = nodes.len().isqrt();
+        (0..n * n).map(|at| nodes[at % n * n + at / n]).collect()
     }
 }

@@ -5,12 +5,12 @@
 use crate::ast::Expr;
 use crate::build::Builder;
 use crate::constant::{evaluate, evaluate_range};
-use crate::error::{Error, ErrorKind, Fallible};
+use crate::error::{ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule, parts};
 use crate::limits::Limits;
 use crate::lower::{Binding, Lowering};
 use crate::scene::SrgbColor;
-use crate::scope::{Meaning, Scope, nearest};
+use crate::scope::{Meaning, Scope};
 use crate::setting::bad;
 use crate::span::Span;
 use crate::spelling::COLOR_MAPS;
@@ -23,9 +23,9 @@ pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 
 /// Lines on a surface along which a value stays the same.
 #[derive(Clone, Debug)]
-pub struct Contours {
+pub struct Contours<V = PointValue> {
     /// The value; `None` for that of the surface's color, else z.
-    pub value: Option<PointValue>,
+    pub value: Option<V>,
     /// How far the values of two lines are apart; `None` for a round number.
     pub step: Option<Constant>,
 }
@@ -33,20 +33,20 @@ pub struct Contours {
 /// The color of a surface.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant)] // a document has few
-pub enum SurfaceColor {
+pub enum SurfaceColor<V = PointValue> {
     /// Everywhere the same.
     Plain(SrgbColor),
     /// By a value.
-    Mapped(MappedColor),
+    Mapped(MappedColor<V>),
 }
 
 /// Which value has which color.
 #[derive(Clone, Debug)]
-pub struct MappedColor {
+pub struct MappedColor<V = PointValue> {
     /// One of [`COLOR_MAPS`].
     pub map: &'static str,
     /// The value.
-    pub value: PointValue,
+    pub value: V,
     /// The values that have the first and the last color; `None` for the least and the greatest that are seen.
     pub range: Option<[Constant; 2]>,
 }
@@ -62,18 +62,8 @@ pub struct PointValue {
     pub echo: String,
 }
 
-/// A color before names have values.
-#[allow(clippy::large_enum_variant)] // likewise
-pub(crate) enum TypedColor {
-    /// The one that a surface has of itself.
-    Auto,
-    Plain(SrgbColor),
-    Mapped {
-        map: &'static str,
-        value: Expr,
-        range: Option<[Constant; 2]>,
-    },
-}
+/// A color before names have values; `None` is the one that a surface has of itself.
+pub(crate) type TypedColor = Option<SurfaceColor<Expr>>;
 
 /// The same names, and those of a point's own.
 pub(crate) fn with_point_names(scope: &Scope) -> Scope {
@@ -117,13 +107,12 @@ impl<'a> PointValues<'a> {
     /// A surface's color.
     pub fn color(&self, typed: &'a TypedColor) -> Fallible<Option<SurfaceColor>> {
         Ok(match typed {
-            TypedColor::Auto => None,
-            TypedColor::Plain(color) => Some(SurfaceColor::Plain(*color)),
-            TypedColor::Mapped { map, value, range } => Some(SurfaceColor::Mapped(MappedColor {
-                map,
-                value: self.value(value)?,
-                range: range.clone(),
-            })),
+            None => None,
+            Some(SurfaceColor::Plain(color)) => Some(SurfaceColor::Plain(*color)),
+            Some(SurfaceColor::Mapped(MappedColor { map, value, range })) => {
+                let (value, range) = (self.value(value)?, range.clone());
+                Some(SurfaceColor::Mapped(MappedColor { map, value, range }))
+            }
         })
     }
 }
@@ -133,7 +122,6 @@ impl Builder<'_> {
     pub(crate) fn color_line(
         &mut self,
         line: Pair<'_>,
-        span: Span,
     ) -> Fallible<(TypedColor, Option<(f64, Span)>)> {
         let (mut color, mut opacity) = (None, None);
         for part in line.into_inner() {
@@ -142,78 +130,56 @@ impl Builder<'_> {
                     let place = self.span(&part);
                     opacity = Some((self.opacity(part)?, place));
                 }
-                Rule::automatic => color = Some(TypedColor::Auto),
-                Rule::mapped => color = Some(self.mapped(part)?),
-                Rule::hex | Rule::name => color = Some(TypedColor::Plain(self.plain(&part)?)),
+                Rule::automatic => color = Some(None),
+                Rule::mapped => color = Some(Some(SurfaceColor::Mapped(self.mapped(part)?))),
+                Rule::hex | Rule::name => {
+                    color = Some(Some(SurfaceColor::Plain(self.plain(&part)?)));
+                }
                 _ => {}
             }
         }
-        let color = color.ok_or_else(|| bad("color", span))?;
+        let color = color.ok_or_else(|| bad("color", self.piece.span))?;
         Ok((color, opacity))
     }
 
     /// `viridis(z)` or `viridis(z, -1, 1)`.
-    fn mapped(&mut self, pair: Pair<'_>) -> Fallible<TypedColor> {
+    fn mapped(&mut self, pair: Pair<'_>) -> Fallible<MappedColor<Expr>> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
         let name = parts.next().expect("a color map has a name");
-        let (place, typed) = (self.span(&name), self.typed(&name));
-        let map = COLOR_MAPS.into_iter().find(|known| known.eq_ignore_ascii_case(typed));
-        let map = map.ok_or_else(|| {
-            let meant = nearest(typed, COLOR_MAPS.into_iter());
-            Error::new(place, ErrorKind::BadColorMap).suggest_any(place, meant)
-        })?;
-        let mut arguments = Vec::new();
-        for part in parts {
-            if part.as_rule() != Rule::expression {
-                return Err(bad("color", self.span(&part)));
-            }
-            arguments.push(self.value(part)?);
-        }
-        let mut arguments = arguments.into_iter();
-        let (value, rest) = (arguments.next(), arguments.collect::<Vec<_>>());
-        let value = value.ok_or_else(|| bad("color", span))?;
-        let range = match &rest[..] {
-            [] => None,
-            [low, high] => {
+        let map = self.one_of(&name, &COLOR_MAPS, ErrorKind::BadColorMap)?;
+        let mut arguments = self.values("color", parts)?;
+        let range = match &arguments[..] {
+            [_] => None,
+            [_, low, high] => {
                 let span = low.span.to(high.span);
                 Some(evaluate_range(low, high, span, self.limits)?.into())
             }
             _ => return Err(bad("color", span)),
         };
-        Ok(TypedColor::Mapped { map, value, range })
+        Ok(MappedColor { map, value: arguments.swap_remove(0), range })
     }
 
-    pub(crate) fn contours(
-        &mut self,
-        line: Pair<'_>,
-        span: Span,
-    ) -> Fallible<(Option<Expr>, Option<Constant>)> {
-        let mut values = Vec::new();
-        for part in parts(line) {
-            let value = match part.as_rule() {
-                Rule::opacity => {
-                    let limits = self.limits;
-                    let span = self.span(&part);
-                    let [amount] = &parts(part)[..] else { return Err(bad("contours", span)) };
-                    let number = self.term(&mut amount.clone().into_inner())?;
-                    return Ok((None, Some(step(limits, &number)?)));
-                }
-                Rule::expression => self.value(part)?,
-                _ => return Err(bad("contours", self.span(&part))),
-            };
-            values.push(value);
+    pub(crate) fn contours(&mut self, line: Pair<'_>) -> Fallible<Contours<Expr>> {
+        let all = parts(line);
+        if let [amount] = &all[..]
+            && amount.as_rule() == Rule::opacity
+        {
+            let span = self.span(amount);
+            let [number] = &parts(amount.clone())[..] else { return Err(bad("contours", span)) };
+            let number = self.term(&mut number.clone().into_inner())?;
+            return Ok(Contours { value: None, step: Some(step(self.limits, &number)?) });
         }
-        let mut values = values.into_iter();
-        match (values.next(), values.next(), values.next()) {
-            (None, ..) => Ok((None, None)),
-            (Some(one), None, _) if evaluate(&one, self.limits).is_ok() => {
-                Ok((None, Some(step(self.limits, &one)?)))
+        let values = self.values("contours", all)?;
+        let step = match &values[..] {
+            [one] if evaluate(one, self.limits).is_ok() => {
+                return Ok(Contours { value: None, step: Some(step(self.limits, one)?) });
             }
-            (Some(one), None, _) => Ok((Some(one), None)),
-            (Some(one), Some(other), None) => Ok((Some(one), Some(step(self.limits, &other)?))),
-            _ => Err(bad("contours", span)),
-        }
+            [] | [_] => None,
+            [_, other] => Some(step(self.limits, other)?),
+            _ => return Err(bad("contours", self.piece.span)),
+        };
+        Ok(Contours { value: values.into_iter().next(), step })
     }
 }
 

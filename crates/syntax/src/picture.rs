@@ -60,7 +60,7 @@ pub(crate) struct Collected {
     pub hidden: Vec<(usize, bool)>,
     /// Where they stand.
     pub lines: Vec<SettingLine>,
-    pub contours: Option<(Option<Expr>, Option<Constant>)>,
+    pub contours: Option<Contours<Expr>>,
     /// With the names of a point's own, once it was needed.
     scope: Option<Scope>,
     /// Names of the document that values of points depend on.
@@ -103,24 +103,24 @@ impl Collected {
             }
             SettingKind::View => self.view = Some(builder.view(pair)?),
             SettingKind::Color => {
-                let (color, opacity) = builder.color_line(pair, span)?;
+                let (color, opacity) = builder.color_line(pair)?;
                 share = opacity.map(|(_, span)| span);
                 self.colors.push((at, (color, opacity.map(|(opacity, _)| opacity))));
             }
             SettingKind::Look => self.look = Some(builder.look(pair)?),
             SettingKind::Background => self.background = Some(builder.color(pair)?),
-            SettingKind::Clip => self.picture.clip = Some(builder.numbers(pair, span)?),
-            SettingKind::Light => self.picture.light = Some(builder.numbers(pair, span)?),
+            SettingKind::Clip => self.picture.clip = Some(builder.numbers(pair)?),
+            SettingKind::Light => self.picture.light = Some(builder.numbers(pair)?),
             SettingKind::Opacity => {
                 let share = pair.into_inner().find(|part| part.as_rule() == Rule::opacity);
                 let share = share.ok_or_else(|| bad("opacity", span))?;
                 self.opacities.push((at, builder.opacity(share)?));
             }
-            SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, span)?)),
-            SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, span)?),
-            SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, span)?),
-            SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, span)?),
-            SettingKind::Contours => self.contours = Some(builder.contours(pair, span)?),
+            SettingKind::Hidden => self.hidden.push((at, builder.switch(pair)?)),
+            SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair)?),
+            SettingKind::Axes => self.picture.axes = Some(builder.switch(pair)?),
+            SettingKind::Legend => self.picture.legend = Some(builder.switch(pair)?),
+            SettingKind::Contours => self.contours = Some(builder.contours(pair)?),
         }
         self.used.extend(builder.used);
         let word = setting_word(setting.word).unwrap_or(setting.word);
@@ -150,11 +150,7 @@ impl Builder<'_> {
     }
 
     /// As many numbers.
-    fn numbers<const COUNT: usize>(
-        &mut self,
-        line: Pair<'_>,
-        span: Span,
-    ) -> Fallible<[Constant; COUNT]> {
+    fn numbers<const COUNT: usize>(&mut self, line: Pair<'_>) -> Fallible<[Constant; COUNT]> {
         let word = self.word();
         let mut parts = parts(line);
         if let [point] = &parts[..]
@@ -170,11 +166,24 @@ impl Builder<'_> {
             let number = self.value(part)?;
             numbers.push(evaluate(&number, self.limits)?);
         }
-        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad(word, span))
+        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad(word, self.piece.span))
+    }
+
+    /// The values that stand in a line that begins with `word`.
+    pub(crate) fn values<'i>(
+        &mut self,
+        word: &'static str,
+        parts: impl IntoIterator<Item = Pair<'i>>,
+    ) -> Fallible<Vec<Expr>> {
+        let value = |part: Pair<'i>| match part.as_rule() {
+            Rule::expression => self.value(part),
+            _ => Err(bad(word, self.span(&part))),
+        };
+        parts.into_iter().map(value).collect()
     }
 
     /// Whether something is on: the word alone means that it is.
-    fn switch(&mut self, line: Pair<'_>, span: Span) -> Fallible<bool> {
+    fn switch(&mut self, line: Pair<'_>) -> Fallible<bool> {
         let (word, parts) = (self.word(), parts(line));
         match &parts[..] {
             [] => Ok(true),
@@ -189,7 +198,7 @@ impl Builder<'_> {
                     }
                 }
             }
-            _ => Err(bad(word, span)),
+            _ => Err(bad(word, self.piece.span)),
         }
     }
 

@@ -64,10 +64,13 @@ impl SrgbColor {
 
     /// The color that is written `#rgb`, `#rrggbb`, or as its name.
     pub fn typed(text: &str) -> Option<Self> {
-        match text.strip_prefix('#') {
-            Some(digits) => hexadecimal(digits),
-            None => Self::named(text),
+        if !text.starts_with('#') {
+            return Self::named(text);
         }
+        // Four and eight digits would say how opaque it is.
+        let color = csscolorparser::parse(text).ok().filter(|_| matches!(text.len(), 4 | 7))?;
+        let [r, g, b, _] = color.to_rgba8();
+        Some(Self { rgb: [r, g, b] })
     }
 }
 
@@ -165,11 +168,20 @@ impl Builder<'_> {
 
     pub(crate) fn look(&self, line: Pair<'_>) -> Fallible<&'static str> {
         let given = line.into_inner().next().expect("a look line has a name");
-        let (span, typed) = (self.span(&given), self.typed(&given));
-        let known = LOOKS.into_iter().find(|known| known.eq_ignore_ascii_case(typed));
-        known.ok_or_else(|| {
-            Error::new(span, ErrorKind::BadLook)
-                .suggest_any(span, nearest(typed, LOOKS.into_iter()))
+        self.one_of(&given, &LOOKS, ErrorKind::BadLook)
+    }
+
+    /// The name that is given, in any case; the error is of `kind` where it is none of `names`.
+    pub(crate) fn one_of(
+        &self,
+        given: &Pair<'_>,
+        names: &[&'static str],
+        kind: ErrorKind,
+    ) -> Fallible<&'static str> {
+        let (span, typed) = (self.span(given), self.typed(given));
+        let found = names.iter().find(|name| name.eq_ignore_ascii_case(typed));
+        found.copied().ok_or_else(|| {
+            Error::new(span, kind).suggest_any(span, nearest(typed, names.iter().copied()))
         })
     }
 
@@ -211,15 +223,4 @@ fn plain_domain(
         [x0, x1, y0, y1, z0, z1] => Ok([range(x0, x1)?, range(y0, y1)?, range(z0, z1)?]),
         _ => Err(Error::new(span, ErrorKind::BadDomain)),
     }
-}
-
-/// `rgb` or `rrggbb`.
-fn hexadecimal(digits: &str) -> Option<SrgbColor> {
-    let value = u32::from_str_radix(digits, 16).ok()?;
-    let rgb = match digits.len() {
-        3 => [value >> 8, value >> 4, value].map(|digit| (digit & 15) as u8 * 17),
-        6 => [value >> 16, value >> 8, value].map(|byte| (byte & 255) as u8),
-        _ => return None,
-    };
-    Some(SrgbColor { rgb })
 }

@@ -54,13 +54,13 @@ impl Builder<'_> {
             Some(group) if is_generator => group.into_inner().collect(),
             first => first.into_iter().chain(ends).collect(),
         };
+        let end = |end| if is_generator { self.value(end) } else { self.sum(end) };
+        let built: Fallible<Vec<Expr>> = rest.into_iter().map(end).collect();
+        let mut built = built?;
         if !is_generator {
-            let built: Fallible<Vec<Expr>> = rest.into_iter().map(|end| self.sum(end)).collect();
-            return built.map(|built| (index, built));
+            return Ok((index, built));
         }
         // `range(n)` counts from 0, and the end is not reached.
-        let built: Fallible<Vec<Expr>> = rest.into_iter().map(|end| self.value(end)).collect();
-        let mut built = built?;
         if built.len() == 1 {
             built.insert(0, Expr::of_digits("0", place));
         }

@@ -2,7 +2,7 @@
 //! languages.
 
 use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation};
-use crate::build::{Builder, joined, product_of};
+use crate::build::{Builder, condition_only, joined, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::lexer::OTHERWISE;
@@ -192,10 +192,7 @@ impl Builder<'_> {
 
     pub(crate) fn condition_of(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let condition = self.expression(pair)?;
-        if !condition.is_condition() {
-            let word = "if".to_owned();
-            return Err(Error::new(condition.span, ErrorKind::ValueAsCondition { word }));
-        }
+        condition_only(&condition, "if")?;
         Ok(condition)
     }
 
@@ -309,10 +306,7 @@ impl Builder<'_> {
     pub(crate) fn logic(&mut self, logic: Logic, span: Span, group: Pair<'_>) -> Fallible<Expr> {
         let place = span.to(self.span(&group));
         let parts: Vec<Pair<'_>> = group.into_inner().collect();
-        let needs = |word: &str| {
-            let word = word.to_owned();
-            Error::new(place, ErrorKind::ValueAsCondition { word })
-        };
+        let needs = |word| Error::new(place, ErrorKind::ValueAsCondition { word });
         match logic {
             Logic::Not => {
                 let [only] = parts.as_slice() else { return Err(needs("not")) };

@@ -27,7 +27,7 @@ impl Value {
     }
 
     /// The component at `index`, which must be below their number; or the number itself.
-    pub(crate) fn part(&self, index: usize) -> NodeId {
+    fn part(&self, index: usize) -> NodeId {
         match self {
             Self::Number(node) => *node,
             Self::Vector(nodes) | Self::Matrix(nodes) => nodes[index],
@@ -42,16 +42,19 @@ impl Value {
         }
     }
 
+    /// The elements of what must be a matrix.
+    fn elements(&self, span: Span) -> Fallible<&[NodeId]> {
+        match self {
+            Self::Matrix(nodes) => Ok(nodes),
+            Self::Number(_) | Self::Vector(_) => Err(Error::new(span, ErrorKind::NotAMatrix)),
+        }
+    }
+
     fn is_matrix(&self) -> bool {
         matches!(self, Self::Matrix(_))
     }
 
-    /// Parts in the shape of the first of `operands` that is more than a number.
-    pub(crate) fn shaped(nodes: Vec<NodeId>, operands: &[Self]) -> Self {
-        if operands.iter().any(Self::is_matrix) { Self::Matrix(nodes) } else { Self::new(nodes) }
-    }
-
-    pub(crate) fn new(mut nodes: Vec<NodeId>) -> Self {
+    fn new(mut nodes: Vec<NodeId>) -> Self {
         if nodes.len() == 1 { Self::Number(nodes.remove(0)) } else { Self::Vector(nodes) }
     }
 }
@@ -66,14 +69,21 @@ pub(crate) fn numbers(values: &[Value], span: Span) -> Fallible<Vec<NodeId>> {
 }
 
 impl Lowering<'_> {
-    /// `apply` to each component.
-    pub(crate) fn each(
+    /// What `apply` makes of the components of `operands` that stand at the same place, for each.
+    pub(crate) fn by_component(
         &mut self,
-        value: Value,
-        apply: impl Fn(&mut Self, NodeId) -> NodeId,
-    ) -> Value {
-        let nodes = value.parts().iter().map(|node| apply(self, *node)).collect();
-        Value::shaped(nodes, &[value])
+        operands: &[Value],
+        span: Span,
+        mut apply: impl FnMut(&mut Self, &[NodeId]) -> Fallible<NodeId>,
+    ) -> Fallible<Value> {
+        let size = common_size(operands, span)?;
+        let mut nodes = Vec::with_capacity(size);
+        for index in 0..size {
+            let parts: Vec<NodeId> = operands.iter().map(|value| value.part(index)).collect();
+            nodes.push(apply(self, &parts)?);
+        }
+        let has_matrix = operands.iter().any(Value::is_matrix);
+        Ok(if has_matrix { Value::Matrix(nodes) } else { Value::new(nodes) })
     }
 
     /// An operation, component by component.
@@ -81,13 +91,7 @@ impl Lowering<'_> {
         if operands.iter().any(Value::is_matrix) {
             return self.of_matrices(op, operands, span);
         }
-        let size = common_size(operands, span)?;
-        let mut nodes = Vec::with_capacity(size);
-        for index in 0..size {
-            let parts: Vec<NodeId> = operands.iter().map(|value| value.part(index)).collect();
-            nodes.push(self.graph.apply(op, &parts));
-        }
-        Ok(Value::new(nodes))
+        self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
     /// Notes that a product of two vectors is no scalar product.
@@ -116,8 +120,12 @@ impl Lowering<'_> {
         span: Span,
     ) -> Fallible<Value> {
         match function {
-            VectorFunction::Transpose => Self::transpose(&arguments[0], span),
-            VectorFunction::Determinant => self.determinant(&arguments[0], span).map(Value::Number),
+            VectorFunction::Transpose => {
+                Ok(Value::Matrix(Self::transposed(arguments[0].elements(span)?)))
+            }
+            VectorFunction::Determinant => {
+                Ok(Value::Number(self.determinant(arguments[0].elements(span)?)))
+            }
             // As numpy and Mathematica have it.
             VectorFunction::Dot if arguments.iter().any(Value::is_matrix) => {
                 self.of_matrices(Op::Mul, arguments, span)
@@ -139,12 +147,10 @@ impl Lowering<'_> {
                 self.native(Op::Sub, &[arguments[0].clone(), along], span)
             }
             VectorFunction::Cross => {
-                let (Value::Vector(a), Value::Vector(b)) = (&arguments[0], &arguments[1]) else {
+                let (a @ [_, _, _], b @ [_, _, _]) = (arguments[0].parts(), arguments[1].parts())
+                else {
                     return Err(Error::new(span, ErrorKind::CrossSize));
                 };
-                if a.len() != 3 || b.len() != 3 {
-                    return Err(Error::new(span, ErrorKind::CrossSize));
-                }
                 let mut part = |i: usize, j: usize| {
                     let first = self.graph.apply(Op::Mul, &[a[i], b[j]]);
                     let second = self.graph.apply(Op::Mul, &[a[j], b[i]]);
@@ -163,14 +169,13 @@ impl Lowering<'_> {
 
 /// A vector of `size` components: of as many in all, or of one that is repeated.
 pub(crate) fn vector(size: usize, arguments: &[Value], span: Span) -> Fallible<Value> {
-    let given = arguments.iter().map(Value::size).sum();
+    let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Value::parts).copied().collect();
+    let given = nodes.len();
     // `vec2(p)` takes the first components of a longer vector.
     let is_cut = arguments.len() == 1 && given > size;
     if given != size && given != 1 && !is_cut {
         return Err(Error::new(span, ErrorKind::VectorSize { size, given }));
     }
-    let mut nodes: Vec<NodeId> =
-        arguments.iter().flat_map(|value| value.parts().iter().copied()).take(size).collect();
     nodes.resize(size, nodes[0]);
     Ok(Value::new(nodes))
 }
@@ -199,7 +204,7 @@ pub(crate) fn component(value: Value, letters: &str, span: Span) -> Fallible<Val
 }
 
 /// The number of components of all operands; that of numbers is 1.
-pub(crate) fn common_size(operands: &[Value], span: Span) -> Fallible<usize> {
+fn common_size(operands: &[Value], span: Span) -> Fallible<usize> {
     let mut size = 1;
     if operands.iter().any(Value::is_matrix)
         && operands.iter().any(|value| value.size() > 1 && !value.is_matrix())

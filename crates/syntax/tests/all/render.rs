@@ -45,3 +45,18 @@ fn line_and_column_are_those_of_the_text_however_long_the_line() {
     let text = format!("{}foo", "π+".repeat(600));
     assert!(rendered(Some("long.zset"), &text, false).contains("long.zset:1:1201\n"));
 }
+
+#[test]
+fn what_a_function_of_the_language_is_made_of_has_no_place_in_the_text() {
+    for (text, place) in [
+        ("αβγδεζ(a) = a\nx + length(hypot(vec2(x, y), vec3(x, y, z))) = 3", "hypot("),
+        ("sqrt(v) = mat2(v, v, v, v)\nr*theta*phi = 2", "theta"),
+    ] {
+        let errors = read(text, &Options::default()).expect_err("an error");
+        assert!(!errors.render(None, text, false).is_empty());
+        let span = errors.iter().next().expect("an error").span;
+        assert!(text[span.range()].starts_with(place), "{:?}", &text[span.range()]);
+    }
+    let text = "αβγδεζ = 1\nx + length(smoothstep(0, 1, vec3(x, y, αβγδεζ))) = 3";
+    assert_eq!(read(text, &Options::default()).expect("a formula").notes, []);
+}
