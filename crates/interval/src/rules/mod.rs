@@ -69,11 +69,11 @@ impl<M: Machine> Rule<'_, M> {
         match op {
             Op::Neg => a.negated().value,
             Op::Abs => rule.abs(a),
-            Op::Sign => rule.sign(a, branch),
+            Op::Sign => rule.steps(a, branch, Self::sign_of, Self::sign_of),
             Op::Floor => rule.floor(a, branch),
-            Op::Ceil => rule.ceil(a, branch),
-            Op::Round => rule.round(a, branch),
-            Op::Trunc => rule.trunc(a, branch),
+            Op::Ceil => rule.steps(a, branch, |r, x| r.m.floor(x), |r, x| r.m.ceil(x)),
+            Op::Round => rule.steps(a, branch, |r, x| r.m.nearest(x), |r, x| r.m.nearest(x)),
+            Op::Trunc => rule.steps(a, branch, |r, x| r.m.trunc(x), |r, x| r.m.trunc(x)),
             Op::Fract => rule.fract(a, branch),
             Op::Sqr => rule.sqr(a),
             Op::Sqrt => rule.sqrt(a),
@@ -108,9 +108,9 @@ impl<M: Machine> Rule<'_, M> {
             Op::Max => rule.max(a, &operands[1]),
             Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], branch),
             Op::Otherwise => rule.otherwise(a, &operands[1], branch),
-            Op::WhereNonneg => rule.where_nonneg(a, &operands[1]),
-            Op::WherePositive => rule.where_positive(a, &operands[1]),
-            Op::WhereNonzero => rule.where_nonzero(a, &operands[1]),
+            Op::WhereNonneg => rule.where_in(a, &operands[1], Self::nonneg),
+            Op::WherePositive => rule.where_in(a, &operands[1], Self::positive),
+            Op::WhereNonzero => rule.where_in(a, &operands[1], Self::nonzero),
             Op::WhereDefined => rule.with_facts_of(a, &operands[1]),
         }
     }

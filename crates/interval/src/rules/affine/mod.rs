@@ -16,7 +16,7 @@ mod waves;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
 use crate::machine::{Format, Machine};
-use crate::rules::Rule;
+use crate::rules::{Rule, enclose};
 use crate::software::{Software, Vector128};
 use zeroset_ops::Op;
 
@@ -66,6 +66,13 @@ pub struct FormOperand<V, const N: usize> {
     pub exponent: Exponent,
 }
 
+impl<V: Copy, const N: usize> FormOperand<V, N> {
+    /// A form of which nothing else is known.
+    fn new(value: Form<V, N>) -> Self {
+        Self { value, range: Interval::ENTIRE, exponent: Exponent::Real }
+    }
+}
+
 impl<V: Copy, const N: usize> Form<V, N> {
     /// At least the distance of the value from the linear function; `None` if that is 0.
     pub fn error<M: Machine<V = V>>(&self, m: &mut M, format: Format) -> Option<V> {
@@ -105,15 +112,13 @@ impl<V: Copy> Claims<V> {
 impl<V: Copy, const N: usize> Form<V, N> {
     /// A coordinate: defined everywhere, and linear but for `error`, which holds what its centre and slopes were rounded by.
     pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
-        Self {
-            centre,
-            slopes: Some(slopes),
-            error: Some(error),
-            magnitude: None,
-            units: 0.0,
-            bounds: None,
-            facts: Claims::TOTAL,
-        }
+        Self::total(centre, Some(slopes), Some(error))
+    }
+
+    /// A value that is defined and continuous everywhere, of which nothing is known beside the form.
+    fn total(centre: V, slopes: Option<[V; N]>, error: Option<V>) -> Self {
+        let facts = Claims::TOTAL;
+        Self { centre, slopes, error, magnitude: None, units: 0.0, bounds: None, facts }
     }
 
     /// The form of a value that is only known by bounds: a parameter.
@@ -139,13 +144,9 @@ impl<V: Copy, const N: usize> Form<V, N> {
             m.bits(format, bits)
         };
         Self {
-            centre: lift(centre),
-            slopes: None,
-            error: error.map(&mut lift),
             magnitude: Some(lift(magnitude)),
-            units: 0.0,
-            bounds: Some([neg_lo, hi].map(lift)),
-            facts: Claims::TOTAL,
+            bounds: Some([neg_lo, hi].map(&mut lift)),
+            ..Self::total(lift(centre), None, error.map(&mut lift))
         }
     }
 }
@@ -274,9 +275,19 @@ impl<M: Machine> Rule<'_, M> {
         op: Op,
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
-        let operands: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
-        let value = crate::rules::enclose(self.m, self.format, op, &operands);
+        let (_, value) = self.enclosed(op, operands);
         self.form_between(&value)
+    }
+
+    /// The operands' bounds, and those of the operation by its interval rule.
+    fn enclosed<const N: usize>(
+        &mut self,
+        op: Op,
+        operands: &[FormOperand<M::V, N>],
+    ) -> (Vec<Operand<M::V>>, Enclosure<M::V>) {
+        let operands: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
+        let value = enclose(self.m, self.format, op, &operands);
+        (operands, value)
     }
 
     /// The middle of the bounds, and at least half their width: −lo and hi are within centre ± error.
@@ -294,13 +305,9 @@ impl<M: Machine> Rule<'_, M> {
     fn form_between<const N: usize>(&mut self, value: &Enclosure<M::V>) -> Form<M::V, N> {
         let (centre, error) = self.middle(value.neg_lo, value.hi);
         Form {
-            centre,
-            slopes: None,
-            error: Some(error),
-            magnitude: None,
-            units: 0.0,
             bounds: Some([value.neg_lo, value.hi]),
             facts: Claims::of(value),
+            ..Form::total(centre, None, Some(error))
         }
     }
 
