@@ -7,6 +7,7 @@
 //! follow Cody and Waite (Software Manual for the Elementary Functions, 1980).
 
 use crate::machine::{Format, Machine};
+use crate::rules::Rule;
 
 /// Writes approximations for results that end in `target`: `F32` results need shorter series.
 pub(crate) struct Approximator<'a, M> {
@@ -71,13 +72,7 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// c₀ + z(c₁ + z(c₂ + …)).
     pub(super) fn series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
-        let (last, rest) = coefficients.split_last().expect("a series has a term");
-        let mut sum = self.number(*last);
-        for &c in rest.iter().rev() {
-            let c = self.number(c);
-            sum = self.m.mul_add(sum, z, c);
-        }
-        sum
+        Rule { m: self.m, format: F64 }.series(z, coefficients)
     }
 
     /// x − k·c.
@@ -93,6 +88,11 @@ impl<M: Machine> Approximator<'_, M> {
         let biased = self.m.add(k, magic);
         self.m.shift_left(biased, 52)
     }
+}
+
+/// 1 / (first + step·n)! for n = 0…terms − 1.
+pub(super) fn reciprocal_factorials(terms: u32, first: u32, step: u32) -> Vec<f64> {
+    (0..terms).map(|n| 1.0 / (1..=first + step * n).map(f64::from).product::<f64>()).collect()
 }
 
 #[cfg(test)]

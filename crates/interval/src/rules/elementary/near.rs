@@ -212,13 +212,13 @@ impl<M: Machine> Rule<'_, M> {
         let (one, minus_half) = (self.number(1.0), self.number(-0.5));
         let nearly = self.m.mul_add(z, minus_half, one);
         let constants = self.constants();
-        let series = self.near_series(z, constants.cos);
+        let series = self.series(z, constants.cos);
         let fourth = self.m.mul(z, z);
         let moved = self.m.mul(n, s);
         let cos = Estimate { head: nearly, tail: self.m.mul_add(fourth, series, moved) };
         // sin s = s − s·z(1/6 − …); n·(1 − z/2) stands for n·cos s.
         let cube = self.m.mul(s, z);
-        let series = self.near_series(z, constants.sin);
+        let series = self.series(z, constants.sin);
         let moved = self.m.mul(n, nearly);
         [Estimate { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
@@ -245,7 +245,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// c₀ + z(c₁ + z(c₂ + …)).
-    fn near_series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
+    pub(super) fn series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
         let (last, rest) = coefficients.split_last().expect("a series has a term");
         let last = self.number(*last);
         rest.iter().rev().fold(last, |sum, c| {
