@@ -155,6 +155,16 @@ impl<M: Machine> Rule<'_, M> {
         self.m.lt(b, a)
     }
 
+    /// The float nearest to a number.
+    fn nearest(&mut self, number: f64) -> M::V {
+        self.number(self.format.pick(f64::from(number as f32), number))
+    }
+
+    /// The sign bit alone.
+    fn sign_bit(&mut self) -> M::V {
+        self.number(-0.0)
+    }
+
     fn least_positive(&mut self) -> M::V {
         self.m.bits(self.format, 1)
     }

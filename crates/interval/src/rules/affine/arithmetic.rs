@@ -337,7 +337,12 @@ impl<M: Machine> Rule<'_, M> {
             Exponent::Integer(n)
                 if n.unsigned_abs() <= 64 && n != 0 && a.value.slopes.is_some() =>
             {
-                let power = self.form_whole_power(&a.value, n.unsigned_abs());
+                let power = self.by_squaring(
+                    a.value,
+                    n.unsigned_abs(),
+                    |rule, a, b| rule.form_product_varying(&a, &b),
+                    |rule, a| rule.form_square_of(&a),
+                );
                 if n > 0 {
                     power
                 } else {
@@ -351,23 +356,6 @@ impl<M: Machine> Rule<'_, M> {
             }
         };
         self.beside(&form, &value)
-    }
-
-    fn form_whole_power<const N: usize>(&mut self, a: &Form<M::V, N>, n: u32) -> Form<M::V, N> {
-        let (mut result, mut square, mut rest) = (None, *a, n);
-        loop {
-            if rest & 1 == 1 {
-                result = Some(match result {
-                    None => square,
-                    Some(result) => self.form_product_varying(&result, &square),
-                });
-            }
-            rest >>= 1;
-            if rest == 0 {
-                return result.expect("an exponent above 0");
-            }
-            square = self.form_square_of(&square);
-        }
     }
 
     /// exp(b·ln a); where a is not above 0 it is known by bounds alone.

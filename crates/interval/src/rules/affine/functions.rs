@@ -318,14 +318,6 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// The float nearest to a number.
-    fn nearest(&mut self, number: f64) -> M::V {
-        match self.format {
-            crate::Format::F32 => self.number(f64::from(number as f32)),
-            crate::Format::F64 => self.number(number),
-        }
-    }
-
     /// −lo and hi of 1 + x².
     fn one_plus_square(&mut self, x: &Enclosure<M::V>) -> [M::V; 2] {
         let square = self.sqr(&Operand::new(*x, Interval::ENTIRE));

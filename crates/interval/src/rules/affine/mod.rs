@@ -244,10 +244,7 @@ pub fn linearise_twins<M: Machine, const N: usize>(
 impl<M: Machine> Rule<'_, M> {
     /// The unit of rounding: an operation that rounds up, or to nearest, errs by less than this share of its result.
     fn unit(&self) -> f64 {
-        match self.format {
-            Format::F32 => 2f64.powi(-23),
-            Format::F64 => 2f64.powi(-52),
-        }
+        2f64.powi(self.format.pick(-23, -52))
     }
 
     /// The error, and more than a dozen results below the normal numbers can err by together.

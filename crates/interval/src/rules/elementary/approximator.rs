@@ -35,18 +35,23 @@ pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     }
 }
 
-/// Applies `f` to the halves of lo and hi, four lanes of `f32`, one after the other, then `combine`
-/// to what comes of both ends of a half.
-pub(crate) fn at_ends<M: Machine, const MID: usize, const OUT: usize>(
+/// Applies `f` to the halves of lo and hi, four lanes of `f32` each, one after the other, then
+/// `combine` to what comes of both ends of a half.
+pub(crate) fn at_ends<M: Machine, const IN: usize, const MID: usize, const OUT: usize>(
     m: &mut M,
-    [lo, hi]: [M::V; 2],
-    mut f: impl FnMut(&mut Approximator<'_, M>, M::V) -> [M::V; MID],
+    ends: [[M::V; IN]; 2],
+    mut f: impl FnMut(&mut Approximator<'_, M>, [M::V; IN]) -> [M::V; MID],
     mut combine: impl FnMut(&mut Approximator<'_, M>, [M::V; MID], [M::V; MID]) -> [M::V; OUT],
 ) -> [M::V; OUT] {
     let target = Format::F32;
-    let ([l0, l1], [h0, h1]) = (m.widen(lo), m.widen(hi));
-    let values = m.repeat([[l0], [l1], [h0], [h1]], |m, [x]| f(&mut Approximator { m, target }, x));
-    let [l0, l1, h0, h1] = values;
+    let [lo, hi] = ends.map(|end| end.map(|part| m.widen(part)));
+    let rows = [
+        lo.map(|half| half[0]),
+        lo.map(|half| half[1]),
+        hi.map(|half| half[0]),
+        hi.map(|half| half[1]),
+    ];
+    let [l0, l1, h0, h1] = m.repeat(rows, |m, row| f(&mut Approximator { m, target }, row));
     let low = combine(&mut Approximator { m, target }, l0, h0);
     let high = combine(&mut Approximator { m, target }, l1, h1);
     std::array::from_fn(|i| m.narrow([low[i], high[i]]))
@@ -64,10 +69,7 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     pub(super) fn pick<T>(&self, f32: T, f64: T) -> T {
-        match self.target {
-            Format::F32 => f32,
-            Format::F64 => f64,
-        }
+        self.target.pick(f32, f64)
     }
 
     /// c₀ + z(c₁ + z(c₂ + …)).

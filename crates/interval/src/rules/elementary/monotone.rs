@@ -155,10 +155,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(in crate::rules) fn atanh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let below_one = match self.format {
-            Format::F32 => f64::from(1.0_f32.next_down()),
-            Format::F64 => 1.0_f64.next_down(),
-        };
+        let below_one = self.format.pick(f64::from(1_f32.next_down()), 1_f64.next_down());
         let ends = self.limited_ends(a, -below_one, below_one);
         let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.atanh(x));
         let hi = self.infinite_from(a, 1.0, hi);

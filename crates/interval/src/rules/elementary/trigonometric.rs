@@ -60,10 +60,7 @@ impl HalfPi {
     /// Angles up to this magnitude are reduced; beyond it sine and cosine are only known to be in
     /// [−1, 1].
     pub(crate) fn limit(&self, format: Format) -> f64 {
-        match format {
-            Format::F32 => self.limits[0],
-            Format::F64 => self.limits[1],
-        }
+        format.pick(self.limits[0], self.limits[1])
     }
 }
 
