@@ -42,15 +42,14 @@ pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Opt
 
 /// The coefficients of `root` and the axis that they belong to, if it is a polynomial in one variable of degree 2 or more.
 fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polynomial)> {
-    let needed = graph.reachable(&[root]);
-    let count = needed.iter().filter(|needed| **needed).count();
-    if count > NODE_LIMIT {
+    let ids = graph.needed_by(root);
+    if ids.len() > NODE_LIMIT {
         return None;
     }
     let mut axis = None;
     let mut known: HashMap<NodeId, Polynomial> = HashMap::new();
-    for (id, node) in graph.iter().take(root.index() + 1).filter(|(id, _)| needed[id.index()]) {
-        let polynomial = match node {
+    for id in ids {
+        let polynomial = match graph.node(id) {
             Node::Constant(value) => trimmed(vec![value.exact()?.clone()]),
             Node::Parameter(_) => return None,
             Node::Variable(other) => {

@@ -22,10 +22,11 @@ use crate::compact::compact;
 use crate::constant::Constant;
 use crate::error::{IrError, NODE_LIMIT};
 use crate::graph::{Graph, Node, NodeId};
+use crate::rank::{Rank, ranks};
 use form::{Condition, Form, Product, Sum};
 use num_rational::BigRational;
 use num_traits::One;
-use ranges::{Known, Rank};
+use ranges::Known;
 use rustc_hash::FxHashMap;
 use zeroset_interval::{Facts, Interval};
 use zeroset_ops::{Class, Op};
@@ -94,23 +95,19 @@ pub fn rewrite(
         parameters,
     };
     let mut values: Vec<Option<Form>> = vec![None; graph.len()];
-    // Whether an old node holds no coordinate and no parameter, however it simplifies: only then
-    // may an exponent count as a constant.
-    let mut fixed = vec![false; graph.len()];
+    // By old node, however it simplifies: only what is written without coordinates and parameters
+    // may count as a constant exponent.
+    let ranks = ranks(graph);
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
-            Node::Variable(axis) => Form::Node(rewriter.leaf(&Node::Variable(*axis))),
-            Node::Parameter(number) => Form::Node(rewriter.leaf(&Node::Parameter(*number))),
-            Node::Constant(constant) => {
-                fixed[id.index()] = true;
-                match constant.exact() {
-                    Some(number) => Form::Product(Product::number(number.clone())),
-                    None => Form::Node(rewriter.leaf(node)),
-                }
-            }
+            Node::Variable(_) | Node::Parameter(_) => Form::Node(rewriter.leaf(node)),
+            Node::Constant(constant) => match constant.exact() {
+                Some(number) => Form::Product(Product::number(number.clone())),
+                None => Form::Node(rewriter.leaf(node)),
+            },
             Node::Apply(op, operands) => {
-                fixed[id.index()] = operands.iter().all(|operand| fixed[operand.index()]);
-                let fixed_exponent = operands.last().is_some_and(|b| fixed[b.index()]);
+                let is_fixed = |id: &NodeId| ranks[id.index()] == Rank::Constant;
+                let fixed_exponent = operands.last().is_some_and(is_fixed);
                 let operands = operands
                     .iter()
                     .map(|operand| match &values[operand.index()] {

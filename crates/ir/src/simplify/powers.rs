@@ -3,8 +3,9 @@
 use super::Rewriter;
 use super::form::{Condition, Factor, Form, Product};
 use super::numbers;
-use super::ranges::{Known, Rank};
+use super::ranges::Known;
 use crate::graph::NodeId;
+use crate::rank::Rank;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive};
 use zeroset_ops::Op;

@@ -3,8 +3,8 @@
 use super::Rewriter;
 use super::form::{Condition, Factor, Form, Product};
 use super::numbers;
-use super::ranges::Rank;
 use crate::graph::{Node, NodeId};
+use crate::rank::Rank;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op};

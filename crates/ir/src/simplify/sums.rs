@@ -6,8 +6,8 @@
 use super::Rewriter;
 use super::form::{Condition, Product, Sum};
 use super::numbers;
-use super::ranges::Rank;
 use crate::graph::NodeId;
+use crate::rank::Rank;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::Op;
