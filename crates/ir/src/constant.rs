@@ -6,7 +6,7 @@ use num_traits::{One, Signed, ToPrimitive, Zero};
 use zeroset_interval::{Decorated, Exponent, Facts, Interval};
 
 /// Exact numerators and denominators stay below this many bits; larger results become enclosures.
-const EXACT_BITS: u64 = 512;
+pub(crate) const EXACT_BITS: u64 = 512;
 /// Decimal exponents beyond this exceed every float by far and are enclosed at once.
 const EXPONENT_LIMIT: i64 = 2000;
 /// Digits beyond these cannot move either end of an f64 enclosure by more than its last place, but
@@ -81,13 +81,17 @@ impl Constant {
 
     /// A rational number; enclosed if it is too large to be kept exactly.
     pub fn rational(value: BigRational) -> Self {
-        if is_moderate(&value) { Self::Exact(value) } else { Self::enclosed(enclose(&value)) }
+        if bits(&value) <= EXACT_BITS {
+            Self::Exact(value)
+        } else {
+            Self::enclosed(enclose(&value))
+        }
     }
 
     /// Some number within `bounds`; exact if there is only one.
     pub fn enclosed(bounds: Interval) -> Self {
         match bounds.singleton().and_then(BigRational::from_float) {
-            Some(value) if is_moderate(&value) => Self::Exact(value),
+            Some(value) if bits(&value) <= EXACT_BITS => Self::Exact(value),
             Some(_) | None => Self::Enclosed([bounds.lo.to_bits(), bounds.hi.to_bits()]),
         }
     }
@@ -219,8 +223,9 @@ impl Constant {
     }
 }
 
-fn is_moderate(value: &BigRational) -> bool {
-    value.numer().bits().max(value.denom().bits()) <= EXACT_BITS
+/// Bits above or below the line, whichever are more.
+pub(crate) fn bits(value: &BigRational) -> u64 {
+    value.numer().bits().max(value.denom().bits())
 }
 
 /// The tightest `f64` interval around a rational number.

@@ -1,7 +1,7 @@
 //! Polynomials in one variable with exact coefficients.
 
 use crate::algebra::{add, mul};
-use crate::constant::Constant;
+use crate::constant::{Constant, bits};
 use crate::graph::{Axis, Graph, Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Zero};
@@ -131,16 +131,13 @@ fn product(a: &Polynomial, b: &Polynomial, work: &mut u64) -> Option<Polynomial>
 
 /// Takes a product of two numbers, and the common divisor that its sum with another asks for, from `work`.
 fn spend(work: &mut u64, a: &BigRational, b: &BigRational) -> Option<()> {
-    let words = |value: &BigRational| 1 + value.numer().bits().max(value.denom().bits()) / 64;
+    let words = |value: &BigRational| 1 + bits(value) / 64;
     *work = work.checked_sub((words(a) + words(b)).pow(2))?;
     Some(())
 }
 
 fn is_moderate(polynomial: &[BigRational]) -> bool {
-    let small = |value: &BigRational| {
-        value.numer().bits() <= BITS_LIMIT && value.denom().bits() <= BITS_LIMIT
-    };
-    polynomial.iter().all(small)
+    polynomial.iter().all(|value| bits(value) <= BITS_LIMIT)
 }
 
 fn derivative(polynomial: &Polynomial) -> Polynomial {

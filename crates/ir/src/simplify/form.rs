@@ -17,30 +17,10 @@ pub(super) enum Form {
     Product(Product),
 }
 
-/// Where an expression is defined, beyond what its own operations demand.
+/// Where an expression is defined, beyond what its own operations demand: where the node meets the
+/// restriction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Condition {
-    /// Where the node is defined.
-    Defined(NodeId),
-    /// Where the node is not 0.
-    Nonzero(NodeId),
-    /// Where the node is at least 0.
-    Nonneg(NodeId),
-    /// Where the node is above 0.
-    Positive(NodeId),
-}
-
-impl Condition {
-    /// What a restriction by `node` demands.
-    pub(super) fn of(restriction: Restriction, node: NodeId) -> Self {
-        match restriction {
-            Restriction::Defined => Self::Defined(node),
-            Restriction::Nonzero => Self::Nonzero(node),
-            Restriction::Nonneg => Self::Nonneg(node),
-            Restriction::Positive => Self::Positive(node),
-        }
-    }
-}
+pub(super) struct Condition(pub(super) Restriction, pub(super) NodeId);
 
 /// `±(constant + Σ cᵢ·tᵢ)`: the terms are nodes that carry no coefficient of their own.
 #[derive(Clone, Debug, Default)]
@@ -104,6 +84,15 @@ pub(super) struct Factor {
     pub(super) exponent: i64,
     /// Whether the base must not be 0 although the exponent may allow it.
     pub(super) nonzero: bool,
+}
+
+impl Factor {
+    /// Where it is defined.
+    pub(super) fn condition(&self) -> Condition {
+        let nonzero = self.nonzero || self.exponent < 0;
+        let restriction = if nonzero { Restriction::Nonzero } else { Restriction::Defined };
+        Condition(restriction, self.base)
+    }
 }
 
 /// `coefficient · Π baseᵢ^exponentᵢ`.

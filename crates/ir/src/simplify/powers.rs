@@ -1,14 +1,14 @@
 //! Powers: integer exponents join products, halves become square roots.
 
 use super::Rewriter;
-use super::form::{Condition, Factor, Form, Product};
+use super::form::{Condition, Form, Product};
 use super::numbers;
 use super::ranges::Known;
 use crate::graph::NodeId;
 use crate::rank::Rank;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive};
-use zeroset_ops::Op;
+use zeroset_ops::{Op, Restriction};
 
 impl Rewriter<'_> {
     /// `base^n`
@@ -17,7 +17,7 @@ impl Rewriter<'_> {
         if n == 0 {
             let mut conditions = base.conditions;
             for factor in &base.factors {
-                self.require(&mut conditions, condition_of(factor));
+                self.require(&mut conditions, factor.condition());
             }
             return Form::Product(Product { conditions, ..Product::number(BigRational::one()) });
         }
@@ -42,7 +42,7 @@ impl Rewriter<'_> {
             let base = self.product(base);
             if base.as_number().is_some_and(One::is_one) {
                 let mut one = base;
-                self.require(&mut one.conditions, Condition::Defined(exponent));
+                self.require(&mut one.conditions, Condition(Restriction::Defined, exponent));
                 return Form::Product(one);
             }
             let base = self.node_of(Form::Product(base));
@@ -70,8 +70,8 @@ impl Rewriter<'_> {
     /// integer.
     fn real_power(&mut self, power: Form, base: NodeId, positive: bool) -> Form {
         let mut result = self.product(power);
-        let bound = if positive { Condition::Nonneg(base) } else { Condition::Positive(base) };
-        self.require(&mut result.conditions, bound);
+        let bound = if positive { Restriction::Nonneg } else { Restriction::Positive };
+        self.require(&mut result.conditions, Condition(bound, base));
         Form::Product(result)
     }
 
@@ -100,14 +100,5 @@ impl Rewriter<'_> {
         let exponent = self.number(exponent.clone());
         debug_assert_eq!(self.known(exponent).rank, Rank::Constant);
         Form::Node(self.node(Op::Pow, &[base, exponent]))
-    }
-}
-
-/// Where a factor is defined.
-pub(super) fn condition_of(factor: &Factor) -> Condition {
-    if factor.nonzero || factor.exponent < 0 {
-        Condition::Nonzero(factor.base)
-    } else {
-        Condition::Defined(factor.base)
     }
 }

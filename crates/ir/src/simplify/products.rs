@@ -7,7 +7,7 @@ use crate::graph::{Node, NodeId};
 use crate::rank::Rank;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::{Class, Op};
+use zeroset_ops::{Class, Op, Restriction};
 
 /// Shared products of more factors than this are not looked into again.
 const REMEMBERED: usize = 8;
@@ -31,7 +31,7 @@ impl Rewriter<'_> {
             && let Node::Apply(op, operands) = self.graph.node(id)
         {
             let Class::Restriction(restriction) = op.row().class else { break };
-            conditions.push(Condition::of(restriction, operands[1]));
+            conditions.push(Condition(restriction, operands[1]));
             id = operands[0];
         }
         if let Some(number) = self.exact(id) {
@@ -102,19 +102,12 @@ impl Rewriter<'_> {
             if factor.exponent != 0 && !vanished {
                 return true;
             }
-            self.require(
-                conditions,
-                if factor.nonzero || factor.exponent < 0 {
-                    Condition::Nonzero(factor.base)
-                } else {
-                    Condition::Defined(factor.base)
-                },
-            );
+            self.require(conditions, factor.condition());
             false
         });
         for factor in factors.iter_mut().filter(|f| f.nonzero && f.exponent > 0) {
             if !self.known(factor.base).excludes_zero() {
-                conditions.push(Condition::Nonzero(factor.base));
+                conditions.push(Condition(Restriction::Nonzero, factor.base));
             }
             factor.nonzero = false;
         }
@@ -145,7 +138,7 @@ impl Rewriter<'_> {
                     factor.base = u;
                     changed = true;
                 } else if let Some(&[u]) = self.operands(factor.base, Op::Sqrt) {
-                    self.require(&mut p.conditions, Condition::Nonneg(u));
+                    self.require(&mut p.conditions, Condition(Restriction::Nonneg, u));
                     factor.base = self.nonneg_part(u);
                     factor.exponent /= 2;
                     changed = true;
@@ -253,10 +246,7 @@ impl Rewriter<'_> {
         if let Some(below) = below {
             node = Some(self.divide(node, below));
         }
-        let node = match node {
-            Some(node) => node,
-            None => self.number(BigRational::one()),
-        };
+        let node = node.unwrap_or_else(|| self.number(BigRational::one()));
         if unit && p.coefficient.is_negative() { self.node(Op::Neg, &[node]) } else { node }
     }
 
@@ -268,10 +258,7 @@ impl Rewriter<'_> {
     }
 
     fn divide(&mut self, a: Option<NodeId>, b: NodeId) -> NodeId {
-        let above = match a {
-            Some(a) => a,
-            None => self.number(BigRational::one()),
-        };
+        let above = a.unwrap_or_else(|| self.number(BigRational::one()));
         self.node(Op::Div, &[above, b])
     }
 

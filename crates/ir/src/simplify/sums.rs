@@ -6,11 +6,12 @@
 use super::Rewriter;
 use super::form::{Condition, Product, Sum};
 use super::numbers;
+use crate::constant::bits;
 use crate::graph::NodeId;
 use crate::rank::Rank;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::Op;
+use zeroset_ops::{Op, Restriction};
 
 type Terms = Vec<(NodeId, BigRational)>;
 
@@ -79,7 +80,7 @@ impl Rewriter<'_> {
                         }
                         // Too large to add up exactly: the larger multiple becomes a term of its
                         // own.
-                        let larger = if numbers::bits(total) >= numbers::bits(&coefficient) {
+                        let larger = if bits(total) >= bits(&coefficient) {
                             std::mem::replace(total, coefficient)
                         } else {
                             coefficient
@@ -97,7 +98,7 @@ impl Rewriter<'_> {
         }
         terms.retain(|(term, coefficient)| {
             if coefficient.is_zero() {
-                self.require(conditions, Condition::Defined(*term));
+                self.require(conditions, Condition(Restriction::Defined, *term));
             }
             !coefficient.is_zero()
         });
