@@ -152,26 +152,6 @@ impl Constant {
         Some(Self::rational(value(numerator, scale)))
     }
 
-    /// The circle constant π.
-    pub fn pi() -> Self {
-        Self::Named(NamedConstant::Pi)
-    }
-
-    /// The circle constant τ = 2π.
-    pub fn tau() -> Self {
-        Self::Named(NamedConstant::Tau)
-    }
-
-    /// Euler's number e.
-    pub fn e() -> Self {
-        Self::Named(NamedConstant::E)
-    }
-
-    /// The golden ratio φ = (1 + √5)/2.
-    pub fn phi() -> Self {
-        Self::Named(NamedConstant::Phi)
-    }
-
     /// The tightest `f64` bounds of the number.
     pub fn bounds(&self) -> Interval {
         match self {
@@ -285,10 +265,22 @@ mod tests {
         let digits =
             |text: &str| Constant::decimal(text).and_then(|c| c.exact().cloned()).expect("exact");
         for (constant, text) in [
-            (Constant::pi(), "3.14159265358979323846264338327950288419716939937510"),
-            (Constant::tau(), "6.28318530717958647692528676655900576839433879875021"),
-            (Constant::e(), "2.71828182845904523536028747135266249775724709369995"),
-            (Constant::phi(), "1.61803398874989484820458683436563811772030917980576"),
+            (
+                Constant::Named(NamedConstant::Pi),
+                "3.14159265358979323846264338327950288419716939937510",
+            ),
+            (
+                Constant::Named(NamedConstant::Tau),
+                "6.28318530717958647692528676655900576839433879875021",
+            ),
+            (
+                Constant::Named(NamedConstant::E),
+                "2.71828182845904523536028747135266249775724709369995",
+            ),
+            (
+                Constant::Named(NamedConstant::Phi),
+                "1.61803398874989484820458683436563811772030917980576",
+            ),
         ] {
             let bounds = constant.bounds();
             let exact = |x: f64| BigRational::from_float(x).expect("finite");

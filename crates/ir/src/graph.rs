@@ -208,6 +208,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constant::NamedConstant;
 
     #[test]
     fn equal_expressions_are_one_node() {
@@ -227,9 +228,12 @@ mod tests {
         let near = Constant::decimal("1e-400").expect("a decimal");
         let [a, b] = [0, 1].map(|_| graph.constant(near.clone()));
         assert_ne!(a, b);
-        let [pi, again] = [0, 1].map(|_| graph.constant(Constant::pi()));
+        let [pi, again] = [0, 1].map(|_| graph.constant(Constant::Named(NamedConstant::Pi)));
         assert_eq!(pi, again);
-        assert_ne!(pi, graph.constant(Constant::enclosed(Constant::pi().bounds())));
+        assert_ne!(
+            pi,
+            graph.constant(Constant::enclosed(Constant::Named(NamedConstant::Pi).bounds()))
+        );
     }
 
     #[test]

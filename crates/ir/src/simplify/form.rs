@@ -112,13 +112,8 @@ impl Product {
     }
 
     pub(super) fn power(base: NodeId, exponent: i64) -> Self {
-        let factor = Factor { base, exponent, nonzero: false };
-        Self {
-            coefficient: BigRational::one(),
-            factors: vec![factor],
-            conditions: Vec::new(),
-            loose: false,
-        }
+        let factors = vec![Factor { base, exponent, nonzero: false }];
+        Self { factors, ..Self::number(BigRational::one()) }
     }
 
     /// The number that this is, if it has no factors and no conditions.

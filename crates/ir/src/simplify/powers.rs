@@ -35,9 +35,7 @@ impl Rewriter<'_> {
     /// parameters.
     pub(super) fn power(&mut self, base: Form, exponent: Form, fixed: bool) -> Form {
         let exponent = self.product(exponent);
-        let number = exponent.factors.is_empty().then(|| exponent.coefficient.clone());
-        let conditions = exponent.conditions.clone();
-        let Some(number) = number else {
+        if !exponent.factors.is_empty() {
             let exponent = self.node_of(Form::Product(exponent));
             let base = self.product(base);
             if base.as_number().is_some_and(One::is_one) {
@@ -53,7 +51,8 @@ impl Rewriter<'_> {
             }
             // Folding would find an integer only in a range of one number, whose sign is known.
             return self.real_power(power, base, range.hi > 0.0);
-        };
+        }
+        let Product { coefficient: number, conditions, .. } = exponent;
         if fixed && conditions.is_empty() {
             return self.exact_power(base, &number);
         }

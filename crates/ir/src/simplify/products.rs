@@ -5,6 +5,7 @@ use super::form::{Condition, Factor, Form, Product};
 use super::numbers;
 use crate::graph::{Node, NodeId};
 use crate::rank::Rank;
+use num_integer::gcd;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
@@ -39,12 +40,9 @@ impl Rewriter<'_> {
         }
         // A shared product stays one factor, so that it stays shared; a shared power shows its
         // base.
-        match self.products.get(&id) {
-            Some(product) if product.factors.len() == 1 => {
-                Product { conditions, ..product.clone() }
-            }
-            Some(_) | None => Product { conditions, ..Product::power(id, 1) },
-        }
+        let power = self.products.get(&id).filter(|product| product.factors.len() == 1);
+        let power = power.cloned().unwrap_or_else(|| Product::power(id, 1));
+        Product { conditions, ..power }
     }
 
     /// `a · b`
@@ -265,7 +263,7 @@ impl Rewriter<'_> {
     /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight,
     /// and shorter (4 operations of the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
-        let common = powers.iter().fold(0, |gcd, (_, n)| greatest_common_divisor(gcd, *n));
+        let common = powers.iter().fold(0, |common, (_, n)| gcd(common, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));
         if powers.len() > 1 && common > 1 && !shared {
             let reduced: Vec<_> = powers.iter().map(|(base, n)| (*base, n / common)).collect();
@@ -314,11 +312,4 @@ impl Rewriter<'_> {
 fn split_exponent(exponent: u64) -> (u32, u64) {
     let squarings = exponent.trailing_zeros();
     (squarings, exponent >> squarings)
-}
-
-fn greatest_common_divisor(mut a: u64, mut b: u64) -> u64 {
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }

@@ -46,10 +46,7 @@ impl Rewriter<'_> {
         }
         if let ([(term, coefficient)], true) = (&terms[..], constant.is_zero()) {
             let known = self.products.get(term).filter(|p| p.factors.len() == 1);
-            let power = match known {
-                Some(power) => power.clone(),
-                None => Product::power(*term, 1),
-            };
+            let power = known.cloned().unwrap_or_else(|| Product::power(*term, 1));
             if let Some(coefficient) = numbers::moderate(coefficient * &power.coefficient) {
                 return Product { coefficient, conditions, ..power };
             }
@@ -329,11 +326,8 @@ impl Rewriter<'_> {
             return term;
         }
         let known = self.products.get(&term).filter(|p| p.coefficient.is_one());
-        let product = match known {
-            Some(product) => Product { coefficient: c.clone(), ..product.clone() },
-            None => Product { coefficient: c.clone(), ..Product::power(term, 1) },
-        };
-        self.emit_product(&product)
+        let product = known.cloned().unwrap_or_else(|| Product::power(term, 1));
+        self.emit_product(&Product { coefficient: c.clone(), ..product })
     }
 }
 

@@ -35,15 +35,20 @@ pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     }
 }
 
-/// Applies `f` to the halves of lo and hi, four lanes of `f32` each, one after the other, then
-/// `combine` to what comes of both ends of a half.
+/// Applies `f` to lo and hi one after the other, then `combine` to what comes of both; of `f32`
+/// lanes to the `f64` halves of each, joined as by [`by_halves`].
 pub(crate) fn at_ends<M: Machine, const IN: usize, const MID: usize, const OUT: usize>(
     m: &mut M,
+    target: Format,
     ends: [[M::V; IN]; 2],
     mut f: impl FnMut(&mut Approximator<'_, M>, [M::V; IN]) -> [M::V; MID],
     mut combine: impl FnMut(&mut Approximator<'_, M>, [M::V; MID], [M::V; MID]) -> [M::V; OUT],
 ) -> [M::V; OUT] {
-    let target = Format::F32;
+    let f = |m: &mut M, row: [M::V; IN]| f(&mut Approximator { m, target }, row);
+    if target == Format::F64 {
+        let [lo, hi] = m.repeat(ends, f);
+        return combine(&mut Approximator { m, target }, lo, hi);
+    }
     let [lo, hi] = ends.map(|end| end.map(|part| m.widen(part)));
     let rows = [
         lo.map(|half| half[0]),
@@ -51,7 +56,7 @@ pub(crate) fn at_ends<M: Machine, const IN: usize, const MID: usize, const OUT: 
         hi.map(|half| half[0]),
         hi.map(|half| half[1]),
     ];
-    let [l0, l1, h0, h1] = m.repeat(rows, |m, row| f(&mut Approximator { m, target }, row));
+    let [l0, l1, h0, h1] = m.repeat(rows, f);
     let low = combine(&mut Approximator { m, target }, l0, h0);
     let high = combine(&mut Approximator { m, target }, l1, h1);
     std::array::from_fn(|i| m.narrow([low[i], high[i]]))

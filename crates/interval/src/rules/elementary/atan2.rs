@@ -7,7 +7,7 @@
 use super::approximator::{Approximator, at_ends};
 use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Fact, Operand};
-use crate::machine::{Format, Machine};
+use crate::machine::Machine;
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
@@ -87,20 +87,11 @@ impl<M: Machine> Rule<'_, M> {
 
     /// −lo and hi from the corners (y, x) with the least and the greatest angle.
     fn angles(&mut self, least: [M::V; 2], greatest: [M::V; 2]) -> [M::V; 2] {
-        let target = self.format;
         let at = |approx: &mut Approximator<'_, M>, [y, x]: [M::V; 2]| {
             let near = approx.angle(y, x);
             [approx.negated_lower(&near), approx.upper(&near)]
         };
-        let corners = [least, greatest];
-        match target {
-            Format::F64 => {
-                let [[neg_lo, _], [_, hi]] =
-                    self.m.repeat(corners, |m, corner| at(&mut Approximator { m, target }, corner));
-                [neg_lo, hi]
-            }
-            Format::F32 => at_ends(self.m, corners, at, |_, [neg_lo, _], [_, hi]| [neg_lo, hi]),
-        }
+        at_ends(self.m, self.format, [least, greatest], at, |_, [neg_lo, _], [_, hi]| [neg_lo, hi])
     }
 
     /// Lanes where the box meets the cut from both sides.

@@ -113,7 +113,7 @@ impl<M: Machine> Rule<'_, M> {
                     let (near, quarters) = f(approx, x);
                     [near.sum.head, quarters]
                 };
-                at_ends(self.m, ends, head, |approx, [lo, first], [hi, last]| {
+                at_ends(self.m, self.format, ends, head, |approx, [lo, first], [hi, last]| {
                     let values =
                         if rises { [lo, hi] } else { [approx.m.min(lo, hi), approx.m.max(lo, hi)] };
                     let [first, last] = turns(approx.m, first, last, scale);
