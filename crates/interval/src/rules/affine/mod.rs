@@ -14,7 +14,7 @@ mod solve;
 mod waves;
 
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Exponent, Operand};
 use crate::machine::{Format, Machine};
 use crate::rules::{Rule, enclose};
 use crate::software::{Software, Vector128};
@@ -42,17 +42,6 @@ pub struct Form<V, const N: usize> {
     bounds: Option<[V; 2]>,
     /// What is known of the expression's domain.
     pub facts: Claims<V>,
-}
-
-/// The facts of an [`Enclosure`], without its bounds.
-#[derive(Clone, Copy, Debug)]
-pub struct Claims<V> {
-    /// Lanes where the expression is defined nowhere.
-    pub nowhere: Fact<V>,
-    /// Lanes where it is defined throughout.
-    pub defined: Fact<V>,
-    /// Lanes where it is defined and continuous throughout.
-    pub continuous: Fact<V>,
 }
 
 /// An operand of [`linearise`].
@@ -86,30 +75,7 @@ impl<V: Copy, const N: usize> Form<V, N> {
         let bounds = self.bounds.map(|bounds| [0, 1].map(|k| m.held(format, bounds[k], ends[k])));
         Self { bounds, ..self }
     }
-}
 
-impl<V: Copy> Claims<V> {
-    const TOTAL: Self = Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
-
-    fn of(value: &Enclosure<V>) -> Self {
-        Self { nowhere: value.nowhere, defined: value.defined, continuous: value.continuous }
-    }
-
-    fn with(self, bounds: [V; 2]) -> Enclosure<V> {
-        let Self { nowhere, defined, continuous } = self;
-        Enclosure { neg_lo: bounds[0], hi: bounds[1], nowhere, defined, continuous }
-    }
-
-    fn and<M: Machine<V = V>>(self, m: &mut M, other: &Self) -> Self {
-        Self {
-            nowhere: self.nowhere.or(m, other.nowhere),
-            defined: self.defined.and(m, other.defined),
-            continuous: self.continuous.and(m, other.continuous),
-        }
-    }
-}
-
-impl<V: Copy, const N: usize> Form<V, N> {
     /// A coordinate: defined everywhere, and linear but for `error`, which holds what its centre and slopes were rounded by.
     pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
         Self::total(centre, Some(slopes), Some(error))

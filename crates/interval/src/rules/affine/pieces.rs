@@ -2,10 +2,10 @@
 //!
 //! In lanes where it is clear which piece counts, its form is taken; elsewhere a line between the pieces, or bounds.
 
-use super::{Claims, Form, FormOperand};
+use super::{Form, FormOperand};
 use crate::bounds::Interval;
 use crate::branch::Branch;
-use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::Machine;
 use crate::rules::Rule;
 use zeroset_ops::Op;
