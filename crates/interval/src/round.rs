@@ -72,8 +72,11 @@ pub mod f64_up {
     /// `a + b`.
     pub fn add(a: f64, b: f64) -> f64 {
         let sum = a + b;
-        let below_all = sum == f64::NEG_INFINITY && a.is_finite() && b.is_finite();
-        if below_all || super::sum_error(a, b, sum) > 0.0 { sum.next_up() } else { sum }
+        if sum.is_finite() {
+            return if super::sum_error(a, b, sum) > 0.0 { sum.next_up() } else { sum };
+        }
+        // That of finite numbers is finite and so, rounded up, not −∞.
+        if a.is_finite() && b.is_finite() { sum.max(-f64::MAX) } else { sum }
     }
 
     /// `a − b`.
