@@ -6,7 +6,7 @@ use crate::simplified::Simplified;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, Surface, Tape};
 use zeroset_interval::{Facts, Interval};
-use zeroset_ir::{Constant, Graph, NodeId, fix_exponents, radical, rewrite, simplify, uniform};
+use zeroset_ir::{Constant, Graph, NodeId, Rank, fix_exponents, radical, ranks, rewrite, simplify};
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
 pub use crate::simplified::{Cleared, Form, ProgramError};
@@ -184,7 +184,7 @@ impl Program {
         let root = roots[surface];
         let parameters = self.values.to_vec();
         let here = Assumptions { parameters, ..assumptions.clone() };
-        let varies = !uniform(graph)[root.index()] || self.undefined[surface];
+        let varies = ranks(graph)[root.index()] == Rank::Varying || self.undefined[surface];
         (!varies).then(|| enclosure::enclose(graph, root, &here).0)
     }
 

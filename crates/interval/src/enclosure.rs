@@ -21,7 +21,40 @@ pub struct Enclosure<V> {
 impl<V: Copy> Enclosure<V> {
     /// Bounds of an expression that is defined and continuous everywhere.
     pub fn total(neg_lo: V, hi: V) -> Self {
-        Self { neg_lo, hi, nowhere: Fact::False, defined: Fact::True, continuous: Fact::True }
+        Claims::TOTAL.with([neg_lo, hi])
+    }
+}
+
+/// The facts of an [`Enclosure`], without its bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Claims<V> {
+    /// Lanes where the expression is defined nowhere.
+    pub nowhere: Fact<V>,
+    /// Lanes where it is defined throughout.
+    pub defined: Fact<V>,
+    /// Lanes where it is defined and continuous throughout.
+    pub continuous: Fact<V>,
+}
+
+impl<V: Copy> Claims<V> {
+    pub(crate) const TOTAL: Self =
+        Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
+
+    pub(crate) fn of(value: &Enclosure<V>) -> Self {
+        Self { nowhere: value.nowhere, defined: value.defined, continuous: value.continuous }
+    }
+
+    pub(crate) fn with(self, bounds: [V; 2]) -> Enclosure<V> {
+        let Self { nowhere, defined, continuous } = self;
+        Enclosure { neg_lo: bounds[0], hi: bounds[1], nowhere, defined, continuous }
+    }
+
+    pub(crate) fn and<M: Machine<V = V>>(self, m: &mut M, other: &Self) -> Self {
+        Self {
+            nowhere: self.nowhere.or(m, other.nowhere),
+            defined: self.defined.and(m, other.defined),
+            continuous: self.continuous.and(m, other.continuous),
+        }
     }
 }
 

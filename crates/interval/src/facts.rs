@@ -1,7 +1,7 @@
 //! The three facts that accompany every enclosure.
 
 use std::fmt;
-use std::ops::{BitAnd, BitOr};
+use std::ops::BitOr;
 
 /// What is proven of a function over a box, beside its bounds: a set of three bits.
 ///
@@ -21,26 +21,9 @@ impl Facts {
     /// Both [`Facts::DEFINED`] and [`Facts::CONTINUOUS`].
     pub const TOTAL: Self = Self(6);
 
-    /// The set with exactly these bits; others are dropped.
-    pub const fn from_bits(bits: u32) -> Self {
-        Self(bits & 7)
-    }
-
-    /// The bits, as kernels store them.
-    pub const fn bits(self) -> u32 {
-        self.0
-    }
-
     /// Whether every bit of `other` is set here.
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
-    }
-}
-
-impl BitAnd for Facts {
-    type Output = Self;
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
     }
 }
 

@@ -19,13 +19,11 @@ mod unbounded;
 
 pub use bounds::Interval;
 pub use branch::{Branch, Split};
-pub use enclosure::{Enclosure, Exponent, Fact, Operand};
+pub use enclosure::{Claims, Enclosure, Exponent, Fact, Operand};
 pub use facts::Facts;
 pub use fold::{Decorated, fold};
 pub use machine::{Format, Machine, has_fma};
 pub use point::{evaluate, evaluate_twins};
-pub use rules::affine::{
-    Claims, Contraction, Form, FormOperand, contract, linearise, linearise_twins,
-};
+pub use rules::affine::{Contraction, Form, FormOperand, contract, linearise, linearise_twins};
 pub use rules::{enclose, enclose_branch, enclose_twins};
 pub use software::{Software, Vector128};

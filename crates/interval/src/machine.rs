@@ -9,6 +9,16 @@ pub enum Format {
     F64,
 }
 
+impl Format {
+    /// What is meant for this format.
+    pub(crate) fn pick<T>(self, f32: T, f64: T) -> T {
+        match self {
+            Self::F32 => f32,
+            Self::F64 => f64,
+        }
+    }
+}
+
 /// Whether this processor has an instruction for a·b + c that rounds once, and code that is made for it uses that. All machines
 /// do as it does, so that they agree.
 #[must_use]

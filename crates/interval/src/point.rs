@@ -144,10 +144,7 @@ impl<M: Machine> Rule<'_, M> {
 
     fn nan(&mut self) -> M::V {
         // A quiet NaN, by bits: its arithmetic is the same everywhere.
-        let bits = match self.format {
-            Format::F32 => u64::from(f32::NAN.to_bits()),
-            Format::F64 => f64::NAN.to_bits(),
-        };
+        let bits = self.format.pick(u64::from(f32::NAN.to_bits()), f64::NAN.to_bits());
         self.m.bits(self.format, bits)
     }
 
@@ -262,21 +259,13 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     fn integer_power_at(&mut self, a: M::V, n: u32) -> M::V {
-        let (mut result, mut square, mut rest) = (None, a, n);
-        while rest > 0 {
-            if rest & 1 == 1 {
-                result = Some(match result {
-                    None => square,
-                    Some(result) => self.m.mul(result, square),
-                });
-            }
-            rest >>= 1;
-            if rest > 0 {
-                square = self.m.mul(square, square);
-            }
-        }
-        if let Some(power) = result {
-            return power;
+        if n > 0 {
+            return self.by_squaring(
+                a,
+                n,
+                |rule, a, b| rule.m.mul(a, b),
+                |rule, a| rule.m.mul(a, a),
+            );
         }
         let one = self.number(1.0);
         let is_number = self.m.eq(a, a);

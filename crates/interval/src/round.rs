@@ -4,32 +4,17 @@
 //! Nothing here reads or sets the rounding mode of the processor: each function corrects the result
 //! rounded to nearest by the sign of its exact error. NaN and infinities behave as in IEEE 754.
 
-/// The smallest float not below an exact real given as `nearest`, its value rounded to nearest, and
-/// the sign of `exact − nearest` when both are finite.
-macro_rules! correct_up {
-    ($type:ty, $nearest:expr, $finite_operands:expr, $error_is_positive:expr) => {{
-        let nearest: $type = $nearest;
-        if nearest.is_finite() {
-            if $error_is_positive { nearest.next_up() } else { nearest }
-        } else if nearest == <$type>::NEG_INFINITY && $finite_operands {
-            // The exact result is below every float, and the next float up is the lowest finite
-            // one.
-            -<$type>::MAX
-        } else {
-            nearest
-        }
-    }};
-}
-
 /// `f32` results rounded up. Sums, products and remainders of two `f32` are computed in `f64`,
 /// where they are exact but for sums of very different magnitude, which carry their error along.
 pub mod f32_up {
-    /// `value + error`, where `|error|` is at most half a unit in the last place of `value`,
-    /// rounded up to `f32`.
+    /// `value + error`, where `|error|` is at most half a unit in the last place of `value`, or NaN
+    /// where `value` is not finite, rounded up to `f32`. The next float above −∞ is the lowest
+    /// finite one.
     fn demote(value: f64, error: f64) -> f32 {
         let nearest = value as f32;
         let back = f64::from(nearest);
-        correct_up!(f32, nearest, value.is_finite(), back < value || (back == value && error > 0.0))
+        let below = back < value || (back == value && error > 0.0);
+        if below { nearest.next_up() } else { nearest }
     }
 
     /// `value` rounded up.
@@ -65,9 +50,6 @@ pub mod f32_up {
     pub fn div(a: f32, b: f32) -> f32 {
         let (a, b) = (f64::from(a), f64::from(b));
         let quotient = a / b;
-        if !quotient.is_finite() || b.is_infinite() {
-            return quotient as f32;
-        }
         // The remainder a − q·b is representable, so the fused product is exact.
         let remainder = (-quotient).mul_add(b, a);
         demote(quotient, if b > 0.0 { remainder } else { -remainder })
@@ -77,9 +59,6 @@ pub mod f32_up {
     pub fn sqrt(a: f32) -> f32 {
         let a = f64::from(a);
         let root = a.sqrt();
-        if !root.is_finite() {
-            return root as f32;
-        }
         demote(root, (-root).mul_add(root, a))
     }
 }
@@ -93,7 +72,11 @@ pub mod f64_up {
     /// `a + b`.
     pub fn add(a: f64, b: f64) -> f64 {
         let sum = a + b;
-        correct_up!(f64, sum, a.is_finite() && b.is_finite(), super::sum_error(a, b, sum) > 0.0)
+        if sum.is_finite() {
+            return if super::sum_error(a, b, sum) > 0.0 { sum.next_up() } else { sum };
+        }
+        // That of finite numbers is finite and so, rounded up, not −∞.
+        if a.is_finite() && b.is_finite() { sum.max(-f64::MAX) } else { sum }
     }
 
     /// `a − b`.
@@ -217,9 +200,6 @@ pub mod f64_up {
         let clamped = n.clamp(-1200, 1200); // beyond, the result is 0 or infinite in any case
         let half = clamped / 2;
         let nearest = value * power(half) * power(clamped - half);
-        if nearest.is_infinite() {
-            return if nearest > 0.0 { nearest } else { -f64::MAX };
-        }
         let back = nearest * power(-half) * power(half - clamped);
         let below = back < value || (back == value && error > 0.0);
         if below { nearest.next_up() } else { nearest }

@@ -86,11 +86,15 @@ impl Default for Software {
     }
 }
 
-fn unary(a: Vector128, f: impl Fn(f32) -> f32, g: impl Fn(f64) -> f64) -> Vector128 {
+fn each(a: Vector128, f: impl Fn(u32) -> u32, g: impl Fn(u64) -> u64) -> Vector128 {
     match a {
-        Vector128::F32(a) => Vector128::F32(a.map(|a| f(f32::from_bits(a)).to_bits())),
-        Vector128::F64(a) => Vector128::F64(a.map(|a| g(f64::from_bits(a)).to_bits())),
+        Vector128::F32(a) => Vector128::F32(a.map(f)),
+        Vector128::F64(a) => Vector128::F64(a.map(g)),
     }
+}
+
+fn unary(a: Vector128, f: impl Fn(f32) -> f32, g: impl Fn(f64) -> f64) -> Vector128 {
+    each(a, |a| f(f32::from_bits(a)).to_bits(), |a| g(f64::from_bits(a)).to_bits())
 }
 
 fn binary(
@@ -244,10 +248,7 @@ impl Machine for Software {
     }
 
     fn select_signed(&mut self, sign: Vector128, a: Vector128, b: Vector128) -> Vector128 {
-        let mask = match sign {
-            Vector128::F32(lanes) => Vector128::F32(lanes.map(|lane| (lane as i32 >> 31) as u32)),
-            Vector128::F64(lanes) => Vector128::F64(lanes.map(|lane| (lane as i64 >> 63) as u64)),
-        };
+        let mask = each(sign, |a| (a as i32 >> 31) as u32, |a| (a as i64 >> 63) as u64);
         self.select(mask, a, b)
     }
 
@@ -258,16 +259,10 @@ impl Machine for Software {
         integer(a, b, u32::wrapping_sub, u64::wrapping_sub)
     }
     fn shift_left(&mut self, a: Vector128, by: u8) -> Vector128 {
-        match a {
-            Vector128::F32(a) => Vector128::F32(a.map(|a| a << by)),
-            Vector128::F64(a) => Vector128::F64(a.map(|a| a << by)),
-        }
+        each(a, |a| a << by, |a| a << by)
     }
     fn shift_right(&mut self, a: Vector128, by: u8) -> Vector128 {
-        match a {
-            Vector128::F32(a) => Vector128::F32(a.map(|a| a >> by)),
-            Vector128::F64(a) => Vector128::F64(a.map(|a| a >> by)),
-        }
+        each(a, |a| a >> by, |a| a >> by)
     }
 
     fn widen(&mut self, a: Vector128) -> [Vector128; 2] {

@@ -5,8 +5,8 @@
 
 use crate::algebra::{add, div, is_one, is_zero, mul, neg, powi, sub};
 use crate::graph::{Graph, Node, NodeId};
-use crate::hoist::uniform;
-use std::collections::BTreeMap;
+use crate::rank::{Rank, ranks};
+use std::collections::{BTreeMap, BTreeSet};
 use zeroset_ops::{Class, Op};
 
 /// Quotients with more distinct factors below the line stay as they are: each new one costs a
@@ -39,12 +39,13 @@ struct Fraction {
     above: Factors,
     below: Factors,
     /// What has cancelled.
-    excluded: Factors,
+    excluded: BTreeSet<NodeId>,
 }
 
 impl Fraction {
     fn whole(numerator: NodeId) -> Self {
-        Self { numerator, above: Factors::new(), below: Factors::new(), excluded: Factors::new() }
+        let excluded = BTreeSet::new();
+        Self { numerator, above: Factors::new(), below: Factors::new(), excluded }
     }
 
     fn is_whole(&self) -> bool {
@@ -59,7 +60,7 @@ impl Fraction {
             .filter_map(|(base, n)| Some((*base, (*n).min(*self.below.get(base)?))))
             .collect();
         for (base, n) in common {
-            self.excluded.insert(base, 1);
+            self.excluded.insert(base);
             for side in [&mut self.above, &mut self.below] {
                 let exponent = side.remove(&base).unwrap_or(0);
                 if exponent > n {
@@ -67,11 +68,11 @@ impl Fraction {
                 }
             }
         }
-        let sides = [&self.above, &self.below, &self.excluded];
-        let small = sides
-            .iter()
-            .all(|side| side.len() <= FACTOR_LIMIT && side.values().all(|n| *n <= EXPONENT_LIMIT));
-        small.then_some(self)
+        let is_small = |side: &Factors| {
+            side.len() <= FACTOR_LIMIT && side.values().all(|n| *n <= EXPONENT_LIMIT)
+        };
+        let small = is_small(&self.above) && is_small(&self.below);
+        (small && self.excluded.len() <= FACTOR_LIMIT).then_some(self)
     }
 }
 
@@ -103,29 +104,27 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
 /// integer powers. Poles inside other functions stay where they are, and so do divisions by what
 /// depends on no coordinate: those are not poles in space.
 pub fn clear(graph: &mut Graph, root: NodeId) -> Option<Cleared> {
-    let needed = graph.reachable(&[root]);
-    let mut uniform = uniform(graph);
-    uniform.truncate(root.index() + 1);
-    let ids: Vec<NodeId> = graph.iter().map(|(id, _)| id).take(root.index() + 1).collect();
+    let mut ranks = ranks(graph);
+    ranks.truncate(root.index() + 1);
     let mut fractions: Vec<Option<Fraction>> = vec![None; root.index() + 1];
-    for id in ids.into_iter().filter(|id| needed[id.index()]) {
+    for id in graph.needed_by(root) {
         let Node::Apply(op, operands) = graph.node(id).clone() else {
             continue;
         };
-        if uniform[id.index()] {
+        if ranks[id.index()] != Rank::Varying {
             continue;
         }
         let parts: Vec<Fraction> = operands
             .iter()
             .map(|o| fractions[o.index()].clone().unwrap_or_else(|| Fraction::whole(*o)))
             .collect();
-        let fraction = combine(graph, op, &operands, &parts, &uniform);
+        let fraction = combine(graph, op, &operands, &parts, &ranks);
         fractions[id.index()] = fraction.and_then(Fraction::reduced).filter(|f| !f.is_whole());
     }
     let fraction = fractions[root.index()].take()?;
     // What stands above has no zero in the domain; dropped there, it must still count as a pole.
     let mut below = fraction.below;
-    for base in fraction.above.into_keys().chain(fraction.excluded.into_keys()) {
+    for base in fraction.above.into_keys().chain(fraction.excluded) {
         below.entry(base).or_insert(1);
     }
     let one = graph.integer(1);
@@ -138,7 +137,7 @@ fn combine(
     op: Op,
     operands: &[NodeId],
     parts: &[Fraction],
-    uniform: &[bool],
+    ranks: &[Rank],
 ) -> Option<Fraction> {
     let whole = parts.iter().all(Fraction::is_whole);
     let row = op.row();
@@ -149,8 +148,8 @@ fn combine(
         }
         Class::Sum if !whole => Some(sum(graph, op, &parts[0], &parts[1])),
         Class::Product if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
-        Class::Quotient if !whole || !uniform[operands[1].index()] => {
-            let inverse = inverted(graph, &parts[1], uniform)?;
+        Class::Quotient if !whole || ranks[operands[1].index()] == Rank::Varying => {
+            let inverse = inverted(graph, &parts[1], ranks)?;
             Some(multiplied(graph, &parts[0], &inverse))
         }
         Class::Square if !whole => Some(power(graph, &parts[0], 2)),
@@ -163,7 +162,7 @@ fn combine(
             if exponent >= 0 {
                 return Some(power(graph, &parts[0], magnitude));
             }
-            let inverse = inverted(graph, &parts[0], uniform)?;
+            let inverse = inverted(graph, &parts[0], ranks)?;
             Some(power(graph, &inverse, magnitude))
         }
         Class::Function(_) => {
@@ -209,20 +208,17 @@ fn sum(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
     };
     let (left, right) = (over(a), over(b));
     let numerator = if op == Op::Add { add(graph, left, right) } else { sub(graph, left, right) };
-    let mut excluded = a.excluded.clone();
-    let lost = [&a.above, &b.above, &b.excluded];
-    excluded.extend(lost.into_iter().flat_map(|factors| factors.keys().map(|base| (*base, 1))));
+    let mut excluded = &a.excluded | &b.excluded;
+    excluded.extend(a.above.keys().chain(b.above.keys()));
     Fraction { numerator, above: Factors::new(), below, excluded }
 }
 
 fn multiplied(graph: &mut Graph, a: &Fraction, b: &Fraction) -> Fraction {
-    let mut excluded = a.excluded.clone();
-    excluded.extend(b.excluded.keys().map(|base| (*base, 1)));
     Fraction {
         numerator: mul(graph, a.numerator, b.numerator),
         above: times(a.above.clone(), &b.above),
         below: times(a.below.clone(), &b.below),
-        excluded,
+        excluded: &a.excluded | &b.excluded,
     }
 }
 
@@ -240,7 +236,7 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
 }
 
 /// `1/a`; `None` if a is the number 0.
-fn inverted(graph: &mut Graph, a: &Fraction, uniform: &[bool]) -> Option<Fraction> {
+fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Rank]) -> Option<Fraction> {
     // The numerator's own factors go below one by one, so that other denominators can share them.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
@@ -251,8 +247,8 @@ fn inverted(graph: &mut Graph, a: &Fraction, uniform: &[bool]) -> Option<Fractio
         }
         let node = graph.node(id).clone();
         // Nodes beyond the table are new: made of at least one that varies, or exact.
-        let fixed =
-            uniform.get(id.index()).copied().unwrap_or(false) || matches!(node, Node::Constant(_));
+        let fixed = ranks.get(id.index()).is_some_and(|rank| *rank != Rank::Varying)
+            || matches!(node, Node::Constant(_));
         let class = match &node {
             Node::Apply(op, operands) => Some((op.row().class, operands)),
             Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => None,

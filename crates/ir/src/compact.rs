@@ -7,11 +7,23 @@ use crate::graph::{Graph, Node, NodeId};
 /// # Panics
 /// If a root does not belong to `graph`.
 pub fn compact(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
+    replaced(graph, roots, |_, _, _| None)
+}
+
+/// The same, but for what `replacement` puts into the new graph instead of a node.
+pub(crate) fn replaced(
+    graph: &Graph,
+    roots: &[NodeId],
+    mut replacement: impl FnMut(&mut Graph, NodeId, &Node) -> Option<NodeId>,
+) -> (Graph, Vec<NodeId>) {
     let needed = graph.reachable(roots);
     let mut copy = Graph::new();
     let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
-        places[id.index()] = Some(copy_node(&mut copy, node, |operand| place(&places, operand)));
+        places[id.index()] = Some(match replacement(&mut copy, id, node) {
+            Some(other) => other,
+            None => copy_node(&mut copy, node, |operand| place(&places, operand)),
+        });
     }
     let roots = roots.iter().map(|root| place(&places, *root)).collect();
     (copy, roots)

@@ -6,7 +6,7 @@ use num_traits::{One, Signed, ToPrimitive, Zero};
 use zeroset_interval::{Decorated, Exponent, Facts, Interval};
 
 /// Exact numerators and denominators stay below this many bits; larger results become enclosures.
-const EXACT_BITS: u64 = 512;
+pub(crate) const EXACT_BITS: u64 = 512;
 /// Decimal exponents beyond this exceed every float by far and are enclosed at once.
 const EXPONENT_LIMIT: i64 = 2000;
 /// Digits beyond these cannot move either end of an f64 enclosure by more than its last place, but
@@ -81,13 +81,17 @@ impl Constant {
 
     /// A rational number; enclosed if it is too large to be kept exactly.
     pub fn rational(value: BigRational) -> Self {
-        if is_moderate(&value) { Self::Exact(value) } else { Self::enclosed(enclose(&value)) }
+        if bits(&value) <= EXACT_BITS {
+            Self::Exact(value)
+        } else {
+            Self::enclosed(enclose(&value))
+        }
     }
 
     /// Some number within `bounds`; exact if there is only one.
     pub fn enclosed(bounds: Interval) -> Self {
         match bounds.singleton().and_then(BigRational::from_float) {
-            Some(value) if is_moderate(&value) => Self::Exact(value),
+            Some(value) if bits(&value) <= EXACT_BITS => Self::Exact(value),
             Some(_) | None => Self::Enclosed([bounds.lo.to_bits(), bounds.hi.to_bits()]),
         }
     }
@@ -148,26 +152,6 @@ impl Constant {
         Some(Self::rational(value(numerator, scale)))
     }
 
-    /// The circle constant π.
-    pub fn pi() -> Self {
-        Self::Named(NamedConstant::Pi)
-    }
-
-    /// The circle constant τ = 2π.
-    pub fn tau() -> Self {
-        Self::Named(NamedConstant::Tau)
-    }
-
-    /// Euler's number e.
-    pub fn e() -> Self {
-        Self::Named(NamedConstant::E)
-    }
-
-    /// The golden ratio φ = (1 + √5)/2.
-    pub fn phi() -> Self {
-        Self::Named(NamedConstant::Phi)
-    }
-
     /// The tightest `f64` bounds of the number.
     pub fn bounds(&self) -> Interval {
         match self {
@@ -219,8 +203,9 @@ impl Constant {
     }
 }
 
-fn is_moderate(value: &BigRational) -> bool {
-    value.numer().bits().max(value.denom().bits()) <= EXACT_BITS
+/// Bits above or below the line, whichever are more.
+pub(crate) fn bits(value: &BigRational) -> u64 {
+    value.numer().bits().max(value.denom().bits())
 }
 
 /// The tightest `f64` interval around a rational number.
@@ -280,10 +265,22 @@ mod tests {
         let digits =
             |text: &str| Constant::decimal(text).and_then(|c| c.exact().cloned()).expect("exact");
         for (constant, text) in [
-            (Constant::pi(), "3.14159265358979323846264338327950288419716939937510"),
-            (Constant::tau(), "6.28318530717958647692528676655900576839433879875021"),
-            (Constant::e(), "2.71828182845904523536028747135266249775724709369995"),
-            (Constant::phi(), "1.61803398874989484820458683436563811772030917980576"),
+            (
+                Constant::Named(NamedConstant::Pi),
+                "3.14159265358979323846264338327950288419716939937510",
+            ),
+            (
+                Constant::Named(NamedConstant::Tau),
+                "6.28318530717958647692528676655900576839433879875021",
+            ),
+            (
+                Constant::Named(NamedConstant::E),
+                "2.71828182845904523536028747135266249775724709369995",
+            ),
+            (
+                Constant::Named(NamedConstant::Phi),
+                "1.61803398874989484820458683436563811772030917980576",
+            ),
         ] {
             let bounds = constant.bounds();
             let exact = |x: f64| BigRational::from_float(x).expect("finite");

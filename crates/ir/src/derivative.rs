@@ -29,18 +29,11 @@ use zeroset_ops::{Class, Op, TABLE};
 /// assert_eq!(by_x, graph.apply(Op::Cos, &[x]));
 /// ```
 pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
-    let needed = graph.reachable(&[root]);
-    let zero = graph.integer(0);
-    let one = graph.integer(1);
+    let ids = graph.needed_by(root);
+    let (zero, one) = (graph.integer(0), graph.integer(1));
     // Only the nodes up to the root have an entry; those that the rules add are never
     // differentiated here.
     let mut partials = vec![[zero; 3]; root.index() + 1];
-    let ids: Vec<NodeId> = graph
-        .iter()
-        .take(root.index() + 1)
-        .map(|(id, _)| id)
-        .filter(|id| needed[id.index()])
-        .collect();
     for id in ids {
         match graph.node(id).clone() {
             Node::Variable(axis) => partials[id.index()][axis as usize] = one,
@@ -73,6 +66,9 @@ fn chain(graph: &mut Graph, op: Op, operands: &[NodeId], inner: &[NodeId]) -> No
     derivative
 }
 
+/// Makes a node of two.
+type Join = fn(&mut Graph, NodeId, NodeId) -> NodeId;
+
 /// Reads the formula of a row as nodes, and panics where that is none.
 struct Reader<'a> {
     graph: &'a mut Graph,
@@ -89,38 +85,33 @@ impl Reader<'_> {
     }
 
     fn sum(&mut self) -> NodeId {
-        let mut sum = if self.eat("-") {
+        let first = if self.eat("-") {
             let product = self.product();
             neg(self.graph, product)
         } else {
             self.product()
         };
-        loop {
-            if self.eat("+") {
-                let term = self.product();
-                sum = add(self.graph, sum, term);
-            } else if self.eat("-") {
-                let term = self.product();
-                sum = sub(self.graph, sum, term);
-            } else {
-                return sum;
-            }
-        }
+        self.joined(first, Self::product, [("+", add), ("-", sub)])
     }
 
     fn product(&mut self) -> NodeId {
-        let mut product = self.power();
-        loop {
-            if self.eat("*") {
-                let factor = self.power();
-                product = mul(self.graph, product, factor);
-            } else if self.eat("/") {
-                let divisor = self.power();
-                product = div(self.graph, product, divisor);
-            } else {
-                return product;
-            }
+        let first = self.power();
+        self.joined(first, Self::power, [("*", mul), ("/", div)])
+    }
+
+    /// What comes of `first` and all parts that follow it after one of the symbols.
+    fn joined(
+        &mut self,
+        first: NodeId,
+        part: fn(&mut Self) -> NodeId,
+        by: [(&str, Join); 2],
+    ) -> NodeId {
+        let mut whole = first;
+        while let Some((_, join)) = by.iter().find(|(symbol, _)| self.eat(symbol)) {
+            let next = part(self);
+            whole = join(self.graph, whole, next);
         }
+        whole
     }
 
     fn power(&mut self) -> NodeId {

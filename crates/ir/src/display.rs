@@ -169,6 +169,7 @@ fn decimal(value: &BigRational) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constant::NamedConstant;
     use zeroset_ops::Op;
 
     #[test]
@@ -206,7 +207,7 @@ mod tests {
         assert_eq!(text(Constant::ratio(-1, 20).unwrap()), "-0.05");
         assert_eq!(text(Constant::ratio(5, 2).unwrap()), "2.5");
         assert_eq!(text(Constant::ratio(1, 3).unwrap()), "1/3");
-        assert_eq!(text(Constant::pi()), "pi");
+        assert_eq!(text(Constant::Named(NamedConstant::Pi)), "pi");
         let mut g = Graph::new();
         let third = g.constant(Constant::ratio(1, 3).unwrap());
         let x = g.variable(Axis::X);

@@ -4,10 +4,10 @@
 //! not a number like any other: its exact value decides which function is meant. Changing it means
 //! compiling again.
 
-use crate::compact::{copy_node, place};
+use crate::compact::{compact, copy_node, place};
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
-use crate::hoist::uniform;
+use crate::rank::{Rank, ranks};
 use zeroset_ops::Class;
 
 /// The same expressions with each parameter replaced by its value, by number, in exponents that
@@ -17,14 +17,15 @@ use zeroset_ops::Class;
 /// # Panics
 /// If a root does not belong to `graph`, or such a parameter has no value.
 pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (Graph, Vec<NodeId>) {
-    let uniform = uniform(graph);
+    let ranks = ranks(graph);
+    let is_uniform = |id: NodeId| ranks[id.index()] != Rank::Varying;
     let exponents: Vec<NodeId> = graph
         .iter()
         .filter_map(|(_, node)| match node {
             Node::Apply(op, operands) if op.row().class == Class::Power => Some(operands[1]),
             Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
         })
-        .filter(|exponent| uniform[exponent.index()])
+        .filter(|exponent| is_uniform(*exponent))
         .collect();
     let in_exponent = graph.reachable(&exponents);
     let mut fixed = Graph::new();
@@ -34,7 +35,7 @@ pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (G
     for (id, node) in graph.iter() {
         let place_of = match node {
             Node::Apply(op, operands)
-                if op.row().class == Class::Power && uniform[operands[1].index()] =>
+                if op.row().class == Class::Power && is_uniform(operands[1]) =>
             {
                 let base = place(&places, operands[0]);
                 let exponent = place(&replaced, operands[1]);
@@ -53,7 +54,7 @@ pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (G
         }));
     }
     let roots: Vec<NodeId> = roots.iter().map(|root| place(&places, *root)).collect();
-    crate::compact::compact(&fixed, &roots)
+    compact(&fixed, &roots)
 }
 
 #[cfg(test)]

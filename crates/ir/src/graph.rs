@@ -52,6 +52,14 @@ pub struct Operands {
     len: u8,
 }
 
+impl Operands {
+    fn new(operands: &[NodeId]) -> Self {
+        let mut ids = [operands[0]; 3];
+        ids[..operands.len()].copy_from_slice(operands);
+        Self { ids, len: operands.len() as u8 }
+    }
+}
+
 impl std::ops::Deref for Operands {
     type Target = [NodeId];
     fn deref(&self) -> &[NodeId] {
@@ -153,17 +161,12 @@ impl Graph {
     pub fn apply(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
         assert_eq!(operands.len(), op.arity(), "{op:?}");
         assert!(operands.iter().all(|id| id.index() < self.nodes.len()), "unknown operand");
-        let mut ids = [operands[0]; 3];
-        ids[..operands.len()].copy_from_slice(operands);
-        self.intern(Node::Apply(op, Operands { ids, len: operands.len() as u8 }))
+        self.intern(Node::Apply(op, Operands::new(operands)))
     }
 
     /// Where `op` applied to `operands` stands already.
     pub(crate) fn find(&self, op: Op, operands: &[NodeId]) -> Option<NodeId> {
-        let mut ids = [operands[0]; 3];
-        ids[..operands.len()].copy_from_slice(operands);
-        let len = operands.len() as u8;
-        self.index.get(&Node::Apply(op, Operands { ids, len })).copied()
+        self.index.get(&Node::Apply(op, Operands::new(operands))).copied()
     }
 
     fn intern(&mut self, node: Node) -> NodeId {
@@ -179,6 +182,12 @@ impl Graph {
         let id = NodeId(u32::try_from(self.nodes.len()).expect("fewer than 2^32 nodes"));
         self.nodes.push(node);
         id
+    }
+
+    /// The nodes that `root` needs, operands before users.
+    pub(crate) fn needed_by(&self, root: NodeId) -> Vec<NodeId> {
+        let needed = self.reachable(&[root]);
+        self.iter().map(|(id, _)| id).filter(|id| needed[id.index()]).collect()
     }
 
     /// Whether each node is needed by one of `roots`, by index.
@@ -199,6 +208,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constant::NamedConstant;
 
     #[test]
     fn equal_expressions_are_one_node() {
@@ -218,9 +228,12 @@ mod tests {
         let near = Constant::decimal("1e-400").expect("a decimal");
         let [a, b] = [0, 1].map(|_| graph.constant(near.clone()));
         assert_ne!(a, b);
-        let [pi, again] = [0, 1].map(|_| graph.constant(Constant::pi()));
+        let [pi, again] = [0, 1].map(|_| graph.constant(Constant::Named(NamedConstant::Pi)));
         assert_eq!(pi, again);
-        assert_ne!(pi, graph.constant(Constant::enclosed(Constant::pi().bounds())));
+        assert_ne!(
+            pi,
+            graph.constant(Constant::enclosed(Constant::Named(NamedConstant::Pi).bounds()))
+        );
     }
 
     #[test]

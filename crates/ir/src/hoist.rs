@@ -2,8 +2,9 @@
 //!
 //! This pass only finds and replaces them; who evaluates them, and how exactly, is not known here.
 
-use crate::compact::{compact, copy_node, place};
+use crate::compact::{compact, replaced};
 use crate::graph::{Graph, Node, NodeId};
+use crate::rank::{Rank, ranks};
 
 /// A graph in which expressions of parameters alone have become parameters.
 #[derive(Clone, Debug)]
@@ -15,19 +16,6 @@ pub struct Hoisted {
     /// Each fresh parameter's number, counting up, and the node of the original graph whose value
     /// it takes. That value may be undefined; then everything that uses it is.
     pub uniforms: Vec<(u32, NodeId)>,
-}
-
-/// Whether each node, by index, depends on no coordinate.
-pub fn uniform(graph: &Graph) -> Vec<bool> {
-    let mut uniform: Vec<bool> = Vec::with_capacity(graph.len());
-    for (_, node) in graph.iter() {
-        uniform.push(match node {
-            Node::Variable(_) => false,
-            Node::Parameter(_) | Node::Constant(_) => true,
-            Node::Apply(_, operands) => operands.iter().all(|id| uniform[id.index()]),
-        });
-    }
-    uniform
 }
 
 /// Replaces each maximal expression that depends on parameters but on no coordinate by a fresh
@@ -50,45 +38,35 @@ pub fn uniform(graph: &Graph) -> Vec<bool> {
 /// ```
 pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
     let needed = graph.reachable(roots);
-    let uniform = uniform(graph);
+    let ranks = ranks(graph);
     let mut fresh = first;
-    let mut parametric: Vec<bool> = Vec::with_capacity(graph.len());
     let mut wanted = vec![false; graph.len()];
     for root in roots {
         wanted[root.index()] = true;
     }
     for (id, node) in graph.iter() {
-        parametric.push(match node {
-            Node::Variable(_) | Node::Constant(_) => false,
-            Node::Parameter(number) => {
-                fresh = fresh.max(number.saturating_add(1));
-                true
+        match node {
+            Node::Parameter(number) => fresh = fresh.max(number.saturating_add(1)),
+            // A maximal expression is one that a node with coordinates uses.
+            Node::Apply(_, operands)
+                if needed[id.index()] && ranks[id.index()] == Rank::Varying =>
+            {
+                operands.iter().for_each(|id| wanted[id.index()] = true);
             }
-            Node::Apply(_, operands) => operands.iter().any(|id| parametric[id.index()]),
-        });
-        // A maximal expression is one that a node with coordinates uses.
-        if let (true, false, Node::Apply(_, operands)) =
-            (needed[id.index()], uniform[id.index()], node)
-        {
-            operands.iter().for_each(|id| wanted[id.index()] = true);
+            Node::Variable(_) | Node::Constant(_) | Node::Apply(..) => {}
         }
     }
-    let mut copy = Graph::new();
-    let mut places = vec![None; graph.len()];
     let mut uniforms = Vec::new();
-    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
-        let index = id.index();
-        let is_hoisted =
-            matches!(node, Node::Apply(..)) && uniform[index] && parametric[index] && wanted[index];
-        places[index] = Some(if is_hoisted {
+    let (copy, roots) = replaced(graph, roots, |copy, id, node| {
+        let is_hoisted = matches!(node, Node::Apply(..))
+            && ranks[id.index()] == Rank::Uniform
+            && wanted[id.index()];
+        is_hoisted.then(|| {
             let number = fresh + uniforms.len() as u32;
             uniforms.push((number, id));
             copy.parameter(number)
-        } else {
-            copy_node(&mut copy, node, |operand| place(&places, operand))
-        });
-    }
-    let roots: Vec<NodeId> = roots.iter().map(|root| place(&places, *root)).collect();
+        })
+    });
     let (graph, roots) = compact(&copy, &roots);
     Hoisted { graph, roots, uniforms }
 }

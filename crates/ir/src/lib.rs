@@ -14,6 +14,7 @@ mod exponents;
 mod graph;
 mod hoist;
 mod radical;
+mod rank;
 mod simplify;
 mod univariate;
 
@@ -28,6 +29,7 @@ pub use display::{TEXT_LIMIT, display};
 pub use error::{IrError, NODE_LIMIT};
 pub use exponents::fix_exponents;
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
-pub use hoist::{Hoisted, hoist, uniform};
+pub use hoist::{Hoisted, hoist};
 pub use radical::radical;
+pub use rank::{Rank, ranks};
 pub use simplify::{rewrite, simplify};

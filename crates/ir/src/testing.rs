@@ -1,6 +1,6 @@
 //! For tests: formulas by operators, a point evaluator in `f64`, and random graphs.
 
-use crate::{Axis, Constant, Graph, Node, NodeId};
+use crate::{Axis, Constant, Graph, NamedConstant, Node, NodeId};
 use std::cell::RefCell;
 use zeroset_ops::{Op, TABLE};
 
@@ -338,7 +338,7 @@ impl Random {
         }
         nodes.push(graph.constant(Constant::ratio(1, 2).expect("not zero")));
         nodes.push(graph.constant(Constant::ratio(-3, 2).expect("not zero")));
-        nodes.push(graph.constant(Constant::pi()));
+        nodes.push(graph.constant(Constant::Named(NamedConstant::Pi)));
         let leaves = nodes.len();
         for _ in 0..size {
             // Sums, products and powers are drawn more often: most rules are about them.

@@ -1,7 +1,7 @@
 //! Polynomials in one variable with exact coefficients.
 
 use crate::algebra::{add, mul};
-use crate::constant::Constant;
+use crate::constant::{Constant, bits};
 use crate::graph::{Axis, Graph, Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Zero};
@@ -42,15 +42,14 @@ pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Opt
 
 /// The coefficients of `root` and the axis that they belong to, if it is a polynomial in one variable of degree 2 or more.
 fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polynomial)> {
-    let needed = graph.reachable(&[root]);
-    let count = needed.iter().filter(|needed| **needed).count();
-    if count > NODE_LIMIT {
+    let ids = graph.needed_by(root);
+    if ids.len() > NODE_LIMIT {
         return None;
     }
     let mut axis = None;
     let mut known: HashMap<NodeId, Polynomial> = HashMap::new();
-    for (id, node) in graph.iter().take(root.index() + 1).filter(|(id, _)| needed[id.index()]) {
-        let polynomial = match node {
+    for id in ids {
+        let polynomial = match graph.node(id) {
             Node::Constant(value) => trimmed(vec![value.exact()?.clone()]),
             Node::Parameter(_) => return None,
             Node::Variable(other) => {
@@ -88,10 +87,11 @@ fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polyno
 
 fn power(base: &Polynomial, exponent: &Constant, work: &mut u64) -> Option<Polynomial> {
     let exponent = usize::try_from(exponent.as_integer()?).ok()?;
-    let within =
-        exponent * base.len().saturating_sub(1) <= DEGREE_LIMIT && exponent <= DEGREE_LIMIT;
+    if exponent > DEGREE_LIMIT {
+        return None; // a power of 0 costs nothing, and is never too large
+    }
     let one = vec![BigRational::one()];
-    (0..exponent).try_fold(one, |power, _| product(&power, base, work)).filter(|_| within)
+    (0..exponent).try_fold(one, |power, _| product(&power, base, work))
 }
 
 fn trimmed(mut polynomial: Polynomial) -> Polynomial {
@@ -132,16 +132,13 @@ fn product(a: &Polynomial, b: &Polynomial, work: &mut u64) -> Option<Polynomial>
 
 /// Takes a product of two numbers, and the common divisor that its sum with another asks for, from `work`.
 fn spend(work: &mut u64, a: &BigRational, b: &BigRational) -> Option<()> {
-    let words = |value: &BigRational| 1 + value.numer().bits().max(value.denom().bits()) / 64;
+    let words = |value: &BigRational| 1 + bits(value) / 64;
     *work = work.checked_sub((words(a) + words(b)).pow(2))?;
     Some(())
 }
 
 fn is_moderate(polynomial: &[BigRational]) -> bool {
-    let small = |value: &BigRational| {
-        value.numer().bits() <= BITS_LIMIT && value.denom().bits() <= BITS_LIMIT
-    };
-    polynomial.iter().all(small)
+    polynomial.iter().all(|value| bits(value) <= BITS_LIMIT)
 }
 
 fn derivative(polynomial: &Polynomial) -> Polynomial {
@@ -224,6 +221,16 @@ mod tests {
         assert!(squarefree(&mut graph, root, &mut { WORK_LIMIT }).is_some());
         let mut work = 100;
         assert!(squarefree(&mut graph, root, &mut work).is_none() && work < 100);
+    }
+
+    #[test]
+    fn a_huge_power_of_nothing_is_not_multiplied_out() {
+        let mut graph = Graph::new();
+        let (x, huge) = (graph.variable(Axis::X), graph.integer(4_000_000_000_000_000_001));
+        let nothing = graph.apply(Op::Sub, &[x, x]);
+        let power = graph.apply(Op::Pow, &[nothing, huge]);
+        let root = graph.apply(Op::Add, &[x, power]);
+        assert!(squarefree(&mut graph, root, &mut { WORK_LIMIT }).is_none());
     }
 
     #[test]

@@ -37,17 +37,18 @@ pub enum Class {
     FunctionOfTwo,
 }
 
-/// Where a restriction lets its first operand through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Where a restriction lets its first operand through. Of several, those that stand first here are
+/// the innermost when a formula is rewritten.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Restriction {
+    /// Wherever the other is defined.
+    Defined,
+    /// Where the other is ≠ 0.
+    Nonzero,
     /// Where the other is ≥ 0.
     Nonneg,
     /// Where the other is > 0.
     Positive,
-    /// Where the other is ≠ 0.
-    Nonzero,
-    /// Wherever the other is defined.
-    Defined,
 }
 
 /// The law that a function of one operand simplifies by, besides its parity and its exact values.

@@ -245,6 +245,7 @@ fn decimal(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_ir::NamedConstant;
     use zeroset_ops::Op;
 
     #[test]
@@ -294,7 +295,7 @@ mod tests {
         let p = graph.parameter(0);
         let q = graph.parameter(1);
         let half = graph.constant(Constant::ratio(-1, 2).expect("a ratio"));
-        let pi = graph.constant(Constant::pi());
+        let pi = graph.constant(Constant::Named(NamedConstant::Pi));
         let power = graph.apply(Op::Pow, &[pi, half]);
         let root = graph.apply(Op::WhereNonneg, &[p, power]);
         let root = graph.apply(Op::Min, &[root, q]);

@@ -3,7 +3,7 @@
 use super::Rule;
 use crate::bounds::Interval;
 use crate::branch::Branch;
-use crate::enclosure::{Enclosure, Fact, Operand, Sign};
+use crate::enclosure::{Claims, Enclosure, Fact, Operand, Sign};
 use crate::machine::Machine;
 
 impl<M: Machine> Rule<'_, M> {
@@ -16,14 +16,7 @@ impl<M: Machine> Rule<'_, M> {
         a: &Operand<M::V>,
         b: &Operand<M::V>,
     ) -> Enclosure<M::V> {
-        let (a, b) = (&a.value, &b.value);
-        Enclosure {
-            neg_lo,
-            hi,
-            nowhere: a.nowhere.or(self.m, b.nowhere),
-            defined: a.defined.and(self.m, b.defined),
-            continuous: a.continuous.and(self.m, b.continuous),
-        }
+        Claims::of(&a.value).and(self.m, &Claims::of(&b.value)).with([neg_lo, hi])
     }
 
     /// An enclosure with the facts of one more operation: the lanes where it is defined at no

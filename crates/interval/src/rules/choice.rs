@@ -109,28 +109,15 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { continuous: a.value.continuous.and(self.m, b.value.defined), ..value }
     }
 
-    pub(super) fn where_nonneg(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
-        let (nowhere, throughout) = self.nonneg(b);
-        let value = self.with_facts_of(a, b);
-        self.restrict(value, nowhere, throughout)
-    }
-
-    pub(super) fn where_positive(
+    /// `a`, defined only where `b` lies in a domain: `domain` gives the lanes where it does nowhere in
+    /// the box, and those where it does throughout.
+    pub(super) fn where_in(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
+        domain: impl FnOnce(&mut Self, &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>),
     ) -> Enclosure<M::V> {
-        let (nowhere, throughout) = self.positive(b);
-        let value = self.with_facts_of(a, b);
-        self.restrict(value, nowhere, throughout)
-    }
-
-    pub(super) fn where_nonzero(
-        &mut self,
-        a: &Operand<M::V>,
-        b: &Operand<M::V>,
-    ) -> Enclosure<M::V> {
-        let (nowhere, throughout) = self.nonzero(b);
+        let (nowhere, throughout) = domain(self, b);
         let value = self.with_facts_of(a, b);
         self.restrict(value, nowhere, throughout)
     }

@@ -69,15 +69,15 @@ impl<M: Machine> Rule<'_, M> {
         match op {
             Op::Neg => a.negated().value,
             Op::Abs => rule.abs(a),
-            Op::Sign => rule.sign(a, branch),
+            Op::Sign => rule.steps(a, branch, Self::sign_of, Self::sign_of),
             Op::Floor => rule.floor(a, branch),
-            Op::Ceil => rule.ceil(a, branch),
-            Op::Round => rule.round(a, branch),
-            Op::Trunc => rule.trunc(a, branch),
+            Op::Ceil => rule.steps(a, branch, |r, x| r.m.floor(x), |r, x| r.m.ceil(x)),
+            Op::Round => rule.steps(a, branch, |r, x| r.m.nearest(x), |r, x| r.m.nearest(x)),
+            Op::Trunc => rule.steps(a, branch, |r, x| r.m.trunc(x), |r, x| r.m.trunc(x)),
             Op::Fract => rule.fract(a, branch),
             Op::Sqr => rule.sqr(a),
             Op::Sqrt => rule.sqrt(a),
-            Op::Cbrt => rule.cbrt(a),
+            Op::Cbrt => rule.increasing_unbounded(a, |approx, x| approx.cbrt(x)),
             Op::Exp => rule.exp(a),
             Op::Ln => rule.logarithm(a, Base::E),
             Op::Log2 => rule.logarithm(a, Base::Two),
@@ -87,11 +87,11 @@ impl<M: Machine> Rule<'_, M> {
             Op::Tan => rule.tan(a),
             Op::Asin => rule.asin(a),
             Op::Acos => rule.acos(a),
-            Op::Atan => rule.atan(a),
-            Op::Sinh => rule.sinh(a),
+            Op::Atan => rule.increasing(a, |approx, x| approx.atan(x)),
+            Op::Sinh => rule.increasing(a, |approx, x| approx.sinh(x)),
             Op::Cosh => rule.cosh(a),
             Op::Tanh => rule.tanh(a),
-            Op::Asinh => rule.asinh(a),
+            Op::Asinh => rule.increasing_unbounded(a, |approx, x| approx.asinh(x)),
             Op::Acosh => rule.acosh(a),
             Op::Atanh => rule.atanh(a),
             Op::Add => rule.add(a, &operands[1]),
@@ -108,9 +108,9 @@ impl<M: Machine> Rule<'_, M> {
             Op::Max => rule.max(a, &operands[1]),
             Op::SelectNegative => rule.select_negative(a, &operands[1], &operands[2], branch),
             Op::Otherwise => rule.otherwise(a, &operands[1], branch),
-            Op::WhereNonneg => rule.where_nonneg(a, &operands[1]),
-            Op::WherePositive => rule.where_positive(a, &operands[1]),
-            Op::WhereNonzero => rule.where_nonzero(a, &operands[1]),
+            Op::WhereNonneg => rule.where_in(a, &operands[1], Self::nonneg),
+            Op::WherePositive => rule.where_in(a, &operands[1], Self::positive),
+            Op::WhereNonzero => rule.where_in(a, &operands[1], Self::nonzero),
             Op::WhereDefined => rule.with_facts_of(a, &operands[1]),
         }
     }
@@ -153,6 +153,16 @@ impl<M: Machine> Rule<'_, M> {
     /// The mask a > b.
     pub(crate) fn gt(&mut self, a: M::V, b: M::V) -> M::V {
         self.m.lt(b, a)
+    }
+
+    /// The float nearest to a number.
+    fn nearest(&mut self, number: f64) -> M::V {
+        self.number(self.format.pick(f64::from(number as f32), number))
+    }
+
+    /// The sign bit alone.
+    fn sign_bit(&mut self) -> M::V {
+        self.number(-0.0)
     }
 
     fn least_positive(&mut self) -> M::V {

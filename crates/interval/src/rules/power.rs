@@ -130,23 +130,35 @@ impl<M: Machine> Rule<'_, M> {
     /// (−lo, hi) of the n-th power, n ≥ 1, of a nonnegative pair, by squaring. Lower ends stay
     /// finite and upper ends of powers of one number are all 0 or all not, so no product is 0·∞.
     fn power_nonneg(&mut self, neg_lo: M::V, hi: M::V, n: u32) -> (M::V, M::V) {
-        let mut result: Option<(M::V, M::V)> = None;
-        let mut square = (neg_lo, hi);
-        let mut rest = n;
+        let times = |rule: &mut Self, (neg_lo, hi), other: (M::V, M::V)| {
+            let low = rule.m.neg(other.0);
+            (rule.m.mul(neg_lo, low), rule.m.mul(hi, other.1))
+        };
+        self.by_squaring((neg_lo, hi), n, times, |rule, (neg_lo, hi)| {
+            rule.square_nonneg(neg_lo, hi)
+        })
+    }
+
+    /// The n-th power, n ≥ 1, of whatever can be multiplied.
+    pub(crate) fn by_squaring<T: Copy>(
+        &mut self,
+        base: T,
+        n: u32,
+        times: impl Fn(&mut Self, T, T) -> T,
+        squared: impl Fn(&mut Self, T) -> T,
+    ) -> T {
+        let (mut result, mut square, mut rest) = (None, base, n);
         loop {
             if rest & 1 == 1 {
                 result = Some(match result {
                     None => square,
-                    Some((neg_lo, hi)) => {
-                        let low = self.m.neg(square.0);
-                        (self.m.mul(neg_lo, low), self.m.mul(hi, square.1))
-                    }
+                    Some(result) => times(self, result, square),
                 });
             }
             rest >>= 1;
             match result {
                 Some(result) if rest == 0 => return result,
-                _ => square = self.square_nonneg(square.0, square.1),
+                _ => square = squared(self, square),
             }
         }
     }

@@ -7,15 +7,17 @@ use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::Machine;
 
 impl<M: Machine> Rule<'_, M> {
-    /// Bounds of an integer-valued function over a branch, continuous where it takes one
-    /// value there.
-    fn steps(
+    /// Bounds of an integer-valued function f over a branch, continuous where it takes one value
+    /// there. `opposite` is −f(−x), by which −lo becomes that of the bounds.
+    pub(super) fn steps(
         &mut self,
         a: &Operand<M::V>,
-        neg_lo: M::V,
-        hi: M::V,
         branch: Branch,
+        opposite: impl FnOnce(&mut Self, M::V) -> M::V,
+        f: impl FnOnce(&mut Self, M::V) -> M::V,
     ) -> Enclosure<M::V> {
+        let neg_lo = opposite(self, a.value.neg_lo);
+        let hi = f(self, a.value.hi);
         let (neg_lo, hi) = self.branch_of_steps(neg_lo, hi, branch);
         // lo = hi, as −(−lo) = hi; ∞ − ∞ is NaN and claims nothing.
         let lo = self.m.neg(neg_lo);
@@ -60,33 +62,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(super) fn floor(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
-        let neg_lo = self.m.ceil(a.value.neg_lo);
-        let hi = self.m.floor(a.value.hi);
-        self.steps(a, neg_lo, hi, branch)
-    }
-
-    pub(super) fn ceil(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
-        let neg_lo = self.m.floor(a.value.neg_lo);
-        let hi = self.m.ceil(a.value.hi);
-        self.steps(a, neg_lo, hi, branch)
-    }
-
-    pub(super) fn round(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
-        let neg_lo = self.m.nearest(a.value.neg_lo);
-        let hi = self.m.nearest(a.value.hi);
-        self.steps(a, neg_lo, hi, branch)
-    }
-
-    pub(super) fn trunc(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
-        let neg_lo = self.m.trunc(a.value.neg_lo);
-        let hi = self.m.trunc(a.value.hi);
-        self.steps(a, neg_lo, hi, branch)
-    }
-
-    pub(super) fn sign(&mut self, a: &Operand<M::V>, branch: Branch) -> Enclosure<M::V> {
-        let neg_lo = self.sign_of(a.value.neg_lo);
-        let hi = self.sign_of(a.value.hi);
-        self.steps(a, neg_lo, hi, branch)
+        self.steps(a, branch, |rule, x| rule.m.ceil(x), |rule, x| rule.m.floor(x))
     }
 
     /// −1, 0 or 1.

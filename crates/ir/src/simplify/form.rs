@@ -17,30 +17,10 @@ pub(super) enum Form {
     Product(Product),
 }
 
-/// Where an expression is defined, beyond what its own operations demand.
+/// Where an expression is defined, beyond what its own operations demand: where the node meets the
+/// restriction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Condition {
-    /// Where the node is defined.
-    Defined(NodeId),
-    /// Where the node is not 0.
-    Nonzero(NodeId),
-    /// Where the node is at least 0.
-    Nonneg(NodeId),
-    /// Where the node is above 0.
-    Positive(NodeId),
-}
-
-impl Condition {
-    /// What a restriction by `node` demands.
-    pub(super) fn of(restriction: Restriction, node: NodeId) -> Self {
-        match restriction {
-            Restriction::Defined => Self::Defined(node),
-            Restriction::Nonzero => Self::Nonzero(node),
-            Restriction::Nonneg => Self::Nonneg(node),
-            Restriction::Positive => Self::Positive(node),
-        }
-    }
-}
+pub(super) struct Condition(pub(super) Restriction, pub(super) NodeId);
 
 /// `±(constant + Σ cᵢ·tᵢ)`: the terms are nodes that carry no coefficient of their own.
 #[derive(Clone, Debug, Default)]
@@ -106,6 +86,15 @@ pub(super) struct Factor {
     pub(super) nonzero: bool,
 }
 
+impl Factor {
+    /// Where it is defined.
+    pub(super) fn condition(&self) -> Condition {
+        let nonzero = self.nonzero || self.exponent < 0;
+        let restriction = if nonzero { Restriction::Nonzero } else { Restriction::Defined };
+        Condition(restriction, self.base)
+    }
+}
+
 /// `coefficient · Π baseᵢ^exponentᵢ`.
 #[derive(Clone, Debug)]
 pub(super) struct Product {
@@ -123,13 +112,8 @@ impl Product {
     }
 
     pub(super) fn power(base: NodeId, exponent: i64) -> Self {
-        let factor = Factor { base, exponent, nonzero: false };
-        Self {
-            coefficient: BigRational::one(),
-            factors: vec![factor],
-            conditions: Vec::new(),
-            loose: false,
-        }
+        let factors = vec![Factor { base, exponent, nonzero: false }];
+        Self { factors, ..Self::number(BigRational::one()) }
     }
 
     /// The number that this is, if it has no factors and no conditions.

@@ -12,9 +12,11 @@ use zeroset_ops::{Class, Domain, Law, Op, Parity, Restriction};
 impl Rewriter<'_> {
     /// A function of one operand.
     pub(super) fn function(&mut self, op: Op, operand: Form) -> Form {
+        let Class::Function(law) = op.row().class else { unreachable!("{op:?} is no function") };
         let mut operand = self.product(operand);
         let conditions = std::mem::take(&mut operand.conditions);
-        if let Some(value) = operand.as_number().and_then(|number| numbers::function(op, number)) {
+        let number = operand.as_number().and_then(|number| numbers::function(op, law, number));
+        if let Some(value) = number {
             return Form::Product(Product { conditions, ..Product::number(value) });
         }
         let mut outer = BigRational::one();
@@ -28,7 +30,7 @@ impl Rewriter<'_> {
                 Parity::Neither => {}
             }
         }
-        if let Class::Function(law @ (Law::Magnitude | Law::Sign)) = op.row().class {
+        if let Law::Magnitude | Law::Sign = law {
             // The size of the coefficient moves out of abs and does not matter to sign.
             let size = std::mem::replace(&mut operand.coefficient, BigRational::one());
             if law == Law::Magnitude {
@@ -36,7 +38,7 @@ impl Rewriter<'_> {
             }
         }
         let argument = self.emit_product(&operand);
-        let mut result = self.function_of(op, argument);
+        let mut result = self.function_of(op, law, argument);
         result.conditions.extend(conditions);
         if let Some(coefficient) = numbers::moderate(&result.coefficient * &outer) {
             result.coefficient = coefficient;
@@ -47,10 +49,7 @@ impl Rewriter<'_> {
         }
     }
 
-    fn function_of(&mut self, op: Op, a: NodeId) -> Product {
-        let Class::Function(law) = op.row().class else {
-            return Product::power(self.node(op, &[a]), 1);
-        };
+    fn function_of(&mut self, op: Op, law: Law, a: NodeId) -> Product {
         let known = *self.known(a);
         match law {
             Law::Magnitude if known.range.lo >= 0.0 => return self.product_of_node(a),
@@ -62,7 +61,7 @@ impl Rewriter<'_> {
             Law::Sign if known.excludes_zero() => {
                 let one = BigRational::one();
                 let mut result = Product::number(if known.range.lo > 0.0 { one } else { -one });
-                self.require(&mut result.conditions, Condition::Defined(a));
+                self.require(&mut result.conditions, Condition(Restriction::Defined, a));
                 return result;
             }
             Law::SquareRoot => {
@@ -100,7 +99,7 @@ impl Rewriter<'_> {
             Domain::Positive => {
                 let part = self.nonneg_part(u);
                 let mut result = self.product_of_node(part);
-                self.require(&mut result.conditions, Condition::Positive(u));
+                self.require(&mut result.conditions, Condition(Restriction::Positive, u));
                 Some(result)
             }
             Domain::Nonneg
@@ -163,17 +162,15 @@ impl Rewriter<'_> {
         if below || high.hi <= low.lo {
             let (chosen, other) = if below == smallest { (a, b) } else { (b, a) };
             let mut result = self.product_of_node(chosen);
-            self.require(&mut result.conditions, Condition::Defined(other));
+            self.require(&mut result.conditions, Condition(Restriction::Defined, other));
             return Form::Product(result);
         }
         Form::Node(self.node(op, &[a, b]))
     }
 
     /// `select_negative(a, b, c)`: branches stay apart, with their own conditions.
-    pub(super) fn choice(&mut self, mut operands: Vec<Form>) -> Form {
-        let third = operands.remove(2);
-        let second = operands.remove(1);
-        let mut condition = self.product(operands.remove(0));
+    pub(super) fn choice(&mut self, first: Form, second: Form, third: Form) -> Form {
+        let mut condition = self.product(first);
         let sign = condition.coefficient.signum();
         let conditions = std::mem::take(&mut condition.conditions);
         condition.coefficient = sign;
@@ -191,7 +188,7 @@ impl Rewriter<'_> {
         };
         let mut result = self.product_of_node(chosen);
         result.conditions.extend(conditions);
-        self.require(&mut result.conditions, Condition::Defined(a));
+        self.require(&mut result.conditions, Condition(Restriction::Defined, a));
         Form::Product(result)
     }
 
@@ -213,15 +210,16 @@ impl Rewriter<'_> {
     pub(super) fn restriction(
         &mut self,
         restriction: Restriction,
-        mut operands: Vec<Form>,
+        first: Form,
+        second: Form,
     ) -> Form {
-        let mut other = self.product(operands.remove(1));
-        let mut result = self.product(operands.remove(0));
+        let mut other = self.product(second);
+        let mut result = self.product(first);
         result.conditions.append(&mut other.conditions);
         // Only the sign of a coefficient matters to any condition.
         other.coefficient = other.coefficient.signum();
         let node = self.emit_product(&other);
-        self.require(&mut result.conditions, Condition::of(restriction, node));
+        self.require(&mut result.conditions, Condition(restriction, node));
         Form::Product(result)
     }
 }

@@ -22,13 +22,14 @@ use crate::compact::compact;
 use crate::constant::Constant;
 use crate::error::{IrError, NODE_LIMIT};
 use crate::graph::{Graph, Node, NodeId};
+use crate::rank::{Rank, ranks};
 use form::{Condition, Form, Product, Sum};
 use num_rational::BigRational;
 use num_traits::One;
-use ranges::{Known, Rank};
+use ranges::Known;
 use rustc_hash::FxHashMap;
 use zeroset_interval::{Facts, Interval};
-use zeroset_ops::{Class, Op};
+use zeroset_ops::{Class, Op, Restriction};
 
 /// A graph that holds only what `roots` need, with the same values and the same domains of
 /// definition at every real point of `domain`, whatever values the parameters take within
@@ -94,23 +95,19 @@ pub fn rewrite(
         parameters,
     };
     let mut values: Vec<Option<Form>> = vec![None; graph.len()];
-    // Whether an old node holds no coordinate and no parameter, however it simplifies: only then
-    // may an exponent count as a constant.
-    let mut fixed = vec![false; graph.len()];
+    // By old node, however it simplifies: only what is written without coordinates and parameters
+    // may count as a constant exponent.
+    let ranks = ranks(graph);
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
-            Node::Variable(axis) => Form::Node(rewriter.leaf(&Node::Variable(*axis))),
-            Node::Parameter(number) => Form::Node(rewriter.leaf(&Node::Parameter(*number))),
-            Node::Constant(constant) => {
-                fixed[id.index()] = true;
-                match constant.exact() {
-                    Some(number) => Form::Product(Product::number(number.clone())),
-                    None => Form::Node(rewriter.leaf(node)),
-                }
-            }
+            Node::Variable(_) | Node::Parameter(_) => Form::Node(rewriter.leaf(node)),
+            Node::Constant(constant) => match constant.exact() {
+                Some(number) => Form::Product(Product::number(number.clone())),
+                None => Form::Node(rewriter.leaf(node)),
+            },
             Node::Apply(op, operands) => {
-                fixed[id.index()] = operands.iter().all(|operand| fixed[operand.index()]);
-                let fixed_exponent = operands.last().is_some_and(|b| fixed[b.index()]);
+                let is_fixed = |id: &NodeId| ranks[id.index()] == Rank::Constant;
+                let fixed_exponent = operands.last().is_some_and(is_fixed);
                 let operands = operands
                     .iter()
                     .map(|operand| match &values[operand.index()] {
@@ -252,16 +249,14 @@ impl Rewriter<'_> {
     fn restrict(&mut self, mut node: NodeId, mut conditions: Vec<Condition>) -> NodeId {
         conditions.sort_unstable();
         conditions.dedup();
-        for condition in conditions {
-            let (op, other) = match condition {
-                Condition::Defined(other) => (Op::WhereDefined, other),
-                Condition::Nonzero(other) => (Op::WhereNonzero, other),
-                Condition::Nonneg(other) => (Op::WhereNonneg, other),
-                Condition::Positive(other) => (Op::WherePositive, other),
+        for Condition(restriction, other) in conditions {
+            let op = match restriction {
+                Restriction::Defined if other == node => continue,
+                Restriction::Defined => Op::WhereDefined,
+                Restriction::Nonzero => Op::WhereNonzero,
+                Restriction::Nonneg => Op::WhereNonneg,
+                Restriction::Positive => Op::WherePositive,
             };
-            if other == node && op == Op::WhereDefined {
-                continue;
-            }
             node = self.node(op, &[node, other]);
         }
         node
@@ -269,22 +264,26 @@ impl Rewriter<'_> {
 
     /// Adds `condition` unless it holds on the whole domain.
     fn require(&self, conditions: &mut Vec<Condition>, condition: Condition) {
-        let (other, holds) = match condition {
-            Condition::Defined(other) => (other, true),
-            Condition::Nonzero(other) => (other, self.known(other).excludes_zero()),
-            Condition::Nonneg(other) => (other, self.known(other).range.lo >= 0.0),
-            Condition::Positive(other) => (other, self.known(other).range.lo > 0.0),
+        let Condition(restriction, other) = condition;
+        let known = self.known(other);
+        let holds = match restriction {
+            Restriction::Defined => true,
+            Restriction::Nonzero => known.excludes_zero(),
+            Restriction::Nonneg => known.range.lo >= 0.0,
+            Restriction::Positive => known.range.lo > 0.0,
         };
         if !holds {
             conditions.push(condition);
-        } else if !self.known(other).defined() {
-            conditions.push(Condition::Defined(other));
+        } else if !known.defined() {
+            conditions.push(Condition(Restriction::Defined, other));
         }
     }
 
-    fn apply(&mut self, op: Op, mut operands: Vec<Form>, fixed_exponent: bool) -> Form {
+    fn apply(&mut self, op: Op, operands: Vec<Form>, fixed_exponent: bool) -> Form {
+        let mut operands = operands.into_iter();
+        let mut next = || operands.next().expect("as many operands as its arity");
         match op.row().class {
-            Class::Negation => match operands.remove(0) {
+            Class::Negation => match next() {
                 Form::Sum(mut sum) => {
                     sum.negate();
                     Form::Sum(sum)
@@ -296,62 +295,29 @@ impl Rewriter<'_> {
                 }
             },
             Class::Sum => {
-                let second = operands.remove(1);
-                let first = operands.remove(0);
-                let first = self.sum(first);
-                let mut second = self.sum(second);
+                let (first, mut second) = (self.sum(next()), self.sum(next()));
                 if op == Op::Sub {
                     second.negate();
                 }
                 Form::Sum(first.plus(second))
             }
             Class::Product => {
-                let second = operands.remove(1);
-                let first = operands.remove(0);
-                let first = self.loose_product(first);
-                let second = self.loose_product(second);
+                let (first, second) = (self.loose_product(next()), self.loose_product(next()));
                 Form::Product(self.times(first, second))
             }
-            Class::Quotient => {
-                let second = operands.remove(1);
-                let first = operands.remove(0);
-                self.quotient(first, second)
-            }
-            Class::Square => {
-                let base = operands.remove(0);
-                self.integer_power(base, 2)
-            }
-            Class::Power => {
-                let exponent = operands.remove(1);
-                let base = operands.remove(0);
-                self.power(base, exponent, fixed_exponent)
-            }
-            Class::Function(_) => {
-                let operand = operands.remove(0);
-                self.function(op, operand)
-            }
-            Class::Remainder => {
-                let second = operands.remove(1);
-                let first = operands.remove(0);
-                self.modulo(first, second)
-            }
+            Class::Quotient => self.quotient(next(), next()),
+            Class::Square => self.integer_power(next(), 2),
+            Class::Power => self.power(next(), next(), fixed_exponent),
+            Class::Function(_) => self.function(op, next()),
+            Class::Remainder => self.modulo(next(), next()),
             Class::FunctionOfTwo => {
-                let operands: Vec<NodeId> =
-                    operands.into_iter().map(|value| self.node_of(value)).collect();
+                let operands = [self.node_of(next()), self.node_of(next())];
                 Form::Node(self.node(op, &operands))
             }
-            Class::Extremum => {
-                let second = operands.remove(1);
-                let first = operands.remove(0);
-                self.extremum(op, first, second)
-            }
-            Class::Choice => self.choice(operands),
-            Class::Fallback => {
-                let second = operands.remove(1);
-                let first = operands.remove(0);
-                self.fallback(first, second)
-            }
-            Class::Restriction(restriction) => self.restriction(restriction, operands),
+            Class::Extremum => self.extremum(op, next(), next()),
+            Class::Choice => self.choice(next(), next(), next()),
+            Class::Fallback => self.fallback(next(), next()),
+            Class::Restriction(restriction) => self.restriction(restriction, next(), next()),
         }
     }
 

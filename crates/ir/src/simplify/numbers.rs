@@ -1,21 +1,14 @@
 //! Exact arithmetic on rational numbers, as far as results stay of moderate size.
 
+use crate::constant::{EXACT_BITS, bits};
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::{Class, Law, Op, Rounding};
-
-/// Exact results have at most this many bits above and below the line.
-const BITS: u64 = 512;
+use zeroset_ops::{Law, Op, Rounding};
 
 /// `value`, unless it is too large to go on with.
 pub(super) fn moderate(value: BigRational) -> Option<BigRational> {
-    (bits(&value) <= BITS).then_some(value)
-}
-
-/// Bits above or below the line, whichever are more.
-pub(super) fn bits(value: &BigRational) -> u64 {
-    value.numer().bits().max(value.denom().bits())
+    (bits(&value) <= EXACT_BITS).then_some(value)
 }
 
 /// `value^exponent`, where that exists and is of moderate size.
@@ -29,7 +22,7 @@ pub(super) fn power(value: &BigRational, exponent: i64) -> Option<BigRational> {
     let size = bits(value);
     let magnitude = exponent.unsigned_abs();
     // A power of ±1 has one bit; anything else grows with the exponent.
-    if magnitude.saturating_mul(size.max(2) - 1) > BITS && size > 1 {
+    if magnitude.saturating_mul(size.max(2) - 1) > EXACT_BITS && size > 1 {
         return None;
     }
     let magnitude = if size > 1 { magnitude } else { magnitude % 2 };
@@ -50,35 +43,22 @@ pub(super) fn root(value: &BigRational, degree: u32) -> Option<BigRational> {
 }
 
 /// The value of a function of one exact number, where that is a rational number.
-pub(super) fn function(op: Op, a: &BigRational) -> Option<BigRational> {
-    let row = op.row();
-    match row.class {
-        Class::Negation => Some(-a),
-        Class::Square => moderate(a * a),
-        Class::Function(Law::Magnitude) => Some(a.abs()),
-        Class::Function(Law::Sign) => Some(a.signum()),
-        Class::Function(Law::Rounding(Rounding::Down)) => Some(a.floor()),
-        Class::Function(Law::Rounding(Rounding::Up)) => Some(a.ceil()),
-        Class::Function(Law::Rounding(Rounding::Nearest)) => Some(round_half_even(a)),
-        Class::Function(Law::Rounding(Rounding::TowardZero)) => Some(a.trunc()),
-        Class::Function(Law::Fraction) => Some(a - a.floor()),
-        Class::Function(Law::SquareRoot) => root(a, 2),
-        Class::Function(Law::CubeRoot) => root(a, 3),
-        Class::Function(Law::Plain | Law::Undoes(_)) => {
+pub(super) fn function(op: Op, law: Law, a: &BigRational) -> Option<BigRational> {
+    match law {
+        Law::Magnitude => Some(a.abs()),
+        Law::Sign => Some(a.signum()),
+        Law::Rounding(Rounding::Down) => Some(a.floor()),
+        Law::Rounding(Rounding::Up) => Some(a.ceil()),
+        Law::Rounding(Rounding::Nearest) => Some(round_half_even(a)),
+        Law::Rounding(Rounding::TowardZero) => Some(a.trunc()),
+        Law::Fraction => Some(a - a.floor()),
+        Law::SquareRoot => root(a, 2),
+        Law::CubeRoot => root(a, 3),
+        Law::Plain | Law::Undoes(_) => {
             let integer = |n: i32| BigRational::from_integer(n.into());
-            let known = row.values.iter().find(|(argument, _)| integer(*argument) == *a);
+            let known = op.row().values.iter().find(|(argument, _)| integer(*argument) == *a);
             known.map(|(_, value)| integer(*value))
         }
-        Class::Sum
-        | Class::Product
-        | Class::Quotient
-        | Class::Power
-        | Class::Remainder
-        | Class::FunctionOfTwo
-        | Class::Extremum
-        | Class::Choice
-        | Class::Fallback
-        | Class::Restriction(_) => None,
     }
 }
 

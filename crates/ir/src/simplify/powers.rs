@@ -1,13 +1,14 @@
 //! Powers: integer exponents join products, halves become square roots.
 
 use super::Rewriter;
-use super::form::{Condition, Factor, Form, Product};
+use super::form::{Condition, Form, Product};
 use super::numbers;
-use super::ranges::{Known, Rank};
+use super::ranges::Known;
 use crate::graph::NodeId;
+use crate::rank::Rank;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive};
-use zeroset_ops::Op;
+use zeroset_ops::{Op, Restriction};
 
 impl Rewriter<'_> {
     /// `base^n`
@@ -16,7 +17,7 @@ impl Rewriter<'_> {
         if n == 0 {
             let mut conditions = base.conditions;
             for factor in &base.factors {
-                self.require(&mut conditions, condition_of(factor));
+                self.require(&mut conditions, factor.condition());
             }
             return Form::Product(Product { conditions, ..Product::number(BigRational::one()) });
         }
@@ -34,14 +35,12 @@ impl Rewriter<'_> {
     /// parameters.
     pub(super) fn power(&mut self, base: Form, exponent: Form, fixed: bool) -> Form {
         let exponent = self.product(exponent);
-        let number = exponent.factors.is_empty().then(|| exponent.coefficient.clone());
-        let conditions = exponent.conditions.clone();
-        let Some(number) = number else {
+        if !exponent.factors.is_empty() {
             let exponent = self.node_of(Form::Product(exponent));
             let base = self.product(base);
             if base.as_number().is_some_and(One::is_one) {
                 let mut one = base;
-                self.require(&mut one.conditions, Condition::Defined(exponent));
+                self.require(&mut one.conditions, Condition(Restriction::Defined, exponent));
                 return Form::Product(one);
             }
             let base = self.node_of(Form::Product(base));
@@ -52,7 +51,8 @@ impl Rewriter<'_> {
             }
             // Folding would find an integer only in a range of one number, whose sign is known.
             return self.real_power(power, base, range.hi > 0.0);
-        };
+        }
+        let Product { coefficient: number, conditions, .. } = exponent;
         if fixed && conditions.is_empty() {
             return self.exact_power(base, &number);
         }
@@ -69,8 +69,8 @@ impl Rewriter<'_> {
     /// integer.
     fn real_power(&mut self, power: Form, base: NodeId, positive: bool) -> Form {
         let mut result = self.product(power);
-        let bound = if positive { Condition::Nonneg(base) } else { Condition::Positive(base) };
-        self.require(&mut result.conditions, bound);
+        let bound = if positive { Restriction::Nonneg } else { Restriction::Positive };
+        self.require(&mut result.conditions, Condition(bound, base));
         Form::Product(result)
     }
 
@@ -99,14 +99,5 @@ impl Rewriter<'_> {
         let exponent = self.number(exponent.clone());
         debug_assert_eq!(self.known(exponent).rank, Rank::Constant);
         Form::Node(self.node(Op::Pow, &[base, exponent]))
-    }
-}
-
-/// Where a factor is defined.
-pub(super) fn condition_of(factor: &Factor) -> Condition {
-    if factor.nonzero || factor.exponent < 0 {
-        Condition::Nonzero(factor.base)
-    } else {
-        Condition::Defined(factor.base)
     }
 }

@@ -3,11 +3,12 @@
 use super::Rewriter;
 use super::form::{Condition, Factor, Form, Product};
 use super::numbers;
-use super::ranges::Rank;
 use crate::graph::{Node, NodeId};
+use crate::rank::Rank;
+use num_integer::gcd;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::{Class, Op};
+use zeroset_ops::{Class, Op, Restriction};
 
 /// Shared products of more factors than this are not looked into again.
 const REMEMBERED: usize = 8;
@@ -31,7 +32,7 @@ impl Rewriter<'_> {
             && let Node::Apply(op, operands) = self.graph.node(id)
         {
             let Class::Restriction(restriction) = op.row().class else { break };
-            conditions.push(Condition::of(restriction, operands[1]));
+            conditions.push(Condition(restriction, operands[1]));
             id = operands[0];
         }
         if let Some(number) = self.exact(id) {
@@ -39,12 +40,9 @@ impl Rewriter<'_> {
         }
         // A shared product stays one factor, so that it stays shared; a shared power shows its
         // base.
-        match self.products.get(&id) {
-            Some(product) if product.factors.len() == 1 => {
-                Product { conditions, ..product.clone() }
-            }
-            Some(_) | None => Product { conditions, ..Product::power(id, 1) },
-        }
+        let power = self.products.get(&id).filter(|product| product.factors.len() == 1);
+        let power = power.cloned().unwrap_or_else(|| Product::power(id, 1));
+        Product { conditions, ..power }
     }
 
     /// `a · b`
@@ -102,19 +100,12 @@ impl Rewriter<'_> {
             if factor.exponent != 0 && !vanished {
                 return true;
             }
-            self.require(
-                conditions,
-                if factor.nonzero || factor.exponent < 0 {
-                    Condition::Nonzero(factor.base)
-                } else {
-                    Condition::Defined(factor.base)
-                },
-            );
+            self.require(conditions, factor.condition());
             false
         });
         for factor in factors.iter_mut().filter(|f| f.nonzero && f.exponent > 0) {
             if !self.known(factor.base).excludes_zero() {
-                conditions.push(Condition::Nonzero(factor.base));
+                conditions.push(Condition(Restriction::Nonzero, factor.base));
             }
             factor.nonzero = false;
         }
@@ -145,7 +136,7 @@ impl Rewriter<'_> {
                     factor.base = u;
                     changed = true;
                 } else if let Some(&[u]) = self.operands(factor.base, Op::Sqrt) {
-                    self.require(&mut p.conditions, Condition::Nonneg(u));
+                    self.require(&mut p.conditions, Condition(Restriction::Nonneg, u));
                     factor.base = self.nonneg_part(u);
                     factor.exponent /= 2;
                     changed = true;
@@ -253,10 +244,7 @@ impl Rewriter<'_> {
         if let Some(below) = below {
             node = Some(self.divide(node, below));
         }
-        let node = match node {
-            Some(node) => node,
-            None => self.number(BigRational::one()),
-        };
+        let node = node.unwrap_or_else(|| self.number(BigRational::one()));
         if unit && p.coefficient.is_negative() { self.node(Op::Neg, &[node]) } else { node }
     }
 
@@ -268,17 +256,14 @@ impl Rewriter<'_> {
     }
 
     fn divide(&mut self, a: Option<NodeId>, b: NodeId) -> NodeId {
-        let above = match a {
-            Some(a) => a,
-            None => self.number(BigRational::one()),
-        };
+        let above = a.unwrap_or_else(|| self.number(BigRational::one()));
         self.node(Op::Div, &[above, b])
     }
 
     /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight,
     /// and shorter (4 operations of the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
-        let common = powers.iter().fold(0, |gcd, (_, n)| greatest_common_divisor(gcd, *n));
+        let common = powers.iter().fold(0, |common, (_, n)| gcd(common, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));
         if powers.len() > 1 && common > 1 && !shared {
             let reduced: Vec<_> = powers.iter().map(|(base, n)| (*base, n / common)).collect();
@@ -327,11 +312,4 @@ impl Rewriter<'_> {
 fn split_exponent(exponent: u64) -> (u32, u64) {
     let squarings = exponent.trailing_zeros();
     (squarings, exponent >> squarings)
-}
-
-fn greatest_common_divisor(mut a: u64, mut b: u64) -> u64 {
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }

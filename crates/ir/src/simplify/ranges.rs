@@ -1,17 +1,7 @@
 //! What is known of a node of the new graph: its range over the domain, and what it depends on.
 
+use crate::rank::Rank;
 use zeroset_interval::{Facts, Interval};
-
-/// What an expression varies with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Rank {
-    /// Nothing.
-    Constant,
-    /// Parameters only.
-    Uniform,
-    /// Coordinates.
-    Varying,
-}
 
 /// What is known of a node.
 #[derive(Clone, Copy, Debug)]

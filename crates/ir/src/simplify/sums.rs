@@ -6,11 +6,12 @@
 use super::Rewriter;
 use super::form::{Condition, Product, Sum};
 use super::numbers;
-use super::ranges::Rank;
+use crate::constant::bits;
 use crate::graph::NodeId;
+use crate::rank::Rank;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use zeroset_ops::Op;
+use zeroset_ops::{Op, Restriction};
 
 type Terms = Vec<(NodeId, BigRational)>;
 
@@ -45,10 +46,7 @@ impl Rewriter<'_> {
         }
         if let ([(term, coefficient)], true) = (&terms[..], constant.is_zero()) {
             let known = self.products.get(term).filter(|p| p.factors.len() == 1);
-            let power = match known {
-                Some(power) => power.clone(),
-                None => Product::power(*term, 1),
-            };
+            let power = known.cloned().unwrap_or_else(|| Product::power(*term, 1));
             if let Some(coefficient) = numbers::moderate(coefficient * &power.coefficient) {
                 return Product { coefficient, conditions, ..power };
             }
@@ -79,7 +77,7 @@ impl Rewriter<'_> {
                         }
                         // Too large to add up exactly: the larger multiple becomes a term of its
                         // own.
-                        let larger = if numbers::bits(total) >= numbers::bits(&coefficient) {
+                        let larger = if bits(total) >= bits(&coefficient) {
                             std::mem::replace(total, coefficient)
                         } else {
                             coefficient
@@ -97,7 +95,7 @@ impl Rewriter<'_> {
         }
         terms.retain(|(term, coefficient)| {
             if coefficient.is_zero() {
-                self.require(conditions, Condition::Defined(*term));
+                self.require(conditions, Condition(Restriction::Defined, *term));
             }
             !coefficient.is_zero()
         });
@@ -328,11 +326,8 @@ impl Rewriter<'_> {
             return term;
         }
         let known = self.products.get(&term).filter(|p| p.coefficient.is_one());
-        let product = match known {
-            Some(product) => Product { coefficient: c.clone(), ..product.clone() },
-            None => Product { coefficient: c.clone(), ..Product::power(term, 1) },
-        };
-        self.emit_product(&product)
+        let product = known.cloned().unwrap_or_else(|| Product::power(term, 1));
+        self.emit_product(&Product { coefficient: c.clone(), ..product })
     }
 }
 

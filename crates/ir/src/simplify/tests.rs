@@ -1,6 +1,7 @@
 //! Each rule on its own, and all of them on random graphs.
 
 use super::*;
+use crate::constant::NamedConstant;
 use crate::display;
 use crate::testing::{Random, Sheet, Term, evaluate};
 use zeroset_ops::{Continuity, Law, Parity, TABLE};
@@ -143,7 +144,8 @@ fn numbers_known_by_bounds_only_never_cancel() {
         assert_eq!(like(op).matches('[').count(), 2, "{}", like(op));
     }
     assert_eq!(
-        simple(|s, [x, _, _]| s.constant(Constant::pi()) * x - x * s.constant(Constant::pi())),
+        simple(|s, [x, _, _]| s.constant(Constant::Named(NamedConstant::Pi)) * x
+            - x * s.constant(Constant::Named(NamedConstant::Pi))),
         "0"
     );
 }

@@ -3,7 +3,7 @@
 use super::Rng;
 use super::values::{Adversarial, Ends, below, from_exponents};
 use zeroset_interval::Interval;
-use zeroset_ir::{Axis, Constant, Graph, NodeId};
+use zeroset_ir::{Axis, Constant, Graph, NamedConstant, NodeId};
 use zeroset_ops::{Op, TABLE};
 
 /// What [`random_graph`] draws from.
@@ -115,10 +115,10 @@ pub fn random_constant(rng: &mut Rng, adversarial: bool) -> Constant {
         4 => Constant::ratio(i64::from(rng.i32(-20..=20)), i64::from(rng.i32(1..=20)))
             .unwrap_or_else(|| Constant::integer(1)),
         5 => match rng.u32(0..4) {
-            0 => Constant::pi(),
-            1 => Constant::tau(),
-            2 => Constant::e(),
-            _ => Constant::phi(),
+            0 => Constant::Named(NamedConstant::Pi),
+            1 => Constant::Named(NamedConstant::Tau),
+            2 => Constant::Named(NamedConstant::E),
+            _ => Constant::Named(NamedConstant::Phi),
         },
         6 => decimal(format!("{}e{}", rng.u32(1..100), rng.i32(20..=340))),
         7 => decimal(format!("{}e-{}", rng.u32(1..100), rng.i32(20..=340))),

@@ -1,7 +1,7 @@
 //! The small graphs that cover the table: each operation alone, with variables and with constants.
 
 use zeroset_eval::Real;
-use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
+use zeroset_ir::{Axis, Constant, Graph, NamedConstant, Node, NodeId};
 use zeroset_ops::{Op, TABLE};
 
 /// One operation as a graph.
@@ -56,7 +56,7 @@ fn subject(op: Op, mut operand: impl FnMut(&mut Graph, usize) -> NodeId) -> Subj
 fn constants(op: Op) -> Vec<Constant> {
     let mut all: Vec<Constant> = [-1, 0, 1, 2, 3].map(Constant::integer).into();
     all.extend(Constant::decimal("0.1"));
-    all.push(Constant::pi());
+    all.push(Constant::Named(NamedConstant::Pi));
     all.extend(Constant::decimal("1e300"));
     if op == Op::Pow {
         all.extend([-7, -3, -2, 4, 5, 7, 8, 16, 31, 64, 1001].map(Constant::integer));

@@ -8,12 +8,12 @@
 //! A sum that overflows downward rounds up to a finite number. No centre and no slope is greater than its form's magnitude,
 //! as rounded, so that the magnitude then is infinite, and with it the error.
 
-use super::{Claims, Form, FormOperand};
+use super::{Form, FormOperand};
 use crate::bounds::Interval;
 use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Exponent};
 use crate::machine::Machine;
-use crate::rules::{Rule, enclose};
+use crate::rules::Rule;
 use zeroset_ops::Op;
 
 impl<M: Machine> Rule<'_, M> {
@@ -207,15 +207,8 @@ impl<M: Machine> Rule<'_, M> {
         }
         // The error is more than the centre got of it: a centre that overflows has an infinite magnitude.
         let magnitude = self.m.mul_add(a_magnitude, b_magnitude, error);
-        Form {
-            centre,
-            slopes: Some(slopes),
-            error: Some(error),
-            magnitude: Some(magnitude),
-            units: 3.0,
-            bounds: None,
-            facts: Claims::TOTAL,
-        }
+        let form = Form::total(centre, Some(slopes), Some(error));
+        Form { magnitude: Some(magnitude), units: 3.0, ..form }
     }
 
     pub(super) fn form_square<const N: usize>(
@@ -248,15 +241,10 @@ impl<M: Machine> Rule<'_, M> {
             let both = self.m.mul_add(most, two, a_error);
             error = self.m.mul_add(both, a_error, error);
         }
-        Form {
-            centre: self.m.nearly(|m| m.mul_add(a.centre, a.centre, curved)),
-            slopes: Some(self.pairwise([twice; N], slopes, M::mul)),
-            error: Some(error),
-            magnitude: Some(magnitude),
-            units: 3.0,
-            bounds: None,
-            facts: a.facts,
-        }
+        let centre = self.m.nearly(|m| m.mul_add(a.centre, a.centre, curved));
+        let slopes = self.pairwise([twice; N], slopes, M::mul);
+        let form = Form::total(centre, Some(slopes), Some(error));
+        Form { magnitude: Some(magnitude), units: 3.0, facts: a.facts, ..form }
     }
 
     /// Quotients are products with a reciprocal.
@@ -270,14 +258,9 @@ impl<M: Machine> Rule<'_, M> {
         let reciprocal = self.form_reciprocal(&b.value, &b_bounds.value);
         let form = match (a.value.slopes, reciprocal.slopes) {
             (Some(_), Some(_)) => self.form_product_varying(&a.value, &reciprocal),
-            (Some(_), None) => {
-                let factor = FormOperand { value: reciprocal, ..*b };
-                let factor = FormOperand { range: Interval::ENTIRE, ..factor };
-                self.form_scaled(a, &factor)
-            }
+            (Some(_), None) => self.form_scaled(a, &FormOperand::new(reciprocal)),
             (None, _) => {
-                let factor = FormOperand { range: Interval::ENTIRE, ..*a };
-                self.form_scaled(&FormOperand { value: reciprocal, ..*b }, &factor)
+                self.form_scaled(&FormOperand::new(reciprocal), &FormOperand::new(a.value))
             }
         };
         self.beside(&form, &value)
@@ -336,15 +319,10 @@ impl<M: Machine> Rule<'_, M> {
             error = self.m.mul_add(a_error, size, error);
         }
         let error = self.above_tiny(Some(error));
-        Form {
-            centre: self.m.nearly(|m| m.mul_add(a.centre, slope, middle)),
-            slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope; N], M::mul)),
-            error,
-            magnitude: Some(magnitude),
-            units: 2.5,
-            bounds: None,
-            facts: a.facts,
-        }
+        let centre = self.m.nearly(|m| m.mul_add(a.centre, slope, middle));
+        let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [slope; N], M::mul));
+        let form = Form::total(centre, slopes, error);
+        Form { magnitude: Some(magnitude), units: 2.5, facts: a.facts, ..form }
     }
 
     /// Powers with whole exponents are products; others are exp(b·ln a).
@@ -359,14 +337,16 @@ impl<M: Machine> Rule<'_, M> {
             Exponent::Integer(n)
                 if n.unsigned_abs() <= 64 && n != 0 && a.value.slopes.is_some() =>
             {
-                let power = self.form_whole_power(&a.value, n.unsigned_abs());
+                let power = self.by_squaring(
+                    a.value,
+                    n.unsigned_abs(),
+                    |rule, a, b| rule.form_product_varying(&a, &b),
+                    |rule, a| rule.form_square_of(&a),
+                );
                 if n > 0 {
                     power
                 } else {
-                    let whole = Interval::ENTIRE;
-                    let operand =
-                        FormOperand { value: power, range: whole, exponent: Exponent::Real };
-                    let bounds = self.operand(&operand);
+                    let bounds = self.operand(&FormOperand::new(power));
                     self.form_reciprocal(&power, &bounds.value)
                 }
             }
@@ -378,23 +358,6 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    fn form_whole_power<const N: usize>(&mut self, a: &Form<M::V, N>, n: u32) -> Form<M::V, N> {
-        let (mut result, mut square, mut rest) = (None, *a, n);
-        loop {
-            if rest & 1 == 1 {
-                result = Some(match result {
-                    None => square,
-                    Some(result) => self.form_product_varying(&result, &square),
-                });
-            }
-            rest >>= 1;
-            if rest == 0 {
-                return result.expect("an exponent above 0");
-            }
-            square = self.form_square_of(&square);
-        }
-    }
-
     /// exp(b·ln a); where a is not above 0 it is known by bounds alone.
     fn form_real_power<const N: usize>(
         &mut self,
@@ -404,14 +367,9 @@ impl<M: Machine> Rule<'_, M> {
         let logarithm = if a.value.slopes.is_some() {
             self.form_curve(Op::Ln, a)
         } else {
-            let a = self.operand(a);
-            let value = enclose(self.m, self.format, Op::Ln, &[a]);
-            self.form_between(&value)
+            self.bounded(Op::Ln, &[*a])
         };
-        let operand =
-            |value| FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real };
-        let (logarithm, b) = (operand(logarithm), FormOperand { range: Interval::ENTIRE, ..*b });
-        let product = self.form_product(&logarithm, &b);
-        self.form_curve(Op::Exp, &operand(product))
+        let product = self.form_product(&FormOperand::new(logarithm), &FormOperand::new(b.value));
+        self.form_curve(Op::Exp, &FormOperand::new(product))
     }
 }

@@ -91,18 +91,27 @@ impl<M: Machine> Rule<'_, M> {
             self.m.add(end, rest)
         });
         let (offset, half) = self.middle(neg_lo, hi);
-        // What a − m rounds is far below what is counted for centres of its size.
-        let [moved] = self.pairwise([a.centre], [middle], M::sub);
-        let size = self.m.abs(moved);
+        let moved = self.form_moved(a, middle);
+        self.form_line(&moved, shape.slope, offset, half)
+    }
+
+    /// a − m, the bounds left as they are.
+    pub(super) fn form_moved<const N: usize>(
+        &mut self,
+        a: &Form<M::V, N>,
+        middle: M::V,
+    ) -> Form<M::V, N> {
+        let [centre] = self.pairwise([a.centre], [middle], M::sub);
+        let size = self.m.abs(centre);
         let magnitude = match self.spread(a) {
             Some(spread) => self.m.add(size, spread),
             None => size,
         };
-        let moved = Form { centre: moved, magnitude: Some(magnitude), units: 0.0, ..*a };
+        // What a − m rounds is far below what is counted for centres of its size.
         let rounding = self.rounded(None, 1.0, size);
         let error = self.error_of(a);
         let error = self.sum_of(error, Some(rounding));
-        self.form_line(&Form { error, ..moved }, shape.slope, offset, half)
+        Form { centre, error, magnitude: Some(magnitude), units: 0.0, ..*a }
     }
 
     /// The slope of `op` at a point, and its bend over bounds in which it has the enclosure `value`; `None` if this is not how
@@ -307,14 +316,6 @@ impl<M: Machine> Rule<'_, M> {
         let twice = self.m.add(most, most);
         let bend = self.m.div(twice, product);
         self.algebraic(slope, bend)
-    }
-
-    /// The float nearest to a number.
-    fn nearest(&mut self, number: f64) -> M::V {
-        match self.format {
-            crate::Format::F32 => self.number(f64::from(number as f32)),
-            crate::Format::F64 => self.number(number),
-        }
     }
 
     /// −lo and hi of 1 + x².

@@ -14,9 +14,9 @@ mod solve;
 mod waves;
 
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Exponent, Operand};
 use crate::machine::{Format, Machine};
-use crate::rules::Rule;
+use crate::rules::{Rule, enclose};
 use crate::software::{Software, Vector128};
 use zeroset_ops::Op;
 
@@ -44,17 +44,6 @@ pub struct Form<V, const N: usize> {
     pub facts: Claims<V>,
 }
 
-/// The facts of an [`Enclosure`], without its bounds.
-#[derive(Clone, Copy, Debug)]
-pub struct Claims<V> {
-    /// Lanes where the expression is defined nowhere.
-    pub nowhere: Fact<V>,
-    /// Lanes where it is defined throughout.
-    pub defined: Fact<V>,
-    /// Lanes where it is defined and continuous throughout.
-    pub continuous: Fact<V>,
-}
-
 /// An operand of [`linearise`].
 #[derive(Clone, Copy, Debug)]
 pub struct FormOperand<V, const N: usize> {
@@ -64,6 +53,13 @@ pub struct FormOperand<V, const N: usize> {
     pub range: Interval,
     /// What it is as an exponent.
     pub exponent: Exponent,
+}
+
+impl<V: Copy, const N: usize> FormOperand<V, N> {
+    /// A form of which nothing else is known.
+    fn new(value: Form<V, N>) -> Self {
+        Self { value, range: Interval::ENTIRE, exponent: Exponent::Real }
+    }
 }
 
 impl<V: Copy, const N: usize> Form<V, N> {
@@ -79,41 +75,16 @@ impl<V: Copy, const N: usize> Form<V, N> {
         let bounds = self.bounds.map(|bounds| [0, 1].map(|k| m.held(format, bounds[k], ends[k])));
         Self { bounds, ..self }
     }
-}
 
-impl<V: Copy> Claims<V> {
-    const TOTAL: Self = Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
-
-    fn of(value: &Enclosure<V>) -> Self {
-        Self { nowhere: value.nowhere, defined: value.defined, continuous: value.continuous }
-    }
-
-    fn with(self, bounds: [V; 2]) -> Enclosure<V> {
-        let Self { nowhere, defined, continuous } = self;
-        Enclosure { neg_lo: bounds[0], hi: bounds[1], nowhere, defined, continuous }
-    }
-
-    fn and<M: Machine<V = V>>(self, m: &mut M, other: &Self) -> Self {
-        Self {
-            nowhere: self.nowhere.or(m, other.nowhere),
-            defined: self.defined.and(m, other.defined),
-            continuous: self.continuous.and(m, other.continuous),
-        }
-    }
-}
-
-impl<V: Copy, const N: usize> Form<V, N> {
     /// A coordinate: defined everywhere, and linear but for `error`, which holds what its centre and slopes were rounded by.
     pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
-        Self {
-            centre,
-            slopes: Some(slopes),
-            error: Some(error),
-            magnitude: None,
-            units: 0.0,
-            bounds: None,
-            facts: Claims::TOTAL,
-        }
+        Self::total(centre, Some(slopes), Some(error))
+    }
+
+    /// A value that is defined and continuous everywhere, of which nothing is known beside the form.
+    fn total(centre: V, slopes: Option<[V; N]>, error: Option<V>) -> Self {
+        let facts = Claims::TOTAL;
+        Self { centre, slopes, error, magnitude: None, units: 0.0, bounds: None, facts }
     }
 
     /// The form of a value that is only known by bounds: a parameter.
@@ -139,13 +110,9 @@ impl<V: Copy, const N: usize> Form<V, N> {
             m.bits(format, bits)
         };
         Self {
-            centre: lift(centre),
-            slopes: None,
-            error: error.map(&mut lift),
             magnitude: Some(lift(magnitude)),
-            units: 0.0,
-            bounds: Some([neg_lo, hi].map(lift)),
-            facts: Claims::TOTAL,
+            bounds: Some([neg_lo, hi].map(&mut lift)),
+            ..Self::total(lift(centre), None, error.map(&mut lift))
         }
     }
 }
@@ -243,10 +210,7 @@ pub fn linearise_twins<M: Machine, const N: usize>(
 impl<M: Machine> Rule<'_, M> {
     /// The unit of rounding: an operation that rounds up, or to nearest, errs by less than this share of its result.
     fn unit(&self) -> f64 {
-        match self.format {
-            Format::F32 => 2f64.powi(-23),
-            Format::F64 => 2f64.powi(-52),
-        }
+        2f64.powi(self.format.pick(-23, -52))
     }
 
     /// The error, and more than a dozen results below the normal numbers can err by together.
@@ -274,9 +238,19 @@ impl<M: Machine> Rule<'_, M> {
         op: Op,
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
-        let operands: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
-        let value = crate::rules::enclose(self.m, self.format, op, &operands);
+        let (_, value) = self.enclosed(op, operands);
         self.form_between(&value)
+    }
+
+    /// The operands' bounds, and those of the operation by its interval rule.
+    fn enclosed<const N: usize>(
+        &mut self,
+        op: Op,
+        operands: &[FormOperand<M::V, N>],
+    ) -> (Vec<Operand<M::V>>, Enclosure<M::V>) {
+        let operands: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
+        let value = enclose(self.m, self.format, op, &operands);
+        (operands, value)
     }
 
     /// The middle of the bounds, and at least half their width: −lo and hi are within centre ± error.
@@ -294,13 +268,9 @@ impl<M: Machine> Rule<'_, M> {
     fn form_between<const N: usize>(&mut self, value: &Enclosure<M::V>) -> Form<M::V, N> {
         let (centre, error) = self.middle(value.neg_lo, value.hi);
         Form {
-            centre,
-            slopes: None,
-            error: Some(error),
-            magnitude: None,
-            units: 0.0,
             bounds: Some([value.neg_lo, value.hi]),
             facts: Claims::of(value),
+            ..Form::total(centre, None, Some(error))
         }
     }
 

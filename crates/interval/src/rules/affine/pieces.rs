@@ -2,12 +2,12 @@
 //!
 //! In lanes where it is clear which piece counts, its form is taken; elsewhere a line between the pieces, or bounds.
 
-use super::{Claims, Form, FormOperand};
+use super::{Form, FormOperand};
 use crate::bounds::Interval;
 use crate::branch::Branch;
-use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::Machine;
-use crate::rules::{Rule, enclose};
+use crate::rules::Rule;
 use zeroset_ops::Op;
 
 impl<M: Machine> Rule<'_, M> {
@@ -64,8 +64,7 @@ impl<M: Machine> Rule<'_, M> {
         let value = self.max(&a_bounds, &b_bounds);
         let (zero, one) = (self.zero(), self.number(1.0));
         let difference = self.form_difference(&a.value, &b.value);
-        let operand = whole(difference);
-        let bounds = self.operand(&operand);
+        let bounds = self.operand(&FormOperand::new(difference));
         let Enclosure { neg_lo, hi, .. } = bounds.value;
         let width = self.m.add(hi, neg_lo);
         let slope = self.m.div(hi, width);
@@ -105,15 +104,7 @@ impl<M: Machine> Rule<'_, M> {
             (None, None) => None,
             (a, b) => Some(self.m.select(mask, a.unwrap_or(zero), b.unwrap_or(zero))),
         };
-        Form {
-            centre: self.m.select(mask, a.centre, b.centre),
-            slopes,
-            error,
-            magnitude: None,
-            units: 0.0,
-            bounds: None,
-            facts: Claims::TOTAL,
-        }
+        Form::total(self.m.select(mask, a.centre, b.centre), slopes, error)
     }
 
     /// x − floor(x).
@@ -136,9 +127,9 @@ impl<M: Machine> Rule<'_, M> {
         let value = self.modulo(&a_bounds, &b_bounds, Branch::Whole);
         let quotient = self.div(&a_bounds, &b_bounds);
         let cells = self.floor(&Operand::new(quotient, Interval::ENTIRE), Branch::Whole);
-        let cells = whole(self.form_between(&cells));
+        let cells = FormOperand::new(self.form_between(&cells));
         let multiple = if b.value.slopes.is_some() {
-            self.form_product(&FormOperand { range: Interval::ENTIRE, ..*b }, &cells)
+            self.form_product(&FormOperand::new(b.value), &cells)
         } else {
             let bounds = [&cells, b].map(|operand| self.operand(operand));
             let product = self.mul(&bounds[0], &bounds[1]);
@@ -153,8 +144,7 @@ impl<M: Machine> Rule<'_, M> {
         &mut self,
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
-        let bounds: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
-        let value = enclose(self.m, self.format, Op::SelectNegative, &bounds);
+        let (bounds, value) = self.enclosed(Op::SelectNegative, operands);
         let plain = self.form_between(&value);
         let zero = self.zero();
         let a = &bounds[0].value;
@@ -173,8 +163,7 @@ impl<M: Machine> Rule<'_, M> {
         &mut self,
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
-        let bounds: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
-        let value = enclose(self.m, self.format, Op::Otherwise, &bounds);
+        let (_, value) = self.enclosed(Op::Otherwise, operands);
         let plain = self.form_between(&value);
         let defined = match operands[0].value.facts.defined {
             Fact::False => return plain,
@@ -190,13 +179,7 @@ impl<M: Machine> Rule<'_, M> {
         op: Op,
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
-        let bounds: Vec<_> = operands.iter().map(|operand| self.operand(operand)).collect();
-        let value = enclose(self.m, self.format, op, &bounds);
+        let (_, value) = self.enclosed(op, operands);
         Form { facts: Claims::of(&value), ..operands[0].value }
     }
-}
-
-/// A form as an operand of which nothing else is known.
-fn whole<V: Copy, const N: usize>(value: Form<V, N>) -> FormOperand<V, N> {
-    FormOperand { value, range: Interval::ENTIRE, exponent: Exponent::Real }
 }

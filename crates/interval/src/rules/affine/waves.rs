@@ -49,17 +49,7 @@ impl<M: Machine> Rule<'_, M> {
                 Wave { value, size: self.m.abs(value), off }
             })
         };
-        let [moved] = self.pairwise([a.value.centre], [middle], M::sub);
-        let size = self.m.abs(moved);
-        let magnitude = match self.spread(&a.value) {
-            Some(spread) => self.m.add(size, spread),
-            None => size,
-        };
-        let rounding = self.rounded(None, 1.0, size);
-        let error = self.error_of(&a.value);
-        let error = self.sum_of(error, Some(rounding));
-        let magnitude = Some(magnitude);
-        let moved = Form { centre: moved, magnitude, error, units: 0.0, ..a.value };
+        let moved = self.form_moved(&a.value, middle);
         let quarter = self.number(0.25);
         let square = self.m.mul(reach, reach);
         let place = Place { moved, reach, square: self.m.mul(square, quarter) };
@@ -104,16 +94,9 @@ impl<M: Machine> Rule<'_, M> {
         let magnitude = self.magnitude_of(a);
         let magnitude = self.m.mul_add(magnitude, slope.size, here.size);
         let error = self.rounded(error, 2.5, magnitude);
-        let form = Form {
-            centre: self.m.nearly(|m| m.mul_add(a.centre, slope.value, offset)),
-            slopes: a.slopes.map(|slopes| self.pairwise(slopes, [slope.value; N], M::mul)),
-            error: Some(error),
-            magnitude: None,
-            units: 0.0,
-            bounds: None,
-            facts: a.facts,
-        };
+        let centre = self.m.nearly(|m| m.mul_add(a.centre, slope.value, offset));
+        let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [slope.value; N], M::mul));
         let value = a.facts.with(wide);
-        self.beside(&form, &value)
+        self.beside(&Form::total(centre, slopes, Some(error)), &value)
     }
 }

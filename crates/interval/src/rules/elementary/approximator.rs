@@ -7,6 +7,7 @@
 //! follow Cody and Waite (Software Manual for the Elementary Functions, 1980).
 
 use crate::machine::{Format, Machine};
+use crate::rules::Rule;
 
 /// Writes approximations for results that end in `target`: `F32` results need shorter series.
 pub(crate) struct Approximator<'a, M> {
@@ -34,18 +35,28 @@ pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     }
 }
 
-/// Applies `f` to the halves of lo and hi, four lanes of `f32`, one after the other, then `combine`
-/// to what comes of both ends of a half.
-pub(crate) fn at_ends<M: Machine, const MID: usize, const OUT: usize>(
+/// Applies `f` to lo and hi one after the other, then `combine` to what comes of both; of `f32`
+/// lanes to the `f64` halves of each, joined as by [`by_halves`].
+pub(crate) fn at_ends<M: Machine, const IN: usize, const MID: usize, const OUT: usize>(
     m: &mut M,
-    [lo, hi]: [M::V; 2],
-    mut f: impl FnMut(&mut Approximator<'_, M>, M::V) -> [M::V; MID],
+    target: Format,
+    ends: [[M::V; IN]; 2],
+    mut f: impl FnMut(&mut Approximator<'_, M>, [M::V; IN]) -> [M::V; MID],
     mut combine: impl FnMut(&mut Approximator<'_, M>, [M::V; MID], [M::V; MID]) -> [M::V; OUT],
 ) -> [M::V; OUT] {
-    let target = Format::F32;
-    let ([l0, l1], [h0, h1]) = (m.widen(lo), m.widen(hi));
-    let values = m.repeat([[l0], [l1], [h0], [h1]], |m, [x]| f(&mut Approximator { m, target }, x));
-    let [l0, l1, h0, h1] = values;
+    let f = |m: &mut M, row: [M::V; IN]| f(&mut Approximator { m, target }, row);
+    if target == Format::F64 {
+        let [lo, hi] = m.repeat(ends, f);
+        return combine(&mut Approximator { m, target }, lo, hi);
+    }
+    let [lo, hi] = ends.map(|end| end.map(|part| m.widen(part)));
+    let rows = [
+        lo.map(|half| half[0]),
+        lo.map(|half| half[1]),
+        hi.map(|half| half[0]),
+        hi.map(|half| half[1]),
+    ];
+    let [l0, l1, h0, h1] = m.repeat(rows, f);
     let low = combine(&mut Approximator { m, target }, l0, h0);
     let high = combine(&mut Approximator { m, target }, l1, h1);
     std::array::from_fn(|i| m.narrow([low[i], high[i]]))
@@ -63,21 +74,12 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     pub(super) fn pick<T>(&self, f32: T, f64: T) -> T {
-        match self.target {
-            Format::F32 => f32,
-            Format::F64 => f64,
-        }
+        self.target.pick(f32, f64)
     }
 
     /// c₀ + z(c₁ + z(c₂ + …)).
     pub(super) fn series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
-        let (last, rest) = coefficients.split_last().expect("a series has a term");
-        let mut sum = self.number(*last);
-        for &c in rest.iter().rev() {
-            let c = self.number(c);
-            sum = self.m.mul_add(sum, z, c);
-        }
-        sum
+        Rule { m: self.m, format: F64 }.series(z, coefficients)
     }
 
     /// x − k·c.
@@ -93,6 +95,11 @@ impl<M: Machine> Approximator<'_, M> {
         let biased = self.m.add(k, magic);
         self.m.shift_left(biased, 52)
     }
+}
+
+/// 1 / (first + step·n)! for n = 0…terms − 1.
+pub(super) fn reciprocal_factorials(terms: u32, first: u32, step: u32) -> Vec<f64> {
+    (0..terms).map(|n| 1.0 / (1..=first + step * n).map(f64::from).product::<f64>()).collect()
 }
 
 #[cfg(test)]

@@ -45,8 +45,7 @@ impl<M: Machine> Approximator<'_, M> {
             let minus_small = self.m.neg(small);
             let minus = self.plus(large, minus_small);
             let below_one = self.m.lt(t, one);
-            let sign = self.sign_of(below_one);
-            (self.flipped(minus, sign), self.plus(large, small))
+            (self.signed(below_one, minus), self.plus(large, small))
         } else {
             (self.m.sub(t, one).into(), self.m.add(t, one).into())
         };
@@ -60,9 +59,7 @@ impl<M: Machine> Approximator<'_, M> {
         let base = self.choose(far, half, base);
         let angle = self.atan_reduced(u);
         let angle = self.plus(base, angle);
-        let sign = self.sign_of(x);
-        let angle = self.flipped(angle, sign);
-        let angle = self.or_tiny(x, angle);
+        let angle = self.odd(x, angle);
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
@@ -86,9 +83,7 @@ impl<M: Machine> Approximator<'_, M> {
         let minus_arc = self.opposite(arc);
         let rest = self.plus(half, minus_arc);
         let angle = self.choose(beyond, rest, arc);
-        let sign = self.sign_of(x);
-        let angle = self.flipped(angle, sign);
-        let angle = self.or_tiny(x, angle);
+        let angle = self.odd(x, angle);
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
     }
 
@@ -156,8 +151,7 @@ impl<M: Machine> Approximator<'_, M> {
         let minus_small = self.m.neg(small);
         let difference = self.plus(large, minus_small);
         let flat = self.m.lt(t, c);
-        let flat = self.sign_of(flat);
-        let difference = self.flipped(difference, flat);
+        let difference = self.signed(flat, difference);
         let sum = self.plus(large, small);
         let minus_c = self.m.neg(c);
         let above = self.choose(middle, difference, t.into());
@@ -194,8 +188,7 @@ impl<M: Machine> Approximator<'_, M> {
             let loose = self.number(2f64.powi(-52));
             extra = Some(self.m.and(is_tiny, loose));
         }
-        let sign = self.sign_of(y);
-        let angle = self.flipped(angle, sign);
+        let angle = self.signed(y, angle);
         Approximation {
             extra,
             ..Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))

@@ -4,10 +4,10 @@
 //! it it falls. So its extremes over a box are at two corners, unless the box meets the cut, where
 //! angles jump between π and −π.
 
-use super::approximator::Approximator;
+use super::approximator::{Approximator, at_ends};
 use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Fact, Operand};
-use crate::machine::{Format, Machine};
+use crate::machine::Machine;
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
@@ -87,27 +87,11 @@ impl<M: Machine> Rule<'_, M> {
 
     /// −lo and hi from the corners (y, x) with the least and the greatest angle.
     fn angles(&mut self, least: [M::V; 2], greatest: [M::V; 2]) -> [M::V; 2] {
-        let target = self.format;
         let at = |approx: &mut Approximator<'_, M>, [y, x]: [M::V; 2]| {
             let near = approx.angle(y, x);
             [approx.negated_lower(&near), approx.upper(&near)]
         };
-        match target {
-            Format::F64 => {
-                let rows = [least, greatest];
-                let [[neg_lo, _], [_, hi]] =
-                    self.m.repeat(rows, |m, corner| at(&mut Approximator { m, target }, corner));
-                [neg_lo, hi]
-            }
-            Format::F32 => {
-                let [[y0, y1], [x0, x1]] = least.map(|part| self.m.widen(part));
-                let [[v0, v1], [u0, u1]] = greatest.map(|part| self.m.widen(part));
-                let rows = [[y0, x0], [y1, x1], [v0, u0], [v1, u1]];
-                let [l0, l1, h0, h1] =
-                    self.m.repeat(rows, |m, corner| at(&mut Approximator { m, target }, corner));
-                [self.m.narrow([l0[0], l1[0]]), self.m.narrow([h0[1], h1[1]])]
-            }
-        }
+        at_ends(self.m, self.format, [least, greatest], at, |_, [neg_lo, _], [_, hi]| [neg_lo, hi])
     }
 
     /// Lanes where the box meets the cut from both sides.
@@ -125,17 +109,7 @@ impl<M: Machine> Rule<'_, M> {
 
     /// The least number of the format above π.
     fn pi_above(&mut self) -> M::V {
-        match self.format {
-            Format::F32 => self.number(f64::from(std::f32::consts::PI)), // above it
-            Format::F64 => self.number(std::f64::consts::PI.next_up()),
-        }
-    }
-
-    fn sign_bit(&mut self) -> M::V {
-        let bit = match self.format {
-            Format::F32 => 1 << 31,
-            Format::F64 => 1 << 63,
-        };
-        self.m.bits(self.format, bit)
+        let (f32, f64) = (std::f32::consts::PI, std::f64::consts::PI); // above it, and below
+        self.number(self.format.pick(f64::from(f32), f64.next_up()))
     }
 }

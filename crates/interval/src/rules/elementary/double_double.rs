@@ -257,6 +257,18 @@ impl<M: Machine> Approximator<'_, M> {
         self.plus(w, terms)
     }
 
+    /// `value` with the sign of x.
+    pub(super) fn signed(&mut self, x: M::V, value: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
+        let sign = self.sign_of(x);
+        self.flipped(value, sign)
+    }
+
+    /// An odd function with f(x) = x + O(x³), given its value at |x|.
+    pub(super) fn odd(&mut self, x: M::V, value: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
+        let value = self.signed(x, value);
+        self.or_tiny(x, value)
+    }
+
     /// `value` but for tiny x, where it is x.
     pub(super) fn or_tiny(&mut self, x: M::V, value: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         self.or_where_tiny(x, x, value)

@@ -1,6 +1,6 @@
 //! The exponential, powers with a real exponent, and the cube root.
 
-use super::approximator::{Approximator, LN_2_HI, LN_2_LO};
+use super::approximator::{Approximator, LN_2_HI, LN_2_LO, reciprocal_factorials};
 use super::double_double::{Approximation, DoubleDouble};
 use super::logarithm::Base;
 use crate::machine::{Format, Machine};
@@ -82,7 +82,7 @@ impl<M: Machine> Approximator<'_, M> {
         // Past these, results overflow or underflow the target whatever x is.
         let (k, r) = self.exponent_and_rest(x.into(), [-160.0, 128.0]);
         // |r| ≤ 0.3467: the tail r¹⁰/10! is below 2⁻³⁷.
-        let mantissa = self.series(r.head, &reciprocal_factorials(10, 0));
+        let mantissa = self.series(r.head, &reciprocal_factorials(10, 0, 1));
         let product = self.m.mul(mantissa, factor);
         let power = self.power_of_two(k);
         self.m.mul(product, power)
@@ -98,7 +98,7 @@ impl<M: Machine> Approximator<'_, M> {
         let (one, half) = (self.number(1.0), self.number(0.5));
         let square = self.times(r, r);
         let square_half = self.scaled(square, half);
-        let later = self.series(r.head, &reciprocal_factorials(12, 3));
+        let later = self.series(r.head, &reciprocal_factorials(12, 3, 1));
         let later = self.m.mul(later, r.head);
         let later = self.m.mul(later, square.head);
         let sum = self.plus(one, r);
@@ -220,8 +220,7 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// A cube root with the sign of x, and 0 at 0.
     fn odd_cbrt(&mut self, root: DoubleDouble<M::V>, x: M::V) -> DoubleDouble<M::V> {
-        let sign = self.sign_of(x);
-        let signed = self.flipped(root, sign);
+        let signed = self.signed(x, root);
         let zero = self.number(0.0);
         let is_zero = self.m.eq(x, zero);
         self.choose(is_zero, x.into(), signed)
@@ -230,8 +229,3 @@ impl<M: Machine> Approximator<'_, M> {
 
 /// A bound on the relative error of [`Approximator::exp_times`]: truncation 2⁻³⁷ and rounding.
 const EXP_ERROR_F32: f64 = f64::from_bits((1023 - 34) << 52);
-
-/// 1 / (first + n)! for n = 0…terms − 1.
-fn reciprocal_factorials(terms: u32, first: u32) -> Vec<f64> {
-    (0..terms).map(|n| 1.0 / (1..=first + n).map(f64::from).product::<f64>()).collect()
-}

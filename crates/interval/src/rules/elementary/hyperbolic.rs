@@ -7,7 +7,7 @@
 //! For k = 0 the first is 2 sinh r alone, so that small operands lose nothing; for k ≥ 1 both are
 //! at least 0.35.
 
-use super::approximator::{Approximator, LN_2_HI, LN_2_LO};
+use super::approximator::{Approximator, LN_2_HI, LN_2_LO, reciprocal_factorials};
 use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::Machine;
 
@@ -33,8 +33,7 @@ impl<M: Machine> Approximator<'_, M> {
         let sum = self.half_sum(&parts, minus_q);
         // Doubled, as k = 0 here.
         let twice = self.m.add(x, x);
-        let sign = self.sign_of(x);
-        let sum = self.flipped(sum, sign);
+        let sum = self.signed(x, sum);
         let sum = self.or_where_tiny(x, twice, sum);
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
@@ -54,9 +53,7 @@ impl<M: Machine> Approximator<'_, M> {
         let above = self.half_sum(&parts, minus_q);
         let below = self.half_sum(&parts, parts.q);
         let quotient = self.over(above, below);
-        let sign = self.sign_of(x);
-        let quotient = self.flipped(quotient, sign);
-        let quotient = self.or_tiny(x, quotient);
+        let quotient = self.odd(x, quotient);
         Approximation::new(quotient, self.pick(2f64.powi(-34), 2f64.powi(-53)))
     }
 
@@ -84,11 +81,11 @@ impl<M: Machine> Approximator<'_, M> {
         // r² ≤ 0.1202: the tails z⁵/11! and z⁷/15! are below 2⁻⁴⁰ and 2⁻⁶¹, z⁵/10! and z⁸/16! below
         // 2⁻³⁷ and 2⁻⁶⁸.
         let z = self.times(r, r);
-        let sinh = self.series(z.head, &reciprocal_factorials(sinh_terms, 3));
+        let sinh = self.series(z.head, &reciprocal_factorials(sinh_terms, 3, 2));
         let sinh = self.m.mul(sinh, z.head);
         let sinh = self.m.mul(sinh, r.head);
         let sinh = self.plus(r, sinh);
-        let cosh = self.series(z.head, &reciprocal_factorials(cosh_terms, 4));
+        let cosh = self.series(z.head, &reciprocal_factorials(cosh_terms, 4, 2));
         let square = self.m.mul(z.head, z.head);
         let cosh = self.m.mul(cosh, square);
         let (half, one) = (self.number(0.5), self.number(1.0));
@@ -118,9 +115,4 @@ impl<M: Machine> Approximator<'_, M> {
         let sum = self.scaled(sum, power);
         Approximation::new(sum, error)
     }
-}
-
-/// 1 / (first + 2n)! for n = 0…terms − 1.
-fn reciprocal_factorials(terms: u32, first: u32) -> Vec<f64> {
-    (0..terms).map(|n| 1.0 / (1..=first + 2 * n).map(f64::from).product::<f64>()).collect()
 }

@@ -219,9 +219,7 @@ impl<M: Machine> Approximator<'_, M> {
         let excess = self.over(square, below);
         let u = self.plus(t, excess);
         let ln = self.ln_one_plus(u, large);
-        let sign = self.sign_of(x);
-        let ln = self.flipped(ln, sign);
-        let ln = self.or_tiny(x, ln);
+        let ln = self.odd(x, ln);
         Approximation::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
@@ -259,9 +257,7 @@ impl<M: Machine> Approximator<'_, M> {
         let twice = self.ln_of_quotient(k, s, Base::E);
         let half = self.number(0.5);
         let atanh = self.scaled(twice, half);
-        let sign = self.sign_of(x);
-        let atanh = self.flipped(atanh, sign);
-        let atanh = self.or_tiny(x, atanh);
+        let atanh = self.odd(x, atanh);
         Approximation::new(atanh, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 }

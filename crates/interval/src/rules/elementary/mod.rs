@@ -49,24 +49,7 @@ impl<M: Machine> Rule<'_, M> {
         let half_pi = HalfPi::for_angles(a.range);
         let f = |approx: &mut Approximator<'_, M>, x| f(approx, x, half_pi);
         let one = self.number(1.0);
-        let [neg_lo, hi, first, last] = match self.format {
-            Format::F32 => {
-                let combine = |approx: &mut Approximator<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
-                    let (least, most) = (approx.m.min(lo[0], hi[0]), approx.m.max(lo[0], hi[0]));
-                    let [first, last] = turns(approx.m, lo[1], hi[1], 0.25);
-                    let [least, most] =
-                        [least, most].map(|x| Approximation::new(x.into(), WAVE_ERROR_F32));
-                    [approx.negated_lower(&least), approx.upper(&most), first, last]
-                };
-                self.at_ends_f32(a, f, combine)
-            }
-            Format::F64 => {
-                let [lo, hi] = self.at_ends_f64(a, f);
-                let (neg_lo, most) = (self.m.max(lo[0], hi[0]), self.m.max(lo[1], hi[1]));
-                let [first, last] = turns(self.m, lo[2], hi[2], 0.25);
-                [neg_lo, most, first, last]
-            }
-        };
+        let [neg_lo, hi, first, last] = self.values_and_turns(a, f, false, 0.25);
         let mut neg_lo = self.m.min(neg_lo, one);
         let mut hi = self.m.min(hi, one);
         let has_peak = self.has_turn([first, last], peak);
@@ -101,22 +84,7 @@ impl<M: Machine> Rule<'_, M> {
     pub(super) fn tan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let half_pi = HalfPi::for_angles(a.range);
         let tan = |approx: &mut Approximator<'_, M>, x| approx.tan(x, half_pi);
-        let [neg_lo, hi, first, last] = match self.format {
-            Format::F32 => {
-                let combine = |approx: &mut Approximator<'_, M>, lo: [M::V; 2], hi: [M::V; 2]| {
-                    let [first, last] = turns(approx.m, lo[1], hi[1], 0.5);
-                    let [lo, hi] =
-                        [lo, hi].map(|[x, _]| Approximation::new(x.into(), WAVE_ERROR_F32));
-                    [approx.negated_lower(&lo), approx.upper(&hi), first, last]
-                };
-                self.at_ends_f32(a, tan, combine)
-            }
-            Format::F64 => {
-                let [lo, hi] = self.at_ends_f64(a, tan);
-                let [first, last] = turns(self.m, lo[2], hi[2], 0.5);
-                [lo[0], hi[1], first, last]
-            }
-        };
+        let [neg_lo, hi, first, last] = self.values_and_turns(a, tan, true, 0.5);
         // In half turns, there is a pole at every integer and a half.
         let pole = self.has_turn([first, last], 0.5);
         let mut free = self.not(pole);
@@ -129,33 +97,46 @@ impl<M: Machine> Rule<'_, M> {
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, Fact::False, Fact::Lanes(free))
     }
 
-    /// `combine` of values and quarter turns at both ends.
-    fn at_ends_f32(
+    /// −lo and hi over values at both ends, of which the first is the least where the function
+    /// `rises`, and the turns there, as of [`turns`].
+    fn values_and_turns(
         &mut self,
         a: &Operand<M::V>,
         f: impl Fn(&mut Approximator<'_, M>, M::V) -> (Approximation<M::V>, M::V),
-        combine: impl FnMut(&mut Approximator<'_, M>, [M::V; 2], [M::V; 2]) -> [M::V; 4],
+        rises: bool,
+        scale: f64,
     ) -> [M::V; 4] {
-        let ends = [self.m.neg(a.value.neg_lo), a.value.hi];
-        let head = |approx: &mut Approximator<'_, M>, x: M::V| {
-            let (near, quarters) = f(approx, x);
-            [near.sum.head, quarters]
-        };
-        at_ends(self.m, ends, head, combine)
-    }
-
-    /// Minus a lower bound, an upper bound and quarter turns at lo and at hi.
-    fn at_ends_f64(
-        &mut self,
-        a: &Operand<M::V>,
-        f: impl Fn(&mut Approximator<'_, M>, M::V) -> (Approximation<M::V>, M::V),
-    ) -> [[M::V; 3]; 2] {
-        let lo = self.m.neg(a.value.neg_lo);
-        self.m.repeat([[lo], [a.value.hi]], |m, [x]| {
-            let mut approx = Approximator { m, target: Format::F64 };
-            let (near, quarters) = f(&mut approx, x);
-            [approx.negated_lower(&near), approx.upper(&near), quarters]
-        })
+        let ends = [[self.m.neg(a.value.neg_lo)], [a.value.hi]];
+        match self.format {
+            Format::F32 => {
+                let head = |approx: &mut Approximator<'_, M>, [x]: [M::V; 1]| {
+                    let (near, quarters) = f(approx, x);
+                    [near.sum.head, quarters]
+                };
+                at_ends(self.m, self.format, ends, head, |approx, [lo, first], [hi, last]| {
+                    let values =
+                        if rises { [lo, hi] } else { [approx.m.min(lo, hi), approx.m.max(lo, hi)] };
+                    let [first, last] = turns(approx.m, first, last, scale);
+                    let [least, most] =
+                        values.map(|x| Approximation::new(x.into(), WAVE_ERROR_F32));
+                    [approx.negated_lower(&least), approx.upper(&most), first, last]
+                })
+            }
+            Format::F64 => {
+                let [lo, hi] = self.m.repeat(ends, |m, [x]| {
+                    let mut approx = Approximator { m, target: Format::F64 };
+                    let (near, quarters) = f(&mut approx, x);
+                    [approx.negated_lower(&near), approx.upper(&near), quarters]
+                });
+                let [neg_lo, most] = if rises {
+                    [lo[0], hi[1]]
+                } else {
+                    [self.m.max(lo[0], hi[0]), self.m.max(lo[1], hi[1])]
+                };
+                let [first, last] = turns(self.m, lo[2], hi[2], scale);
+                [neg_lo, most, first, last]
+            }
+        }
     }
 
     /// Lanes where the angle, given by [`turns`], passes j + `offset` for some integer j.

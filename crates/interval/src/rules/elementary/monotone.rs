@@ -45,7 +45,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Bounds of an increasing function that is defined everywhere.
-    fn increasing(
+    pub(in crate::rules) fn increasing(
         &mut self,
         a: &Operand<M::V>,
         f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
@@ -55,9 +55,14 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, ..a.value }
     }
 
-    /// Bounds of an increasing function that is unbounded where its operand is, from those of
-    /// finite approximations.
-    fn unbounded_with(&mut self, a: &Operand<M::V>, bounds: Enclosure<M::V>) -> Enclosure<M::V> {
+    /// As [`Self::increasing`], of a function that is unbounded where its operand is, by a routine
+    /// for finite operands.
+    pub(in crate::rules) fn increasing_unbounded(
+        &mut self,
+        a: &Operand<M::V>,
+        f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
+    ) -> Enclosure<M::V> {
+        let bounds = self.increasing(a, f);
         if a.range.is_bounded() {
             return bounds;
         }
@@ -81,11 +86,21 @@ impl<M: Machine> Rule<'_, M> {
 
     pub(in crate::rules) fn logarithm(&mut self, a: &Operand<M::V>, base: Base) -> Enclosure<M::V> {
         let ends = self.positive_ends(a);
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |approx, [lo, hi]| {
+        let [mut neg_lo, mut hi] = by_halves(self.m, self.format, ends, |approx, [lo, hi]| {
             let (at_lo, at_hi) = (approx.ln(lo, base), approx.ln(hi, base));
             [approx.negated_lower(&at_lo), approx.upper(&at_hi)]
         });
-        let (neg_lo, hi) = self.logarithm_ends(a, neg_lo, hi);
+        // −∞ from a lower end at or below 0, +∞ from an infinite upper one.
+        let infinity = self.infinity();
+        if a.range.lo <= 0.0 {
+            let zero = self.zero();
+            let from_zero = self.m.le(zero, a.value.neg_lo);
+            neg_lo = self.m.select(from_zero, infinity, neg_lo);
+        }
+        if a.range.hi == f64::INFINITY {
+            let unbounded = self.m.eq(a.value.hi, infinity);
+            hi = self.m.select(unbounded, infinity, hi);
+        }
         let (nowhere, throughout) = self.positive(a);
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
     }
@@ -100,36 +115,6 @@ impl<M: Machine> Rule<'_, M> {
         [self.m.max(lo, least), self.m.max(a.value.hi, least)]
     }
 
-    /// Bounds of a logarithm from those over [`Self::positive_ends`]: −∞ from a lower end at or
-    /// below 0, +∞ from an infinite upper one.
-    fn logarithm_ends(
-        &mut self,
-        a: &Operand<M::V>,
-        mut neg_lo: M::V,
-        mut hi: M::V,
-    ) -> (M::V, M::V) {
-        let infinity = self.infinity();
-        if a.range.lo <= 0.0 {
-            let zero = self.zero();
-            let from_zero = self.m.le(zero, a.value.neg_lo);
-            neg_lo = self.m.select(from_zero, infinity, neg_lo);
-        }
-        if a.range.hi == f64::INFINITY {
-            let unbounded = self.m.eq(a.value.hi, infinity);
-            hi = self.m.select(unbounded, infinity, hi);
-        }
-        (neg_lo, hi)
-    }
-
-    pub(in crate::rules) fn cbrt(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let bounds = self.increasing(a, |approx, x| approx.cbrt(x));
-        self.unbounded_with(a, bounds)
-    }
-
-    pub(in crate::rules) fn atan(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.increasing(a, |approx, x| approx.atan(x))
-    }
-
     pub(in crate::rules) fn asin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let (nowhere, throughout) = self.between(a, -1.0, 1.0);
         let ends = self.limited_ends(a, -1.0, 1.0);
@@ -142,10 +127,6 @@ impl<M: Machine> Rule<'_, M> {
         let [lo, hi] = self.limited_ends(a, -1.0, 1.0);
         let [neg_lo, hi] = self.bounds_at([hi, lo], |approx, x| approx.acos(x));
         self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
-    }
-
-    pub(in crate::rules) fn sinh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        self.increasing(a, |approx, x| approx.sinh(x))
     }
 
     pub(in crate::rules) fn cosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -165,11 +146,6 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, ..bounds }
     }
 
-    pub(in crate::rules) fn asinh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let bounds = self.increasing(a, |approx, x| approx.asinh(x));
-        self.unbounded_with(a, bounds)
-    }
-
     pub(in crate::rules) fn acosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let (nowhere, throughout) = self.between(a, 1.0, f64::INFINITY);
         let ends = self.limited_ends(a, 1.0, f64::INFINITY);
@@ -179,10 +155,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(in crate::rules) fn atanh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let below_one = match self.format {
-            Format::F32 => f64::from(1.0_f32.next_down()),
-            Format::F64 => 1.0_f64.next_down(),
-        };
+        let below_one = self.format.pick(f64::from(1_f32.next_down()), 1_f64.next_down());
         let ends = self.limited_ends(a, -below_one, below_one);
         let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.atanh(x));
         let hi = self.infinite_from(a, 1.0, hi);

@@ -13,7 +13,7 @@
 use super::Rule;
 use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Operand};
-use crate::machine::{Format, Machine};
+use crate::machine::Machine;
 
 /// What differs between the formats.
 struct Constants {
@@ -109,10 +109,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     fn constants(&self) -> &'static Constants {
-        match self.format {
-            Format::F32 => &NEAR_F32,
-            Format::F64 => &NEAR_F64,
-        }
+        self.format.pick(&NEAR_F32, &NEAR_F64)
     }
 
     /// Sine and cosine of an operand for which [`Self::is_near`] holds.
@@ -152,7 +149,7 @@ impl<M: Machine> Rule<'_, M> {
     pub(crate) fn near_waves_at(&mut self, a: M::V) -> [M::V; 2] {
         let turned = self.near_reduce(a);
         let values = self.near_sums(&turned).map(|sum| [self.m.add(sum.head, sum.tail)]);
-        let mask = self.sign_mask();
+        let mask = self.sign_bit();
         let [sin, cos] = self.turn_back(&turned, values);
         [sin, cos].map(|([value], sign)| {
             let sign = self.m.and(sign, mask);
@@ -183,11 +180,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     fn near_reduce(&mut self, x: M::V) -> Turned<M::V> {
-        let two_over_pi = match self.format {
-            Format::F32 => f64::from(std::f32::consts::FRAC_2_PI),
-            Format::F64 => std::f64::consts::FRAC_2_PI,
-        };
-        let two_over_pi = self.number(two_over_pi);
+        let two_over_pi = self.nearest(std::f64::consts::FRAC_2_PI);
         let quarters = self.m.mul(x, two_over_pi);
         let k = self.m.nearest(quarters);
         let constants = self.constants();
@@ -212,13 +205,13 @@ impl<M: Machine> Rule<'_, M> {
         let (one, minus_half) = (self.number(1.0), self.number(-0.5));
         let nearly = self.m.mul_add(z, minus_half, one);
         let constants = self.constants();
-        let series = self.near_series(z, constants.cos);
+        let series = self.series(z, constants.cos);
         let fourth = self.m.mul(z, z);
         let moved = self.m.mul(n, s);
         let cos = Estimate { head: nearly, tail: self.m.mul_add(fourth, series, moved) };
         // sin s = s − s·z(1/6 − …); n·(1 − z/2) stands for n·cos s.
         let cube = self.m.mul(s, z);
-        let series = self.near_series(z, constants.sin);
+        let series = self.series(z, constants.sin);
         let moved = self.m.mul(n, nearly);
         [Estimate { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
@@ -231,10 +224,7 @@ impl<M: Machine> Rule<'_, M> {
         [sin, cos]: [[M::V; N]; 2],
     ) -> [([M::V; N], M::V); 2] {
         // By bit 0 of k, and bit 1 of k or, for the cosine, of k + 1: moved to the sign bit, they choose.
-        let last = match self.format {
-            Format::F32 => 31,
-            Format::F64 => 63,
-        };
+        let last = self.format.pick(31, 63);
         let odd = self.m.shift_left(turned.bits, last);
         let sin_sign = self.m.shift_left(turned.bits, last - 1);
         let cos_sign = self.m.xor(sin_sign, odd);
@@ -245,17 +235,13 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// c₀ + z(c₁ + z(c₂ + …)).
-    fn near_series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
+    pub(super) fn series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
         let (last, rest) = coefficients.split_last().expect("a series has a term");
         let last = self.number(*last);
         rest.iter().rev().fold(last, |sum, c| {
             let c = self.number(*c);
             self.m.mul_add(sum, z, c)
         })
-    }
-
-    fn sign_mask(&mut self) -> M::V {
-        self.number(-0.0)
     }
 }
 

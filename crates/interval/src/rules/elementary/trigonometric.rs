@@ -1,6 +1,6 @@
 //! Sine, cosine and tangent of angles up to [`HalfPi::limit`], reduced by multiples of π/2.
 
-use super::approximator::Approximator;
+use super::approximator::{Approximator, reciprocal_factorials};
 use super::arc::ONE_SIXTH_TAIL;
 use super::double_double::{Approximation, DoubleDouble};
 use crate::bounds::Interval;
@@ -60,10 +60,7 @@ impl HalfPi {
     /// Angles up to this magnitude are reduced; beyond it sine and cosine are only known to be in
     /// [−1, 1].
     pub(crate) fn limit(&self, format: Format) -> f64 {
-        match format {
-            Format::F32 => self.limits[0],
-            Format::F64 => self.limits[1],
-        }
+        format.pick(self.limits[0], self.limits[1])
     }
 }
 
@@ -117,7 +114,7 @@ impl<M: Machine> Approximator<'_, M> {
     /// on are rounded to a lane: 0.0032 of r, to 2⁻⁵² five times.
     fn sin_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(5, 8);
-        self.odd_series(r, -ONE_SIXTH_TAIL, &reciprocal_factorials(terms, 3))
+        self.odd_series(r, -ONE_SIXTH_TAIL, &alternating(terms, 3))
     }
 
     /// cos r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁴ in `f64`.
@@ -125,7 +122,7 @@ impl<M: Machine> Approximator<'_, M> {
     /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on are
     /// rounded to a lane: 0.0159, to 2⁻⁵² six times, over 0.707.
     fn cos_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
-        let coefficients = reciprocal_factorials(self.pick(6, 9), 2);
+        let coefficients = alternating(self.pick(6, 9), 2);
         let one = self.number(1.0);
         let z = self.times(r, r);
         if !self.has_tails() {
@@ -236,13 +233,10 @@ struct Angle<V> {
 
 /// (−1)ⁿ / (first + 2n − 2)! for n = 1…terms: the series of sine (first = 3) and cosine (first = 2)
 /// after its lead.
-fn reciprocal_factorials(terms: u32, first: u32) -> Vec<f64> {
-    (1..=terms)
-        .map(|n| {
-            let factorial: f64 = (1..=first + 2 * n - 2).map(f64::from).product();
-            if n % 2 == 0 { 1.0 / factorial } else { -1.0 / factorial }
-        })
-        .collect()
+fn alternating(terms: u32, first: u32) -> Vec<f64> {
+    let mut coefficients = reciprocal_factorials(terms, first, 2);
+    coefficients.iter_mut().step_by(2).for_each(|c| *c = -*c);
+    coefficients
 }
 
 #[cfg(test)]
