@@ -1,15 +1,15 @@
 //! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
 
 use crate::branches::Branches;
-use crate::domain::{Bounds, Loader, Term, ValueDomain};
+use crate::domain::{Bounds, Loader, ValueDomain};
 use crate::lanes::Lanes;
 use crate::real::{Real, outward};
 use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_interval::{
-    Enclosure, Exponent, Fact, Format, Interval, Machine, Operand, Software, Vector128 as Vector,
-    enclose,
+    Enclosure, Exponent, Fact, Format, Interval, Machine, Operand, Software, Term,
+    Vector128 as Vector, enclose,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;

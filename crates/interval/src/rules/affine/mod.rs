@@ -14,7 +14,7 @@ mod solve;
 mod waves;
 
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
+use crate::enclosure::{Enclosure, Fact, Operand, Term};
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 use crate::software::{Software, Vector128};
@@ -56,15 +56,7 @@ pub struct Claims<V> {
 }
 
 /// An operand of [`linearise`].
-#[derive(Clone, Copy, Debug)]
-pub struct FormOperand<V, const N: usize> {
-    /// The lanes.
-    pub value: Form<V, N>,
-    /// Bounds of the value at all points of the domain.
-    pub range: Interval,
-    /// What it is as an exponent.
-    pub exponent: Exponent,
-}
+pub type FormOperand<V, const N: usize> = Term<Form<V, N>>;
 
 impl<V: Copy, const N: usize> Form<V, N> {
     /// At least the distance of the value from the linear function; `None` if that is 0.
@@ -377,7 +369,7 @@ impl<M: Machine> Rule<'_, M> {
                 self.within([neg_lo, hi], a.range)
             }
         };
-        Operand { value: a.value.facts.with(bounds), range: a.range, exponent: a.exponent }
+        a.with(a.value.facts.with(bounds))
     }
 
     /// As [`Self::operand`], but the form is not asked where bounds are known beside it.
@@ -386,7 +378,7 @@ impl<M: Machine> Rule<'_, M> {
             return self.operand(a);
         };
         let bounds = self.within(bounds, a.range);
-        Operand { value: a.value.facts.with(bounds), range: a.range, exponent: a.exponent }
+        a.with(a.value.facts.with(bounds))
     }
 
     /// Bounds within what holds all over the domain.
