@@ -31,6 +31,7 @@ mod rows;
 mod scalar;
 mod shade;
 mod spare;
+mod squares;
 mod view;
 mod widths;
 mod work;
