@@ -24,6 +24,7 @@ mod slots;
 mod tiles;
 
 use super::knoll;
+use super::outcome::follow_ways;
 use crate::band::Band;
 use crate::found::Found;
 use crate::grid::RayGrid;
@@ -34,10 +35,11 @@ use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use frame::Frame;
+use narrow::Scratch;
 use rays::Follower;
 use room::Rooms;
 use std::sync::OnceLock;
-use zeroset_eval::{ContractTiles, Kernel, KernelError, LANES, Surface};
+use zeroset_eval::{ContractTiles, Kernel, KernelError, Surface};
 
 pub(crate) const METHOD: Method = Method {
     name: "affine",
@@ -126,9 +128,9 @@ impl<'a, T: Scalar> Affine<'a, T> {
 
 impl<T: Scalar> Tracer for Affine<'_, T> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
-        for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
-            self.follower.follow_rays(rays, start, found, work);
-        }
+        follow_ways(rays, self.region, self.longest, found, |ways| {
+            self.follower.follow(ways, start, &mut Scratch::default(), work)
+        });
     }
 
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
