@@ -156,7 +156,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     #[inline(always)]
     fn lengths(&self, patch: &Patch) -> [f64x8<S>; 2] {
         let simd = self.simd;
-        if self.rays.is_parallel() {
+        if self.rays.parallel {
             return [f64x8::splat(simd, 1.0); 2];
         }
         let screens = patch.screens();
@@ -191,7 +191,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// The length of a ray's direction.
     #[inline]
     fn length(&self, [a, b]: [f64; 2]) -> f64 {
-        if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
+        if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
     }
 
     /// Follows up to sixteen rays one by one to the end, each as far as it is in the region.

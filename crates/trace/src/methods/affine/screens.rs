@@ -1,11 +1,8 @@
 //! Where up to sixteen tiles are on the screen, and what is left of segments of theirs or of rays.
 
-use crate::scalar::Scalar;
+use crate::scalar::{HALF, Scalar};
 use fearless_simd::prelude::*;
 use zeroset_eval::{LANES, Lanes};
-
-/// Lanes of an `f64` vector: half of a batch.
-pub(super) const HALF: usize = LANES / 2;
 
 /// The screen coordinates of the rays of up to sixteen tiles: within `half` of `centre`.
 #[derive(Default)]

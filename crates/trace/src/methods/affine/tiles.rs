@@ -238,7 +238,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     #[inline(always)]
     pub(super) fn extent(&self, axis: usize, first: usize, last: usize) -> [f64; 2] {
         let centre = self.rays.screen(first + last, first + last)[axis];
-        [centre, (last - first) as f64 * self.rays.unit()]
+        [centre, (last - first) as f64 * self.rays.unit]
     }
 
     /// The first column and row of these tiles, if they are a square of sixteen of the last level with all of their pixels in
@@ -272,7 +272,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// How far the rays of a square's tiles are from the middle of each.
     #[inline(always)]
     pub(super) fn reach(&self) -> f64 {
-        (SIDES[LAST] - 1) as f64 * self.rays.unit()
+        (SIDES[LAST] - 1) as f64 * self.rays.unit
     }
 
     /// Which of a square's tiles have pixels that are not finished, as bits.
