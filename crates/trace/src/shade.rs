@@ -135,17 +135,11 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
 /// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
 /// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
 ///
-/// # Panics
-/// If the rays are of a picture of another width.
-pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
-    shade_painted(buffer, rays, appearance, &[])
-}
-
-/// As [`shade`], with points of other colours than their surface has: one paint for each pixel, or none at all.
+/// Points may have other colours than their surface has: there is one paint for each pixel, or none at all.
 ///
 /// # Panics
 /// If there are paints, but not as many as pixels; or the rays are of a picture of another width.
-pub fn shade_painted(
+pub fn shade(
     buffer: &GBuffer,
     rays: &RayGrid,
     appearance: &Appearance,
