@@ -2,7 +2,7 @@
 
 use crate::found::{Found, Reason, Status};
 use crate::numbers::SurfaceNumbers;
-use crate::spare::Spares;
+use crate::spare::{PICTURES, Spares, serves};
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -76,7 +76,7 @@ pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
     }
 }
 
-static SPARES: Spares<GBuffer> = Spares::new();
+static SPARES: Spares<GBuffer> = Spares::new(PICTURES);
 
 /// Rows that one thread makes misses at a time.
 const ROWS: usize = 64;
@@ -124,7 +124,7 @@ impl GBuffer {
     /// A picture of the given size, for the surface with this number, of which all rows are still to be cleared: what it holds
     /// is of no picture.
     pub(crate) fn unset(width: usize, height: usize, surface: u16, kept: Kept) -> Self {
-        let spare = SPARES.take(width * height, |spare| spare.status.capacity());
+        let spare = SPARES.take().filter(|spare| serves(spare.status.capacity(), width * height));
         let mut unset = spare.unwrap_or_default();
         unset.resize(width, height, kept);
         unset.surface.fill(surface);

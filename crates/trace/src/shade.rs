@@ -9,7 +9,7 @@ use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::look::Look;
 use crate::painted::{BAND, windows};
-use crate::spare::Spares;
+use crate::spare::{PICTURES, Spares, serves};
 use fearless_simd::Level;
 use rayon::prelude::*;
 pub use shader::{Canvas, Shader};
@@ -181,7 +181,8 @@ fn shade_with(
 
 /// Memory for the colours of so many pixels, which holds those of no picture.
 pub fn unset_colours(pixels: usize) -> Vec<u8> {
-    let mut bytes = SPARES.take(3 * pixels, Vec::capacity).unwrap_or_default();
+    let mut bytes =
+        SPARES.take().filter(|bytes| serves(bytes.capacity(), 3 * pixels)).unwrap_or_default();
     bytes.resize(3 * pixels, 0);
     bytes
 }
@@ -191,7 +192,7 @@ pub fn hand_back_colours(bytes: Vec<u8>) {
     SPARES.hand_back(bytes);
 }
 
-static SPARES: Spares<Vec<u8>> = Spares::new();
+static SPARES: Spares<Vec<u8>> = Spares::new(PICTURES);
 
 #[cfg(test)]
 mod tests;

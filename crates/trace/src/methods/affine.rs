@@ -16,12 +16,12 @@ mod narrow;
 mod pixels;
 mod plane;
 mod pool;
+mod pooled;
 mod rays;
-mod room;
 mod screens;
 mod sift;
-mod slots;
 mod tiles;
+mod tracer;
 
 use super::knoll;
 use super::outcome::follow_ways;
@@ -33,12 +33,13 @@ use crate::method::{
 };
 use crate::region::Region;
 use crate::scalar::Scalar;
+use crate::spare::Spares;
 use crate::work::Work;
 use frame::Frame;
 use narrow::Scratch;
 use rays::Follower;
-use room::Rooms;
 use std::sync::OnceLock;
+use tiles::Room;
 use zeroset_eval::{ContractTiles, Kernel, KernelError, Surface};
 
 pub(crate) const METHOD: Method = Method {
@@ -71,7 +72,8 @@ struct Affine<'a, T: Scalar> {
     longest: f64,
     surface: &'a dyn Surface,
     options: Options,
-    rooms: Rooms<T>,
+    /// Those that no thread is in.
+    rooms: Spares<Box<Room<T>>>,
     /// Made for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
@@ -106,7 +108,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
             longest: options.longest(),
             surface,
             options,
-            rooms: Rooms::new(),
+            rooms: Spares::new(usize::MAX),
             double: OnceLock::new(),
         })
     }

@@ -3,7 +3,7 @@
 use super::super::way::{self, Way};
 use super::plane::Plane;
 use super::pool::{TileAt, TileRay, place_of, tile_at};
-use super::tiles::Tracer;
+use super::tracer::Tracer;
 use crate::method::Start;
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -116,7 +116,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let (mut distance, mut off) = (plane.at(self.simd, &patch.screens()), self.lengths(patch));
         for (distance, off) in distance.iter_mut().zip(&mut off) {
             *distance = (self.frame.start + *distance) * *off;
-            *off *= plane.reach();
+            *off *= plane.reach;
         }
         f64::narrow(distance, &mut found[0]);
         f64::narrow(off, &mut found[1]);
@@ -213,8 +213,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
-        let (mut ways, mut lanes) = ([Way::NONE; LANES], [0; LANES]);
-        let mut count = 0;
+        let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
         for (lane, (ray, span)) in rays.iter().enumerate() {
             let [origin, direction] = self.frame.ray(screen(lane));
             let (mut span, mut inside) = (*span, [f64::NEG_INFINITY, f64::INFINITY]);
@@ -235,17 +234,16 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 continue;
             }
             let longest = ray.longest.into();
-            ways[count] = Way { origin, direction, error, start: -start, span, inside, longest };
-            lanes[count] = lane;
-            count += 1;
+            ways.push(Way { origin, direction, error, start: -start, span, inside, longest });
+            lanes.push(lane);
         }
-        if count == 0 {
+        if ways.is_empty() {
             return;
         }
         let follower = &self.method.follower;
         let scratch = &mut self.memory.scratch;
-        let outcomes = follower.follow(&ways[..count], Start::Anywhere, scratch, self.work);
-        for (outcome, lane) in outcomes[..count].iter().zip(lanes) {
+        let outcomes = follower.follow(&ways, Start::Anywhere, scratch, self.work);
+        for (outcome, lane) in outcomes.iter().zip(lanes) {
             let found = outcome.found(start);
             if found.is_miss() {
                 continue;

@@ -20,6 +20,9 @@ impl Screens {
     }
 }
 
+/// What is still to be looked at of something: segments, the nearest last.
+pub(super) type Stack<T = f64> = Vec<[T; 2]>;
+
 /// What lanes are about before any has moved: each about its own.
 pub(super) const UNMOVED: [u8; LANES] = {
     let mut things = [0; LANES];
