@@ -32,6 +32,17 @@ pub(super) struct Way {
 }
 
 impl Way {
+    /// To fill an array with.
+    pub const NONE: Self = Self {
+        origin: DVec3::ZERO,
+        direction: DVec3::ZERO,
+        error: DVec3::ZERO,
+        start: 0.0,
+        span: [0.0; 2],
+        inside: [0.0; 2],
+        longest: 0.0,
+    };
+
     /// A ray's way through the region, from where it enters: s is 0 there, and t is s − `start`. `None` if it does not meet
     /// the region.
     pub fn new(segment: &Segment, region: &Region) -> Option<Self> {

@@ -213,7 +213,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
-        let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
+        let (mut ways, mut lanes) = ([Way::NONE; LANES], [0; LANES]);
+        let mut count = 0;
         for (lane, (ray, span)) in rays.iter().enumerate() {
             let [origin, direction] = self.frame.ray(screen(lane));
             let (mut span, mut inside) = (*span, [f64::NEG_INFINITY, f64::INFINITY]);
@@ -234,16 +235,17 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 continue;
             }
             let longest = ray.longest.into();
-            ways.push(Way { origin, direction, error, start: -start, span, inside, longest });
-            lanes.push(lane);
+            ways[count] = Way { origin, direction, error, start: -start, span, inside, longest };
+            lanes[count] = lane;
+            count += 1;
         }
-        if ways.is_empty() {
+        if count == 0 {
             return;
         }
         let follower = &self.method.follower;
         let scratch = &mut self.memory.scratch;
-        let outcomes = follower.follow(&ways, Start::Anywhere, scratch, self.work);
-        for (outcome, lane) in outcomes.iter().zip(lanes) {
+        let outcomes = follower.follow(&ways[..count], Start::Anywhere, scratch, self.work);
+        for (outcome, lane) in outcomes[..count].iter().zip(lanes) {
             let found = outcome.found(start);
             if found.is_miss() {
                 continue;
