@@ -107,9 +107,9 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         lap(&mut || _ = black_box(normals(buffer, rays, gradients, 1e-3)));
         buffer.normal.fill([0.0; 3]);
         lap(&mut || _ = black_box(normals(buffer, rays, gradients_in_f64, 1e-3)));
-        hand_back_colours(shade(buffer, rays, &far));
-        lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &far))));
-        lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &near))));
+        hand_back_colours(shade(buffer, rays, &far, &[]));
+        lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &far, &[]))));
+        lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &near, &[]))));
         // The memory of each of these is of a picture that was painted.
         let known = Some(&*buffer);
         for (known, is_lit) in [(None, false), (known, false), (known, true)] {

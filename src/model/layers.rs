@@ -8,8 +8,7 @@ use crate::program::ProgramError;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
 use zeroset_trace::{
-    Driver, GBuffer, LinearRgb, RayGrid, Start, Status, UndecidedStyle, hand_back_colours,
-    shade_painted,
+    Driver, GBuffer, LinearRgb, RayGrid, Start, Status, UndecidedStyle, hand_back_colours, shade,
 };
 
 /// Points of one surface along a ray, at most.
@@ -93,7 +92,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         let Finish { appearance, painter } = finish;
         let shaded = |buffer: &GBuffer| {
             let paint = painter.as_ref().map(|painter| painter.paint(buffer, rays, side));
-            shade_painted(buffer, rays, appearance, &paint.unwrap_or_default())
+            shade(buffer, rays, appearance, &paint.unwrap_or_default())
         };
         let first = shaded(picture);
         if layers.is_empty() {

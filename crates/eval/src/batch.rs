@@ -391,9 +391,7 @@ impl<T: Real> Boxes<T> {
         });
         batches.collect()
     }
-}
 
-impl<T: Real> Boxes<T> {
     /// The boxes of these lanes, in order; at least one.
     pub(crate) fn gathered(&self, lanes: u16) -> Self {
         let mut out = Self { count: lanes.count_ones(), ..Self::default() };
@@ -409,12 +407,13 @@ impl<T: Real> Boxes<T> {
 
 impl<T: Real> Points<T> {
     /// Batches of these points, in order; coordinates rounded to nearest.
-    pub fn near(points: &[[f64; 3]]) -> Vec<Self> {
+    pub fn near<P: Copy + Into<[f64; 3]>>(points: &[P]) -> Vec<Self> {
         let batches = points.chunks(LANES).map(|chunk| {
             let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
             for (lane, point) in chunk.iter().enumerate() {
-                for (axis, coordinate) in point.iter().enumerate() {
-                    batch.at[axis][lane] = T::nearest(*coordinate);
+                let point: [f64; 3] = (*point).into();
+                for (axis, coordinate) in point.into_iter().enumerate() {
+                    batch.at[axis][lane] = T::nearest(coordinate);
                 }
             }
             batch

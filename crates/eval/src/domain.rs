@@ -4,8 +4,7 @@
 
 use crate::real::{Real, middle};
 use zeroset_interval::{
-    Enclosure, Exponent, Interval, Machine, Operand, enclose, enclose_twins, evaluate,
-    evaluate_twins,
+    Enclosure, Exponent, Interval, Machine, Term, enclose, enclose_twins, evaluate, evaluate_twins,
 };
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
@@ -44,17 +43,6 @@ pub trait Loader<M: Machine> {
     fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V;
 }
 
-/// The value of an earlier step, and what is known of it whatever the lanes hold.
-#[derive(Clone, Copy, Debug)]
-pub struct Term<V> {
-    /// The value.
-    pub value: V,
-    /// Bounds that hold for every sample.
-    pub range: Interval,
-    /// What it is as an exponent.
-    pub exponent: Exponent,
-}
-
 /// Intervals with facts, of boxes and parameters in memory.
 pub(crate) struct Bounds<'a, I>(pub &'a mut I);
 
@@ -63,20 +51,6 @@ pub(crate) struct Samples<'a, I>(pub &'a mut I);
 
 /// Quantities of a parameter in a [`Binding`](crate::Binding): −lo, hi, and a value between.
 pub(crate) const PARAMETER_QUANTITIES: usize = 3;
-
-impl<V: Copy> Term<V> {
-    /// Another value of the same step.
-    pub(crate) fn with<W>(&self, value: W) -> Term<W> {
-        Term { value, range: self.range, exponent: self.exponent }
-    }
-}
-
-impl<V> Term<Enclosure<V>> {
-    /// The same as the rules of intervals take it.
-    pub(crate) fn operand(self) -> Operand<V> {
-        Operand { value: self.value, range: self.range, exponent: self.exponent }
-    }
-}
 
 impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {
     type Value = Enclosure<M::V>;
@@ -99,8 +73,7 @@ impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {
     }
 
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value {
-        let operands: Vec<_> = operands.iter().map(|term| term.operand()).collect();
-        enclose(m, T::FORMAT, op, &operands)
+        enclose(m, T::FORMAT, op, operands)
     }
 
     fn apply_twins(
@@ -109,7 +82,7 @@ impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {
         op: Op,
         operand: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]> {
-        enclose_twins(m, T::FORMAT, op, &operand.operand())
+        enclose_twins(m, T::FORMAT, op, operand)
     }
 
     fn held(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {

@@ -1,31 +1,41 @@
 //! Affine forms along rays: the domain of values in which segments are narrowed.
 
-use crate::domain::{Loader, PARAMETER_QUANTITIES, Term, ValueDomain};
+use crate::domain::{Loader, PARAMETER_QUANTITIES, ValueDomain};
 use crate::real::Real;
+use crate::tape::Tape;
 use std::marker::PhantomData;
 use zeroset_interval::{
-    Enclosure, Form, FormOperand, Format, Interval, Machine, linearise, linearise_twins,
+    Contraction, Enclosure, Form, Format, Interval, Machine, Term, contract, linearise,
+    linearise_twins,
 };
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
 
 /// How coordinates depend on `N` symbols, of which the last is the way along a ray.
-pub(crate) trait Path<M: Machine, const N: usize> {
+pub(crate) trait Path<const N: usize> {
+    /// The places of a segment's ends among the quantities.
+    const ENDS: [usize; 2];
+
     /// A coordinate's form.
-    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, N>;
+    fn coordinate<M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        depth: Depth<M::V>,
+        axis: Axis,
+    ) -> Form<M::V, N>;
 }
 
 /// Segments of rays, from a batch of [`Segments`](crate::Segments).
-pub(crate) struct Along<V>(pub Depth<V>);
+pub(crate) struct Along;
 
 /// Tiles of rays, from a batch of [`Tiles`](crate::Tiles).
-pub(crate) struct Across<V>(pub Depth<V>);
+pub(crate) struct Across;
 
 /// Affine forms of points on a path.
-pub(crate) struct Forms<'a, T, I, P, const N: usize> {
-    pub loader: &'a mut I,
-    pub path: P,
-    pub format: PhantomData<T>,
+struct Forms<'a, I, V, P, const N: usize> {
+    loader: &'a mut I,
+    depth: Depth<V>,
+    path: PhantomData<P>,
 }
 
 /// How far along a ray: t is within `middle` ± `half` for t from the one end of a segment to the other.
@@ -37,7 +47,7 @@ pub(crate) struct Depth<V> {
 
 impl<V: Copy> Depth<V> {
     /// Between two ends.
-    pub fn between<M: Machine<V = V>>(m: &mut M, format: Format, ends: [V; 2]) -> Self {
+    fn between<M: Machine<V = V>>(m: &mut M, format: Format, ends: [V; 2]) -> Self {
         let half = m.number(format, 0.5);
         let middle = m.nearly(|m| {
             let sum = m.add(ends[0], ends[1]);
@@ -48,38 +58,42 @@ impl<V: Copy> Depth<V> {
     }
 }
 
-impl<V> Along<V> {
-    /// The places of the ends among the quantities.
-    pub const ENDS: [usize; 2] = [9, 10];
-}
+impl Path<1> for Along {
+    const ENDS: [usize; 2] = [9, 10];
 
-impl<V> Across<V> {
-    /// As above.
-    pub const ENDS: [usize; 2] = [4, 5];
-}
-
-impl<M: Machine> Path<M, 1> for Along<M::V> {
-    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, 1> {
+    fn coordinate<M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        depth: Depth<M::V>,
+        axis: Axis,
+    ) -> Form<M::V, 1> {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
         // The error has room for what is rounded here.
         let (centre, slope) = m.nearly(|m| {
-            let slope = m.mul(self.0.half, direction);
-            (m.mul_add(direction, self.0.middle, origin), slope)
+            let slope = m.mul(depth.half, direction);
+            (m.mul_add(direction, depth.middle, origin), slope)
         });
         Form::coordinate(centre, [slope], error)
     }
 }
 
-impl<M: Machine> Path<M, 3> for Across<M::V> {
-    fn coordinate(&mut self, m: &mut M, loader: &mut impl Loader<M>, axis: Axis) -> Form<M::V, 3> {
+impl Path<3> for Across {
+    const ENDS: [usize; 2] = [4, 5];
+
+    fn coordinate<M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        depth: Depth<M::V>,
+        axis: Axis,
+    ) -> Form<M::V, 3> {
         // Read again for each axis: what is kept for long goes to memory and back.
         let centre = [0, 1].map(|quantity| loader.input(m, quantity));
         let reach = [2, 3].map(|quantity| loader.input(m, quantity));
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
         let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
         let error = loader.input(m, 24 + axis as usize);
-        let Depth { middle, half } = self.0;
+        let Depth { middle, half } = depth;
         // Screen and depth together: rays spread.
         let sizes = [d_a, d_b].map(|d| m.abs(d));
         let spread = m.mul(reach[0], sizes[0]);
@@ -103,13 +117,28 @@ impl<M: Machine> Path<M, 3> for Across<M::V> {
     }
 }
 
-impl<T: Real, M: Machine, I: Loader<M>, P: Path<M, N>, const N: usize> ValueDomain<T, M>
-    for Forms<'_, T, I, P, N>
+/// What a tape's first output is on a path, where it may vanish there, and how deep that is.
+pub(crate) fn contracted<P: Path<N>, T: Real, V: Copy, M: Machine<V = V>, const N: usize>(
+    tape: &Tape<T>,
+    m: &mut M,
+    loader: &mut impl Loader<M>,
+) -> (Form<V, N>, Contraction<V>, Depth<V>) {
+    let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
+    let depth = Depth::between(m, T::FORMAT, ends);
+    let form = tape.evaluate(m, &mut Forms::<_, _, P, N> { loader, depth, path: PhantomData })[0];
+    // Read again: what is kept for long goes to memory and back.
+    let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
+    let new = contract(m, T::FORMAT, &form, [depth.middle, depth.half], ends);
+    (form, new, depth)
+}
+
+impl<T: Real, M: Machine, I: Loader<M>, P: Path<N>, const N: usize> ValueDomain<T, M>
+    for Forms<'_, I, M::V, P, N>
 {
     type Value = Form<M::V, N>;
 
     fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value {
-        self.path.coordinate(m, self.loader, axis)
+        P::coordinate(m, self.loader, self.depth, axis)
     }
 
     fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value {
@@ -123,8 +152,7 @@ impl<T: Real, M: Machine, I: Loader<M>, P: Path<M, N>, const N: usize> ValueDoma
     }
 
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value {
-        let operands: Vec<_> = operands.iter().map(operand).collect();
-        linearise(m, T::FORMAT, op, &operands)
+        linearise(m, T::FORMAT, op, operands)
     }
 
     fn apply_twins(
@@ -133,14 +161,10 @@ impl<T: Real, M: Machine, I: Loader<M>, P: Path<M, N>, const N: usize> ValueDoma
         op: Op,
         term: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]> {
-        linearise_twins(m, T::FORMAT, op, &operand(term))
+        linearise_twins(m, T::FORMAT, op, term)
     }
 
     fn held(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
         value.held(m, T::FORMAT, range)
     }
-}
-
-fn operand<V: Copy, const N: usize>(term: &Term<Form<V, N>>) -> FormOperand<V, N> {
-    FormOperand { value: term.value, range: term.range, exponent: term.exponent }
 }

@@ -24,7 +24,7 @@ pub use batch::{
     PATH_UNITS, Planes, Points, Segments, Tiles, Values, Zeros,
 };
 pub use binding::Binding;
-pub use domain::{Loader, Term, ValueDomain};
+pub use domain::{Loader, ValueDomain};
 pub use lanes::{LANES, Lanes};
 pub use question::{
     Answer, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Question,

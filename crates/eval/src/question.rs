@@ -10,12 +10,11 @@ use crate::batch::{
 use crate::binding::Binding;
 use crate::differentiable::Differentiable;
 use crate::domain::{Bounds, Loader, Samples};
-use crate::forms::{Across, Along, Depth, Forms};
+use crate::forms::{Across, Along, Depth, contracted};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
-use std::marker::PhantomData;
-use zeroset_interval::{Enclosure, Fact, Machine, contract};
+use zeroset_interval::{Enclosure, Fact, Machine};
 
 /// A question, as a type without values.
 pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
@@ -216,14 +215,7 @@ impl Question for ContractSegments {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V> {
-        let ends = Along::<M::V>::ENDS.map(|quantity| loader.input(m, quantity));
-        let depth = Depth::between(m, T::FORMAT, ends);
-        let path = Along(depth);
-        let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
-        // Read again: what is kept for long goes to memory and back.
-        let ends = Along::<M::V>::ENDS.map(|quantity| loader.input(m, quantity));
-        let Depth { middle, half } = depth;
-        let new = contract(m, T::FORMAT, &form, [middle, half], ends);
+        let (_, new, _) = contracted::<Along, _, _, _, _>(tape, m, loader);
         Answer { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
     }
 }
@@ -239,14 +231,7 @@ impl Question for ContractTiles {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V> {
-        let ends = Across::<M::V>::ENDS.map(|quantity| loader.input(m, quantity));
-        let depth = Depth::between(m, T::FORMAT, ends);
-        let path = Across(depth);
-        let form = tape.evaluate(m, &mut Forms { loader, path, format: PhantomData::<T> })[0];
-        // Read again: what is kept for long goes to memory and back.
-        let ends = Across::<M::V>::ENDS.map(|quantity| loader.input(m, quantity));
-        let Depth { middle, half } = depth;
-        let new = contract(m, T::FORMAT, &form, [middle, half], ends);
+        let (form, new, Depth { middle, half }) = contracted::<Across, _, _, _, _>(tape, m, loader);
         let zero = m.number(T::FORMAT, 0.0);
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
         let error = form.error(m, T::FORMAT).unwrap_or(zero);

@@ -1,15 +1,15 @@
 //! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
 
 use crate::branches::Branches;
-use crate::domain::{Bounds, Loader, Term, ValueDomain};
+use crate::domain::{Bounds, Loader, ValueDomain};
 use crate::lanes::Lanes;
 use crate::real::{Real, outward};
 use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_interval::{
-    Enclosure, Exponent, Fact, Format, Interval, Machine, Operand, Software, Vector128 as Vector,
-    enclose,
+    Enclosure, Exponent, Fact, Format, Interval, Machine, Operand, Software, Term,
+    Vector128 as Vector, enclose,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -274,22 +274,19 @@ fn range_of<T: Real>(
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
             let nowhere = T::bits(value.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
             let range = match Interval::new(lo, hi) {
-                Some(range) if !nowhere => range,
-                _ => return with_facts(given(Interval::ENTIRE), &value),
+                Some(range) if !nowhere => {
+                    op.row().excess.map_or(range, |[f32, f64]| match T::FORMAT {
+                        Format::F32 => inflate(range, f64::from(f32::from_bits(1)) * f32 as f64),
+                        Format::F64 => inflate(range, f64::from_bits(f64)),
+                    })
+                }
+                _ => Interval::ENTIRE,
             };
-            let range = op.row().excess.map_or(range, |[f32, f64]| match T::FORMAT {
-                Format::F32 => inflate(range, f64::from(f32::from_bits(1)) * f32 as f64),
-                Format::F64 => inflate(range, f64::from_bits(f64)),
-            });
-            with_facts(given(range), &value)
+            let bounds = given(range);
+            let Enclosure { neg_lo, hi, .. } = bounds.value;
+            bounds.with(Enclosure { neg_lo, hi, ..value })
         }
     }
-}
-
-/// The same bounds, with the facts of `value`.
-fn with_facts(bounds: Operand<Vector>, value: &Enclosure<Vector>) -> Operand<Vector> {
-    let Enclosure { neg_lo, hi, .. } = bounds.value;
-    Operand { value: Enclosure { neg_lo, hi, ..*value }, ..bounds }
 }
 
 /// The number in the first lane.

@@ -113,16 +113,19 @@ impl<V: Copy> Fact<V> {
     }
 }
 
-/// An operand of a rule: its lanes, and bounds that hold whenever the code runs.
+/// A value in lanes, and what is known of it whenever the code runs.
 #[derive(Clone, Copy, Debug)]
-pub struct Operand<V> {
+pub struct Term<W> {
     /// The lanes.
-    pub value: Enclosure<V>,
+    pub value: W,
     /// Every lane's bounds lie within these, for every box the code will ever see.
     pub range: Interval,
     /// Whether it is a constant integer; asked of exponents only.
     pub exponent: Exponent,
 }
+
+/// An operand of a rule.
+pub type Operand<V> = Term<Enclosure<V>>;
 
 /// What an operand is as an exponent: the domain of a power depends on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -145,6 +148,13 @@ pub(crate) enum Sign {
     Nonneg,
     Nonpos,
     Unknown,
+}
+
+impl<W> Term<W> {
+    /// Another value of which the same is known.
+    pub fn with<U>(&self, value: U) -> Term<U> {
+        Term { value, range: self.range, exponent: self.exponent }
+    }
 }
 
 impl<V: Copy> Operand<V> {

@@ -19,7 +19,7 @@ mod unbounded;
 
 pub use bounds::Interval;
 pub use branch::{Branch, Split};
-pub use enclosure::{Claims, Enclosure, Exponent, Fact, Operand};
+pub use enclosure::{Claims, Enclosure, Exponent, Fact, Operand, Term};
 pub use facts::Facts;
 pub use fold::{Decorated, fold};
 pub use machine::{Format, Machine, has_fma};

@@ -108,19 +108,11 @@ pub fn vector_widths() -> impl Iterator<Item = usize> {
     wider.chain([VECTOR])
 }
 
-/// Compiles what answers a question.
+/// Compiles what answers a question, for vectors of at most so many bytes.
 ///
 /// # Panics
 /// If the tape computes another number of expressions than the question needs.
-pub fn compile<Q: Question, T: Real>(tape: &Tape<T>) -> Result<Code, Error> {
-    check_processor()?;
-    generate(|width| build::<Q, T>(tape, width), None, usize::MAX)
-}
-
-/// As [`compile`], for vectors of at most so many bytes.
-#[cfg(feature = "comparison")]
-pub fn compile_narrow<Q: Question, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code, Error> {
-    check_processor()?;
+pub fn compile<Q: Question, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code, Error> {
     generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
@@ -130,7 +122,6 @@ pub fn compile_for_comparison<Q: Question, T: Real>(
     tape: &Tape<T>,
     other: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
 ) -> Result<Code, Error> {
-    check_processor()?;
     let write = |width| build_with::<Q, T>(tape, width, &other);
     generate(write, Some(Tier::Optimised), usize::MAX)
 }
@@ -146,6 +137,7 @@ fn generate(
     )]
     widest: usize,
 ) -> Result<Code, Error> {
+    check_processor()?;
     #[cfg(target_arch = "x86_64")]
     for width in Width::ALL {
         if width.bytes() <= widest

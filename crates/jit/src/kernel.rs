@@ -27,7 +27,7 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
     /// # Panics
     /// If the tape computes another number of expressions than the question needs.
     pub fn new(tape: Tape<T>) -> Result<Self, Error> {
-        Ok(Self::of(compile::<Q, T>(&tape)?, tape))
+        Self::of_width(tape, usize::MAX)
     }
 
     /// As [`Compiled::new`] for vectors of so many bytes at most, as processors run it that have no wider ones: to be compared.
@@ -39,11 +39,12 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
     /// As [`Compiled::new`].
     #[cfg(feature = "comparison")]
     pub fn narrow(tape: Tape<T>, widest: usize) -> Result<Self, Error> {
-        Ok(Self::of(crate::compiler::compile_narrow::<Q, T>(&tape, widest)?, tape))
+        Self::of_width(tape, widest)
     }
 
-    fn of(code: Code, tape: Tape<T>) -> Self {
-        Self { code: Arc::new(code), tape: Arc::new(tape), question: PhantomData }
+    fn of_width(tape: Tape<T>, widest: usize) -> Result<Self, Error> {
+        let code = Arc::new(compile::<Q, T>(&tape, widest)?);
+        Ok(Self { code, tape: Arc::new(tape), question: PhantomData })
     }
 
     /// The code with values for its parameters.

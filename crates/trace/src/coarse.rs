@@ -29,7 +29,7 @@ pub fn borrow_occlusion(
                 continue;
             }
             let [across, upward] = rays.screen(2 * column, 2 * row);
-            let [across, upward] = [across, upward].map(|place| place / small_rays.unit());
+            let [across, upward] = [across, upward].map(|place| place / small_rays.unit);
             // Columns and rows of the smaller picture, with fractions.
             let x = 0.5 * (across + width as f64 - 1.0);
             let y = 0.5 * (height as f64 - 1.0 - upward);

@@ -113,12 +113,6 @@ impl LinearRgb {
         let [_, red, green, blue] = value.to_be_bytes();
         Some(Self::from_srgb([red, green, blue]))
     }
-
-    /// The light times `factor`, plus `white` of all three primaries.
-    #[must_use]
-    pub fn lit(self, factor: f32, white: f32) -> Self {
-        Self(self.0.map(|value| value * factor + white))
-    }
 }
 
 #[cfg(test)]

@@ -1,24 +1,21 @@
-//! What all methods share: which rays go together, threads, cancelling, progress, and where findings go.
+//! What all methods share: threads, cancelling, progress, and where findings go.
 //!
 //! How a ray is followed is not known here.
 
 use crate::camera::Ray;
 use crate::found::Found;
 use crate::gbuffer::{GBuffer, Kept};
-use crate::grid::{RayGrid, SIDE};
+use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
 use crate::near::{TURNS, turn};
 use crate::rows::{Rows, work_on};
+use crate::squares::RAYS;
 use crate::work::Work;
-use glam::DVec3;
 use rayon::prelude::*;
-use zeroset_eval::LANES;
 
 /// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the side of its squares.
 pub const BAND_ROWS: usize = 16;
-/// Rays handed to a method at once: 8×8 pixels, whose data stay in the nearest cache.
-pub(crate) const RAYS: usize = 64;
 /// Pixels of a list that go together.
 const LIST: usize = 1024;
 
@@ -33,12 +30,6 @@ pub struct Driver<'a> {
     /// new picture that were not reached then are undecided and not painted, and those followed on are as they were.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
-
-/// A pixel's column and row: an index would have to be divided again for each ray.
-type Pixel = [u32; 2];
-
-/// What became of a tile's rays, but for misses.
-type Findings = Vec<(Pixel, Found)>;
 
 impl Driver<'_> {
     /// Traces all pixels into a buffer of misses.
@@ -107,10 +98,10 @@ impl Driver<'_> {
     pub fn shadows(&self, buffer: &mut GBuffer, lights: &[Light; TURNS], offset: f64) -> Work {
         let painted: Vec<usize> =
             (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
-        let segment = |pixel: Pixel| {
-            let [column, row] = pixel.map(|place| place as usize);
-            let light = &lights[turn([column, row])];
-            let (ray, pixel) = (self.rays.ray(column, row), self.index(pixel));
+        let width = self.rays.width();
+        let segment = |pixel: usize| {
+            let [column, row] = [pixel % width, pixel / width];
+            let (light, ray) = (&lights[turn([column, row])], self.rays.ray(column, row));
             let t = ray.parameter(buffer.drawn[pixel]);
             let (way, distance) = light.towards(ray.at(t));
             // Off the surface on the side of the eye, then along the light.
@@ -122,18 +113,11 @@ impl Driver<'_> {
                 pixel: [f64::INFINITY, 0.0],
             }
         };
-        let tiles = painted.par_chunks(LIST).map(|tile| self.places(tile));
         buffer.shadow.clear();
         buffer.shadow.resize(buffer.status.len(), 0);
-        let mut work = Work::default();
-        for (found, part) in self.follow(tiles, &segment, Start::OnSurface) {
-            work += part;
-            for (pixel, found) in found {
-                let hidden = if found.drawn.is_finite() { u8::MAX } else { 0 };
-                buffer.shadow[self.index(pixel)] = hidden;
-            }
-        }
-        work
+        self.follow(&painted, segment, Start::OnSurface, |pixel, found| {
+            buffer.shadow[pixel] = if found.drawn.is_finite() { u8::MAX } else { 0 };
+        })
     }
 
     /// Follows the rays of pixels on from the given distances, in world units; where those are not finite, the pixel stays as
@@ -147,67 +131,46 @@ impl Driver<'_> {
         let wanted = |pixel: &usize| starts[*pixel].is_finite();
         let pixels: Vec<usize> = (0..starts.len()).filter(wanted).collect();
         let [width, growth] = self.rays.pixel();
-        let segment = |pixel: Pixel| {
-            let [column, row] = pixel.map(|place| place as usize);
-            let ray = self.rays.ray(column, row);
-            let t = ray.parameter(starts[self.index(pixel)]);
+        let segment = |pixel: usize| {
+            let ray = self.rays.ray_of(pixel);
+            let t = ray.parameter(starts[pixel]);
             Segment {
                 ray: Ray { origin: ray.at(t), ..ray },
                 to: f64::INFINITY,
                 pixel: [width + growth * t, growth],
             }
         };
-        let tiles = pixels.par_chunks(LIST).map(|tile| self.places(tile));
-        let mut work = Work::default();
-        for (found, part) in self.follow(tiles, &segment, start) {
-            work += part;
-            for (pixel, found) in found {
-                let pixel = self.index(pixel);
-                let from = starts[pixel];
-                let found = Found {
-                    distance: found.distance + from,
-                    drawn: found.drawn + from,
-                    bracket: found.bracket.map(|end| end + from),
-                    ..found
-                };
-                buffer.set(pixel, &found);
-            }
-        }
-        work
+        self.follow(&pixels, segment, start, |pixel, found| {
+            let from = starts[pixel];
+            let found = Found {
+                distance: found.distance + from,
+                drawn: found.drawn + from,
+                bracket: found.bracket.map(|end| end + from),
+                ..found
+            };
+            buffer.set(pixel, &found);
+        })
     }
 
-    fn index(&self, [column, row]: Pixel) -> usize {
-        row as usize * self.rays.width() + column as usize
-    }
-
-    fn places(&self, pixels: &[usize]) -> Vec<Pixel> {
-        let width = self.rays.width();
-        pixels.iter().map(|pixel| [(pixel % width) as u32, (pixel / width) as u32]).collect()
-    }
-
-    /// Follows a ray for each pixel; returns what is no miss, distances in world units, tile by tile but for those that were
-    /// no longer wanted.
+    /// Follows a ray for each of some pixels, as long as that is wanted; tells what is no miss, distances in world units.
     fn follow(
         &self,
-        tiles: impl ParallelIterator<Item = Vec<Pixel>>,
-        segment: &(impl Fn(Pixel) -> Segment + Sync),
+        pixels: &[usize],
+        segment: impl Fn(usize) -> Segment + Sync,
         start: Start,
-    ) -> Vec<(Findings, Work)> {
-        let follow = |tile: Vec<Pixel>| {
+        mut tell: impl FnMut(usize, Found),
+    ) -> Work {
+        let follow = |pixels: &[usize]| {
             if !(self.advance)(0) {
                 return None;
             }
             let (mut all, mut work) = (Vec::new(), Work::default());
-            let ray = Ray { origin: DVec3::ZERO, direction: DVec3::Z };
-            let unset = Segment { ray, to: 0.0, pixel: [0.0; 2] };
-            let (mut rays, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
-            for pixels in tile.chunks(RAYS) {
-                let (rays, found) = (&mut rays[..pixels.len()], &mut found[..pixels.len()]);
-                for (ray, &pixel) in rays.iter_mut().zip(pixels) {
-                    *ray = segment(pixel);
-                }
-                self.tracer.follow(rays, start, found, &mut work);
-                for ((&pixel, found), Segment { ray, .. }) in pixels.iter().zip(found).zip(rays) {
+            let mut found = [Found::MISS; RAYS];
+            for pixels in pixels.chunks(RAYS) {
+                let rays: Vec<Segment> = pixels.iter().map(|&pixel| segment(pixel)).collect();
+                let found = &mut found[..pixels.len()];
+                self.tracer.follow(&rays, start, found, &mut work);
+                for ((&pixel, found), Segment { ray, .. }) in pixels.iter().zip(found).zip(&rays) {
                     if !found.is_miss() {
                         all.push((pixel, found.scaled(ray.distance(1.0))));
                     }
@@ -215,74 +178,14 @@ impl Driver<'_> {
             }
             Some((all, work))
         };
-        tiles.filter_map(follow).collect()
-    }
-}
-
-/// Columns and rows within a square, in Morton's order: each four in a row are 2×2 pixels, each sixteen 4×4.
-const ORDER: [[usize; 2]; RAYS] = {
-    let mut order = [[0; 2]; RAYS];
-    let mut place = 0;
-    while place < RAYS {
-        let mut bit = 0;
-        while bit < RAYS.ilog2() / 2 {
-            order[place][0] |= (place >> (2 * bit) & 1) << bit;
-            order[place][1] |= (place >> (2 * bit + 1) & 1) << bit;
-            bit += 1;
-        }
-        place += 1;
-    }
-    order
-};
-
-/// The pixels of a band, square by square. Squares of 2×2 that stick out repeat its last pixels.
-pub(crate) fn squares(width: usize, height: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
-    let side = RAYS.isqrt();
-    let corners = (0..height.div_ceil(side))
-        .flat_map(move |down| (0..width.div_ceil(side)).map(move |right| [right, down]));
-    corners.map(move |[right, down]| {
-        let (left, top) = (side * right, side * down);
-        let place = |&[x, y]: &[usize; 2]| [left + x, top + y];
-        if left + side <= width && top + side <= height {
-            return ORDER.iter().map(place).collect();
-        }
-        let reaches = |&[x, y]: &[usize; 2]| (x & !1) < width && (y & !1) < height;
-        let inside = ORDER.iter().map(place).filter(reaches);
-        inside.map(|[x, y]| [x.min(width - 1), y.min(height - 1)]).collect()
-    })
-}
-
-/// The pixels of a band of patches, a few of these at a time.
-pub(crate) fn patches(height: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
-    let at_once = RAYS / LANES;
-    let of_patch = |row: usize| ORDER[..LANES].iter().map(move |[x, y]| [x + SIDE * y, row]);
-    let some =
-        move |first: usize| (first..height.min(first + at_once)).flat_map(of_patch).collect();
-    (0..height).step_by(at_once).map(some)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn squares_cover_a_band() {
-        for (width, height) in [(64, 16), (33, 11), (1, 7), (8, 1)] {
-            let mut seen = vec![0; width * height];
-            for square in squares(width, height) {
-                assert_eq!(square.len() % 4, 0);
-                for four in square.chunks(4) {
-                    let spread = |axis: usize| {
-                        let places = four.iter().map(|place| place[axis]);
-                        places.clone().max().expect("four") - places.min().expect("four")
-                    };
-                    assert!(spread(0) <= 1 && spread(1) <= 1, "{four:?}");
-                }
-                for [column, row] in square {
-                    seen[row * width + column] += 1;
-                }
+        let parts: Vec<(Vec<_>, Work)> = pixels.par_chunks(LIST).filter_map(follow).collect();
+        let mut work = Work::default();
+        for (found, part) in parts {
+            work += part;
+            for (pixel, found) in found {
+                tell(pixel, found);
             }
-            assert!(seen.iter().all(|&times| times > 0), "{width}×{height}");
         }
+        work
     }
 }

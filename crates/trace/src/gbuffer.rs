@@ -2,7 +2,7 @@
 
 use crate::found::{Found, Reason, Status};
 use crate::numbers::SurfaceNumbers;
-use crate::spare::Spares;
+use crate::spare::{PICTURES, Spares, serves};
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -76,7 +76,7 @@ pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
     }
 }
 
-static SPARES: Spares<GBuffer> = Spares::new();
+static SPARES: Spares<GBuffer> = Spares::new(PICTURES);
 
 /// Rows that one thread makes misses at a time.
 const ROWS: usize = 64;
@@ -124,7 +124,7 @@ impl GBuffer {
     /// A picture of the given size, for the surface with this number, of which all rows are still to be cleared: what it holds
     /// is of no picture.
     pub(crate) fn unset(width: usize, height: usize, surface: u16, kept: Kept) -> Self {
-        let spare = SPARES.take(width * height, |spare| spare.status.capacity());
+        let spare = SPARES.take().filter(|spare| serves(spare.status.capacity(), width * height));
         let mut unset = spare.unwrap_or_default();
         unset.resize(width, height, kept);
         unset.surface.fill(surface);
@@ -267,43 +267,55 @@ impl GBuffer {
     /// # Panics
     /// If the sizes differ.
     pub fn merge(&mut self, other: &Self) {
+        assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
+        self.keep_as(other);
+        for pixel in 0..self.status.len() {
+            let (mine, theirs) = (self.distance(pixel), other.distance(pixel));
+            let is_nearer =
+                theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided);
+            if is_nearer {
+                self.take_proven(other, pixel);
+            }
+            if let Some(bracket) = self.bracket.get_mut(pixel) {
+                let [mine, theirs] = [*bracket, other.bracket_of(pixel)];
+                *bracket = if self.status[pixel] == Status::Hit {
+                    // Where both are hit, either may hold the first zero. What is not a number gives way.
+                    [mine[0].min(theirs[0]), mine[1].min(theirs[1])]
+                } else {
+                    [f64::NAN; 2]
+                };
+            }
+            if other.drawn[pixel] < self.drawn[pixel] {
+                self.take_painted(other, pixel);
+            }
+        }
+    }
+
+    /// Of a hit, the distances between which the zero is proven to lie, if that is kept.
+    fn bracket_of(&self, pixel: usize) -> [f64; 2] {
+        self.bracket.get(pixel).copied().unwrap_or([f64::NAN; 2])
+    }
+
+    /// Takes what is proven of a pixel, but for brackets.
+    fn take_proven(&mut self, other: &Self, pixel: usize) {
+        self.status[pixel] = other.status[pixel];
+        self.reason[pixel] = other.reason[pixel];
+        self.open_from[pixel] = other.open_from[pixel];
+    }
+
+    /// Takes what is painted in a pixel.
+    fn take_painted(&mut self, other: &Self, pixel: usize) {
         fn take<T: Copy + Default>(all: &mut [T], others: &[T], pixel: usize) {
             if let Some(mine) = all.get_mut(pixel) {
                 *mine = others.get(pixel).copied().unwrap_or_default();
             }
         }
-        assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
-        self.keep_as(other);
-        let pixels = self.status.len();
-        for pixel in 0..pixels {
-            let (mine, theirs) = (self.distance(pixel), other.distance(pixel));
-            let is_nearer =
-                theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided);
-            if is_nearer {
-                self.status[pixel] = other.status[pixel];
-                self.reason[pixel] = other.reason[pixel];
-                self.open_from[pixel] = other.open_from[pixel];
-            }
-            if let Some(bracket) = self.bracket.get_mut(pixel) {
-                let unknown = [f64::NAN; 2];
-                let [mine, theirs] =
-                    [*bracket, other.bracket.get(pixel).copied().unwrap_or(unknown)];
-                *bracket = if self.status[pixel] == Status::Hit {
-                    // Where both are hit, either may hold the first zero. What is not a number gives way.
-                    [mine[0].min(theirs[0]), mine[1].min(theirs[1])]
-                } else {
-                    unknown
-                };
-            }
-            if other.drawn[pixel] < self.drawn[pixel] {
-                self.drawn[pixel] = other.drawn[pixel];
-                self.surface.set(pixel, other.surface[pixel], pixels);
-                take(&mut self.normal, &other.normal, pixel);
-                take(&mut self.cap, &other.cap, pixel);
-                take(&mut self.shadow, &other.shadow, pixel);
-                take(&mut self.occlusion, &other.occlusion, pixel);
-            }
-        }
+        self.drawn[pixel] = other.drawn[pixel];
+        self.surface.set(pixel, other.surface[pixel], self.status.len());
+        take(&mut self.normal, &other.normal, pixel);
+        take(&mut self.cap, &other.cap, pixel);
+        take(&mut self.shadow, &other.shadow, pixel);
+        take(&mut self.occlusion, &other.occlusion, pixel);
     }
 
     /// Makes room for caps and for hidden light, as far as `other` has any.
@@ -324,25 +336,15 @@ impl GBuffer {
     /// # Panics
     /// If the sizes differ, or `only` is not as long as there are pixels.
     pub fn replace(&mut self, other: &Self, only: &[bool]) {
-        fn take<T: Copy>(all: &mut [T], others: &[T], only: &[bool], unknown: T) {
-            for (pixel, mine) in all.iter_mut().enumerate().filter(|(pixel, _)| only[*pixel]) {
-                *mine = others.get(pixel).copied().unwrap_or(unknown);
-            }
-        }
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         assert_eq!(only.len(), self.status.len(), "one for each pixel");
         self.keep_as(other);
-        take(&mut self.status, &other.status, only, Status::Miss);
-        take(&mut self.reason, &other.reason, only, Reason::None);
-        take(&mut self.open_from, &other.open_from, only, 0.0);
-        take(&mut self.bracket, &other.bracket, only, [f64::NAN; 2]);
-        take(&mut self.drawn, &other.drawn, only, f64::INFINITY);
-        take(&mut self.normal, &other.normal, only, [0.0; 3]);
-        take(&mut self.cap, &other.cap, only, false);
-        take(&mut self.shadow, &other.shadow, only, 0);
-        take(&mut self.occlusion, &other.occlusion, only, 0);
         for pixel in (0..only.len()).filter(|pixel| only[*pixel]) {
-            self.surface.set(pixel, other.surface[pixel], only.len());
+            self.take_proven(other, pixel);
+            self.take_painted(other, pixel);
+            if let Some(bracket) = self.bracket.get_mut(pixel) {
+                *bracket = other.bracket_of(pixel);
+            }
         }
     }
 

@@ -31,41 +31,40 @@ pub struct RayGrid {
     /// Where the centre of the first pixel is, to the right of the picture's middle and above it, in halves of a pixel.
     first: [i64; 2],
     /// Columns and rows of the picture before this part of it.
-    corner: [usize; 2],
-    /// Half the width and height of the whole picture that this is a part of.
-    reach: [f64; 2],
+    pub(crate) corner: [usize; 2],
+    /// What no screen coordinate exceeds: half the width and height of the whole picture that this is a part of, so that parts
+    /// are traced as the whole is.
+    pub(crate) reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
     /// In `f32`, since that is asked for at every window: the direction of view, and what a ray's direction changes by where it
     /// moves by half a pixel to the right, or upward; or its origin, if parallel.
     steps: [Vec3; 3],
-    /// Half a pixel's height: on the plane at distance 1, or in world units if parallel.
-    unit: f64,
-    parallel: bool,
+    /// Half a pixel's height, which is half the distance of neighbouring pixels' screen coordinates: on the plane at distance 1,
+    /// or in world units if parallel.
+    pub(crate) unit: f64,
+    /// Whether the picture is orthographic.
+    pub(crate) parallel: bool,
     patches: Option<Arc<[Patch]>>,
 }
 
 impl Camera {
     /// The rays of a picture of `width` × `height` pixels.
     pub fn rays(&self, width: usize, height: usize) -> RayGrid {
-        RayGrid::new(self, width, height)
-    }
-}
-
-impl RayGrid {
-    pub(crate) fn new(camera: &Camera, width: usize, height: usize) -> Self {
-        let (scale, parallel) = match camera.projection() {
+        let (scale, parallel) = match self.projection() {
             Projection::Perspective { fov } => (half_tangent(fov), false),
             Projection::Orthographic { height } => (height / 2.0, true),
         };
         let unit = scale / height as f64;
-        let (eye, basis) = (camera.eye(), camera.basis);
+        let (eye, basis) = (self.eye(), self.basis);
         let reach = [width as f64 * unit, height as f64 * unit];
-        let (first, patches) = (first(width, height), None);
+        let (first, patches) = ([1 - width as i64, height as i64 - 1], None);
         let (corner, steps) = ([0; 2], steps(&basis, unit));
-        Self { width, height, first, corner, reach, eye, basis, steps, unit, parallel, patches }
+        RayGrid { width, height, first, corner, reach, eye, basis, steps, unit, parallel, patches }
     }
+}
 
+impl RayGrid {
     /// The rays of some columns and rows of the picture, counted from its left edge and its top: those of `self`, bit for
     /// bit.
     ///
@@ -208,31 +207,7 @@ impl RayGrid {
     /// About how wide a pixel is where a ray's t is 0, and how much that grows with t, in units of t.
     pub(crate) fn pixel(&self) -> [f64; 2] {
         let width = 2.0 * self.unit;
-        if self.is_parallel() { [width, 0.0] } else { [0.0, width] }
-    }
-
-    /// What no screen coordinate exceeds, in the whole picture that this is a part of: so parts are traced as the whole is.
-    #[inline]
-    pub(crate) fn reach(&self) -> [f64; 2] {
-        self.reach
-    }
-
-    /// Columns and rows of the picture before this part of it.
-    #[inline]
-    pub(crate) fn corner(&self) -> [usize; 2] {
-        self.corner
-    }
-
-    /// Half the distance of neighbouring pixels' screen coordinates.
-    #[inline]
-    pub(crate) fn unit(&self) -> f64 {
-        self.unit
-    }
-
-    /// Whether the picture is orthographic.
-    #[inline]
-    pub(crate) fn is_parallel(&self) -> bool {
-        self.parallel
+        if self.parallel { [width, 0.0] } else { [0.0, width] }
     }
 
     /// Where a pixel is, to the right of the picture's middle and above it, in halves of a pixel.
@@ -403,11 +378,6 @@ const ALONG: Lanes<f32> = {
     }
     Lanes(along)
 };
-
-/// [`RayGrid::first`] of a whole picture.
-fn first(width: usize, height: usize) -> [i64; 2] {
-    [1 - width as i64, height as i64 - 1]
-}
 
 /// The tangent of half an angle in degrees. Near 180 it hangs on how much the angle lacks, which is
 /// exact.

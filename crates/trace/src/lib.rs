@@ -31,6 +31,7 @@ mod rows;
 mod scalar;
 mod shade;
 mod spare;
+mod squares;
 mod view;
 mod widths;
 mod work;
@@ -59,7 +60,7 @@ pub use rows::Rows;
 pub use scalar::Scalar;
 pub use shade::{
     Appearance, Canvas, Paint, Shader, SurfaceColours, UndecidedStyle, hand_back_colours, shade,
-    shade_painted, unset_colours,
+    unset_colours,
 };
 pub use view::StandardView;
 pub use work::{Count, Work};

@@ -4,7 +4,7 @@ use crate::grid::RayGrid;
 use crate::near::TURNS;
 use fearless_simd::{f32x16, f64x8, prelude::*};
 use glam::{DVec3, Vec3};
-use zeroset_eval::{LANES, Lanes};
+use zeroset_eval::Lanes;
 
 /// Where light comes from, beside the ambient.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,21 +70,19 @@ impl Light {
             }
             Self::Positional(at) => at,
         };
-        let (points, mut ways) = (points(), [[0.0; LANES]; 3]);
-        for first in (0..LANES).step_by(8) {
-            let mut way = [f64x8::splat(simd, 0.0); 3];
+        let (points, mut ways) = (points(), [[f64x8::splat(simd, 0.0); 3]; 2]);
+        for (half, way) in ways.iter_mut().enumerate() {
             for (axis, way) in way.iter_mut().enumerate() {
-                *way = at[axis] - f64x8::from_slice(simd, &points[axis][first..first + 8]);
+                *way = at[axis] - f64x8::from_slice(simd, &points[axis][8 * half..8 * half + 8]);
             }
             let square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
             let scale = 1.0 / square.max(f64::MIN_POSITIVE).sqrt();
-            for (ways, way) in ways.iter_mut().zip(way) {
-                let way: [f64; 8] = (way * scale).to_array();
-                (0..8).for_each(|lane| ways[first + lane] = way[lane] as f32);
+            for way in way {
+                *way *= scale;
             }
         }
-        let [x, y, z] = ways;
-        [f32x16::simd_from(simd, x), f32x16::simd_from(simd, y), f32x16::simd_from(simd, z)]
+        let [low, high] = ways;
+        [low[0].narrow(high[0]), low[1].narrow(high[1]), low[2].narrow(high[2])]
     }
 }
 

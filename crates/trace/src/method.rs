@@ -5,11 +5,11 @@
 
 use crate::band::Band;
 use crate::camera::Ray;
-use crate::driver::{RAYS, patches, squares};
 use crate::found::Found;
 use crate::grid::RayGrid;
 use crate::region::Region;
 use crate::scalar::Scalar;
+use crate::squares::{RAYS, patches, squares};
 use crate::work::Work;
 use std::fmt;
 use zeroset_eval::{KernelError, Surface};
@@ -185,12 +185,12 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
     let unset = Segment { ray: rays.ray(0, band.top), to, pixel };
     let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
     let mut wanted = true;
-    let (of_patches, of_picture) = if rays.is_patched() {
-        (Some(patches(band.height)), None)
+    let squares: Box<dyn Iterator<Item = Vec<[usize; 2]>>> = if rays.is_patched() {
+        Box::new(patches(band.height))
     } else {
-        (None, Some(squares(band.width, band.height)))
+        Box::new(squares(band.width, band.height))
     };
-    for mut square in of_patches.into_iter().flatten().chain(of_picture.into_iter().flatten()) {
+    for mut square in squares {
         if !band.is_all_asked() {
             square.retain(|&[column, row]| band.is_asked(column, row));
             if square.is_empty() {

@@ -172,14 +172,11 @@ fn is_even(values: &[u8], width: usize, [column, row]: [usize; 2]) -> bool {
     if column < half || row < half || column + half > width {
         return false;
     }
-    let four = |k: usize| {
+    let all = [values[row * width + column]; SIDE];
+    (0..SIDE).all(|k| {
         let first = (row - half + k) * width + column - half;
-        values
-            .get(first..first + SIDE)
-            .map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]))
-    };
-    let all = u32::from_le_bytes([values[row * width + column]; SIDE]);
-    (0..SIDE).all(|k| four(k) == Some(all))
+        values.get(first..first + SIDE).is_some_and(|four| *four == all)
+    })
 }
 
 impl Place {

@@ -140,9 +140,8 @@ impl<T: Real> NormalSource<'_, T> {
         }
         let mut reach = step;
         for _ in 0..STEPS {
-            let point = |k: usize| points[k];
             fill(&mut normals, |open| {
-                self.differences(open.iter().map(|&k| point(k)), reach, work)
+                self.differences(open.iter().map(|&k| points[k]), reach, work)
             });
             reach *= STEP_GROWTH;
         }
@@ -198,7 +197,7 @@ impl<T: Real> NormalSource<'_, T> {
     }
 
     fn sample(&self, points: &[DVec3], work: &mut Work) -> Vec<T> {
-        let batches = batches(points);
+        let batches = Points::near(points);
         let (values, count): (Vec<_>, _) = match self {
             Self::Gradient(kernel) | Self::Refined { kernel, .. } => (
                 kernel.ask_all(&batches).iter().flat_map(|out| *out.value).collect(),
@@ -232,23 +231,17 @@ fn gradients<T: Real>(
     work: &mut Work,
 ) -> Vec<DVec3> {
     let points: Vec<DVec3> = points.collect();
-    let batches = batches(&points);
+    let batches = Points::near(&points);
     for batch in &batches {
         work.gradient.called(batch.count);
     }
     let out = kernel.ask_all(&batches);
     (0..points.len())
-        .map(|k| axes(|axis| out[k / LANES].gradient[axis][k % LANES].into()))
+        .map(|k| {
+            let gradient = out[k / LANES].gradient.each_ref();
+            DVec3::from_array(gradient.map(|axis| axis[k % LANES].into()))
+        })
         .collect()
-}
-
-fn axes(component: impl Fn(usize) -> f64) -> DVec3 {
-    DVec3::new(component(0), component(1), component(2))
-}
-
-fn batches<T: Real>(points: &[DVec3]) -> Vec<Points<T>> {
-    let points: Vec<[f64; 3]> = points.iter().map(|point| point.to_array()).collect();
-    Points::near(&points)
 }
 
 /// The vector at length 1, or `None` if it has no direction.

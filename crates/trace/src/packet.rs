@@ -97,18 +97,6 @@ const DOUBLE_ERROR: f64 = 4.0 * f64::EPSILON;
 /// A ray belongs into a packet if K is no slower on it than this part of its fastest axis.
 const LEAST_SHARE: f64 = 0.25;
 
-/// The axis on which a direction is fastest.
-fn fastest_axis(direction: DVec3) -> usize {
-    let size = direction.abs();
-    if size.x >= size.y && size.x >= size.z {
-        0
-    } else if size.y >= size.z {
-        1
-    } else {
-        2
-    }
-}
-
 impl<T: Scalar> Packet<T> {
     /// A packet through `region`, without rays.
     pub fn new(region: &Region) -> Self {
@@ -133,7 +121,7 @@ impl<T: Scalar> Packet<T> {
         lines: &Lines,
         region: &Region,
     ) -> bool {
-        let k = fastest_axis(segments[0].ray.direction);
+        let k = segments[0].ray.direction.abs().max_position();
         let forward = lines.direction[k][0] > 0.0;
         let mut together = true;
         for lane in 0..RAYS {

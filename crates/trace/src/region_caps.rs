@@ -109,10 +109,7 @@ fn judge<T: Real>(
         .iter()
         .map(|(pixel, entry)| {
             let ray = rays.ray_of(*pixel);
-            [0, 1, 2].map(|axis| {
-                let (lo, hi) = enclosed(&ray, entry, region, axis);
-                Interval { lo, hi }
-            })
+            [0, 1, 2].map(|axis| enclosed(&ray, entry, region, axis))
         })
         .collect();
     let out = kernel.ask_all(&Boxes::around(&boxes));
@@ -134,7 +131,7 @@ fn judge<T: Real>(
 }
 
 /// Bounds on one coordinate of the point where the ray enters, which lies in the box.
-fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64) {
+fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> Interval {
     let (origin, slope) = (ray.origin[axis], ray.direction[axis]);
     let ends = [slope * entry.t.0, slope * entry.t.1];
     let low = (origin + ends[0].min(ends[1]).next_down()).next_down();
@@ -142,7 +139,7 @@ fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> (f64, f64
     // Clamped on both sides, so that the two stay in order even if rounding put the point outside.
     // What is not a number, because an end overflowed, becomes the region's own end.
     let (least, most) = (region.low()[axis], region.high()[axis]);
-    (low.max(least).min(most), high.min(most).max(least))
+    Interval { lo: low.max(least).min(most), hi: high.min(most).max(least) }
 }
 
 #[cfg(test)]

@@ -2,12 +2,13 @@
 //!
 //! Everything here rounds to nearest; what that costs is added as slack by whoever computes with it.
 
+use crate::widths::parts;
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
 use std::ops::{Add, Mul};
 use zeroset_eval::{KernelFloat, LANES, Lanes, PATH_UNITS};
 
 /// Lanes of an `f64` vector: half of a batch.
-const HALF: usize = LANES / 2;
+pub(crate) const HALF: usize = LANES / 2;
 
 /// A float type in which a traverser follows rays: that of the kernel which it asks.
 pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Output = Self> {
@@ -31,9 +32,15 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
     const PATH_ERROR: f64 = PATH_UNITS * Self::UNIT;
 
     /// An integer, exactly if it is below 2^[`Scalar::MAX_DEPTH`].
-    fn integer(value: u64) -> Self;
+    #[inline]
+    fn integer(value: u64) -> Self {
+        Self::nearest(value as i64 as f64)
+    }
     /// 2^−`n` for n up to [`Scalar::MAX_DEPTH`].
-    fn halved(n: u32) -> Self;
+    #[inline]
+    fn halved(n: u32) -> Self {
+        Self::nearest(f64::from_bits((1023 - u64::from(n)) << 52))
+    }
     /// The numbers of all lanes, in two vectors.
     fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2];
     /// Writes the floats next to numbers.
@@ -43,7 +50,13 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
     /// Copies the lanes `from` of some lanes, in order, to the lanes `to` of others: as many.
     fn copy<S: Simd>(simd: S, some: &Lanes<Self>, from: u16, others: &mut Lanes<Self>, to: u16);
     /// Writes a number to these lanes.
-    fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16);
+    #[inline(always)]
+    fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16) {
+        for part in parts::<S, Self::Vector<S>>(simd, LANES) {
+            let old = part.load(lanes);
+            part.store(part.mask(to).select(part.splat(number), old), lanes);
+        }
+    }
 }
 
 impl Scalar for f32 {
@@ -53,14 +66,6 @@ impl Scalar for f32 {
     const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
     const GRAIN: f64 = 1.0 / 262_144.0; // 2^-18
 
-    #[inline]
-    fn integer(value: u64) -> Self {
-        value as i64 as Self
-    }
-    #[inline]
-    fn halved(n: u32) -> Self {
-        Self::from_bits((127 - n) << 23)
-    }
     #[inline(always)]
     fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2] {
         let (low, high) = f32x16::from_slice(simd, &lanes[..]).widen();
@@ -83,12 +88,6 @@ impl Scalar for f32 {
         let all = first.expand_merge(to, f32x16::from_slice(simd, &others[..]));
         all.store_slice(&mut others[..]);
     }
-    #[inline(always)]
-    fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16) {
-        let to = mask32x16::from_bitmask(simd, u64::from(to));
-        let old = f32x16::from_slice(simd, &lanes[..]);
-        to.select(f32x16::splat(simd, number), old).store_slice(&mut lanes[..]);
-    }
 }
 
 impl Scalar for f64 {
@@ -98,14 +97,6 @@ impl Scalar for f64 {
     const SHARE_ERROR: Self = 8.0 * Self::EPSILON;
     const GRAIN: f64 = 1024.0 * Self::EPSILON; // 2^-42
 
-    #[inline]
-    fn integer(value: u64) -> Self {
-        value as i64 as Self
-    }
-    #[inline]
-    fn halved(n: u32) -> Self {
-        Self::from_bits((1023 - u64::from(n)) << 52)
-    }
     #[inline(always)]
     fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2] {
         [f64x8::from_slice(simd, &lanes[..8]), f64x8::from_slice(simd, &lanes[8..])]
@@ -138,15 +129,6 @@ impl Scalar for f64 {
             let set = mask64x8::from_bitmask(simd, u64::from(bits));
             values.expand_merge(set, f64x8::from_slice(simd, others)).store_slice(others);
             next += bits.count_ones() as usize;
-        }
-    }
-    #[inline(always)]
-    fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16) {
-        for (half, bits) in [to & 0xff, to >> HALF].into_iter().enumerate() {
-            let lanes = &mut lanes[HALF * half..HALF * (half + 1)];
-            let set = mask64x8::from_bitmask(simd, u64::from(bits));
-            let old = f64x8::from_slice(simd, lanes);
-            set.select(f64x8::splat(simd, number), old).store_slice(lanes);
         }
     }
 }

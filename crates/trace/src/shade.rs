@@ -9,7 +9,7 @@ use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::look::Look;
 use crate::painted::{BAND, windows};
-use crate::spare::Spares;
+use crate::spare::{PICTURES, Spares, serves};
 use fearless_simd::Level;
 use rayon::prelude::*;
 pub use shader::{Canvas, Shader};
@@ -135,17 +135,11 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
 /// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
 /// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
 ///
-/// # Panics
-/// If the rays are of a picture of another width.
-pub fn shade(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
-    shade_painted(buffer, rays, appearance, &[])
-}
-
-/// As [`shade`], with points of other colours than their surface has: one paint for each pixel, or none at all.
+/// Points may have other colours than their surface has: there is one paint for each pixel, or none at all.
 ///
 /// # Panics
 /// If there are paints, but not as many as pixels; or the rays are of a picture of another width.
-pub fn shade_painted(
+pub fn shade(
     buffer: &GBuffer,
     rays: &RayGrid,
     appearance: &Appearance,
@@ -187,7 +181,8 @@ fn shade_with(
 
 /// Memory for the colours of so many pixels, which holds those of no picture.
 pub fn unset_colours(pixels: usize) -> Vec<u8> {
-    let mut bytes = SPARES.take(3 * pixels, Vec::capacity).unwrap_or_default();
+    let mut bytes =
+        SPARES.take().filter(|bytes| serves(bytes.capacity(), 3 * pixels)).unwrap_or_default();
     bytes.resize(3 * pixels, 0);
     bytes
 }
@@ -197,7 +192,7 @@ pub fn hand_back_colours(bytes: Vec<u8>) {
     SPARES.hand_back(bytes);
 }
 
-static SPARES: Spares<Vec<u8>> = Spares::new();
+static SPARES: Spares<Vec<u8>> = Spares::new(PICTURES);
 
 #[cfg(test)]
 mod tests;

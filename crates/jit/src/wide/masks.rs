@@ -44,11 +44,11 @@ fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>
         }
         let [to, a, b] = [0, 1, 2].map(|operand| instruction.op_register(operand));
         if let Some(register) = given.take() {
-            bits.forget(to);
+            bits.set(to, None);
             if instruction.op_mask() == Register::None {
                 instruction.set_op1_register(register);
                 if let Some(lanes) = spread(instruction.code()) {
-                    bits.know(to, (register, lanes));
+                    bits.set(to, Some((register, lanes)));
                 }
             } else {
                 instruction.set_op_mask(register);
@@ -61,7 +61,7 @@ fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>
                 continue;
             }
             let register = bits.fresh();
-            bits.know(a, (register, lanes));
+            bits.set(a, Some((register, lanes)));
             instruction.set_op0_register(register);
             given = Some(register);
         } else if to.is_k() {
@@ -75,13 +75,9 @@ fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>
             let register = bits.fresh();
             code.extend(Instruction::with3(logic, register, a, b));
             numbers.push(block);
-            bits.know(to, (register, lanes));
-        } else if let Some(same) = bits.of(a)
-            && is_move(&instruction)
-        {
-            bits.know(to, same);
+            bits.set(to, Some((register, lanes)));
         } else {
-            bits.forget(to);
+            bits.set(to, bits.of(a).filter(|_| is_move(&instruction)));
         }
         code.push(instruction);
         numbers.push(block);
@@ -104,15 +100,9 @@ impl Bits {
         self.known[number(vector)?]
     }
 
-    fn know(&mut self, vector: Register, bits: (Register, u32)) {
+    fn set(&mut self, vector: Register, bits: Option<(Register, u32)>) {
         if let Some(number) = number(vector) {
-            self.known[number] = Some(bits);
-        }
-    }
-
-    fn forget(&mut self, vector: Register) {
-        if let Some(number) = number(vector) {
-            self.known[number] = None;
+            self.known[number] = bits;
         }
     }
 

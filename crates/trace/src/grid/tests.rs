@@ -311,7 +311,7 @@ fn rays_of_a_part_are_those_of_the_picture() {
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
         let rays = camera.rays(61, 40);
         let part = rays.part(7..40, 16..31);
-        assert_eq!((part.width(), part.height(), part.reach()), (33, 15, rays.reach()));
+        assert_eq!((part.width(), part.height(), part.reach), (33, 15, rays.reach));
         let whole: [usize; 2] = [7, 16];
         for (i, j) in [(0, 0), (32, 14), (5, 9)] {
             assert_eq!(part.ray(i, j), rays.ray(whole[0] + i, whole[1] + j));

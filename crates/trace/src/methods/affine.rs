@@ -16,14 +16,15 @@ mod narrow;
 mod pixels;
 mod plane;
 mod pool;
+mod pooled;
 mod rays;
-mod room;
 mod screens;
 mod sift;
-mod slots;
 mod tiles;
+mod tracer;
 
 use super::knoll;
+use super::outcome::follow_ways;
 use crate::band::Band;
 use crate::found::Found;
 use crate::grid::RayGrid;
@@ -32,12 +33,14 @@ use crate::method::{
 };
 use crate::region::Region;
 use crate::scalar::Scalar;
+use crate::spare::Spares;
 use crate::work::Work;
 use frame::Frame;
+use narrow::Scratch;
 use rays::Follower;
-use room::Rooms;
 use std::sync::OnceLock;
-use zeroset_eval::{ContractTiles, Kernel, KernelError, LANES, Surface};
+use tiles::Room;
+use zeroset_eval::{ContractTiles, Kernel, KernelError, Surface};
 
 pub(crate) const METHOD: Method = Method {
     name: "affine",
@@ -69,7 +72,8 @@ struct Affine<'a, T: Scalar> {
     longest: f64,
     surface: &'a dyn Surface,
     options: Options,
-    rooms: Rooms<T>,
+    /// Those that no thread is in.
+    rooms: Spares<Box<Room<T>>>,
     /// Made for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
@@ -104,7 +108,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
             longest: options.longest(),
             surface,
             options,
-            rooms: Rooms::new(),
+            rooms: Spares::new(usize::MAX),
             double: OnceLock::new(),
         })
     }
@@ -126,9 +130,9 @@ impl<'a, T: Scalar> Affine<'a, T> {
 
 impl<T: Scalar> Tracer for Affine<'_, T> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
-        for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
-            self.follower.follow_rays(rays, start, found, work);
-        }
+        follow_ways(rays, self.region, self.longest, found, |ways| {
+            self.follower.follow(ways, start, &mut Scratch::default(), work)
+        });
     }
 
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {

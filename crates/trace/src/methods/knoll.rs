@@ -1,7 +1,7 @@
 //! The method of Knoll, Hijazi, Hansen, Wald and Hagen (UUSCI-2007-002): intervals over boxes around the rays of a packet, in
 //! slabs that are halved down to a fixed depth.
 
-use super::slabs::{Slab, SlabTest, Slabs, Told};
+use super::slabs::{Slab, SlabTest, Slabs};
 use crate::method::{Method, MethodOption, Options, Proves, Tracer};
 use crate::packet::Packet;
 use crate::region::Region;
@@ -42,12 +42,12 @@ impl<T: Scalar> SlabTest<T> for Intervals<'_, T> {
         slab: &Slab<T>,
         boxes: &mut Boxes<T>,
         work: &mut Work,
-    ) -> Told {
+    ) -> Zeros {
         let Slab { planes, rays, .. } = *slab;
         work.interval.called(rays.count_ones());
         packet.boxes(simd, planes, rays, boxes);
         let mut zeros = Zeros::default();
         self.kernel.ask(boxes, &mut zeros);
-        Told { possible: zeros.possible, unbounded: zeros.unbounded }
+        zeros
     }
 }

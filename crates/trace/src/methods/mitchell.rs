@@ -6,7 +6,7 @@
 mod isolated;
 mod search;
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, follow_ways};
 use super::way::Way;
 use crate::found::Found;
 use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 use crate::work::Work;
 use search::Searcher;
 use std::sync::OnceLock;
-use zeroset_eval::{KernelError, LANES, Surface};
+use zeroset_eval::{KernelError, Surface};
 
 pub(crate) const METHOD: Method = Method {
     name: "mitchell",
@@ -66,24 +66,13 @@ impl<T: Scalar> Mitchell<'_, T> {
 
 impl<T: Scalar> Tracer for Mitchell<'_, T> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
-        for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
-            let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
-            for (lane, segment) in rays.iter().enumerate() {
-                found[lane] = Found::MISS;
-                if let Some(mut way) = Way::new(segment, self.region) {
-                    way.longest = self.options.longest() * segment.footprint(-way.start);
-                    ways.push(way);
-                    lanes.push(lane);
-                }
-            }
-            let mut outcomes = self.searcher.search(&ways, start, work);
+        follow_ways(rays, self.region, self.options.longest(), found, |ways| {
+            let mut outcomes = self.searcher.search(ways, start, work);
             // Shadows need no more than `f32` tells.
             if self.options.precision == Precision::Auto && start == Start::Anywhere {
-                self.follow_in_double(&ways, &mut outcomes, work);
+                self.follow_in_double(ways, &mut outcomes, work);
             }
-            for ((outcome, way), lane) in outcomes.iter().zip(&ways).zip(lanes) {
-                found[lane] = outcome.found(-way.start);
-            }
-        }
+            outcomes
+        });
     }
 }

@@ -1,6 +1,10 @@
 //! What became of a ray whose hits are proven, and how it is told.
 
+use super::way::Way;
 use crate::found::{Found, Reason, Status};
+use crate::method::Segment;
+use crate::region::Region;
+use zeroset_eval::LANES;
 use zeroset_interval::Facts;
 
 /// What became of a ray. Places are values of s.
@@ -29,6 +33,34 @@ impl Outcome {
         let bracket = [place(near).next_down(), place(far).next_up()];
         let (status, drawn) = (Status::Hit, distance);
         Found { status, distance, drawn, bracket, ..Found::MISS }
+    }
+}
+
+/// Says what became of rays, given what becomes of up to [`LANES`] ways through a region, on which the bracket of a hit may be
+/// so many pixels long.
+pub(super) fn follow_ways<O: IntoIterator<Item = Outcome>>(
+    rays: &[Segment],
+    region: &Region,
+    longest: f64,
+    found: &mut [Found],
+    mut follow: impl FnMut(&[Way]) -> O,
+) {
+    for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
+        let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
+        for (lane, segment) in rays.iter().enumerate() {
+            found[lane] = Found::MISS;
+            if let Some(mut way) = Way::new(segment, region) {
+                way.longest = longest * segment.footprint(-way.start);
+                ways.push(way);
+                lanes.push(lane);
+            }
+        }
+        if ways.is_empty() {
+            continue;
+        }
+        for ((outcome, way), lane) in follow(&ways).into_iter().zip(&ways).zip(lanes) {
+            found[lane] = outcome.found(-way.start);
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //!
 //! A form is only asked whether it reaches 0: slabs are halved, not contracted. That is what sets it apart from `affine`.
 
-use super::slabs::{Slab, SlabTest, Slabs, Told};
+use super::slabs::{Slab, SlabTest, Slabs};
 use crate::method::{Method, MethodOption, Options, Proves, Tracer};
 use crate::packet::Packet;
 use crate::region::Region;
@@ -65,14 +65,14 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
         slab: &Slab<T>,
         batch: &mut Batch<T>,
         work: &mut Work,
-    ) -> Told {
+    ) -> Zeros {
         let Slab { planes, rays, is_last } = *slab;
         work.segments.called(rays.count_ones());
         let segments = &mut batch.segments;
         (segments.near, segments.far) = (Lanes::splat(planes[0]), Lanes::splat(planes[1]));
         segments.count = u16::BITS - rays.leading_zeros();
         self.kernel.ask(&batch.segments, &mut batch.out);
-        let mut told = Told { possible: batch.out.possible, unbounded: 0 };
+        let mut told = Zeros { possible: batch.out.possible, ..Zeros::default() };
         if let Some(kernel) = self.bounded
             && is_last
             && told.possible & rays != 0

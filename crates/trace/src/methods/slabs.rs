@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 use crate::work::Work;
 use fearless_simd::{Level as Vectors, Simd, dispatch};
 use std::ops::Range;
-use zeroset_eval::Surface;
+use zeroset_eval::{Surface, Zeros};
 
 /// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only deeper pictures can
 /// reach it. A packet that hits a surface well needs a few per level; one whose slabs stay undecided would need 2 to the depth.
@@ -30,8 +30,8 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
     #[inline(always)]
     fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Batch) {}
 
-    /// Asks whether rays may meet a zero in a slab. What is told of other rays says nothing. What kernels are asked is added
-    /// to `work`.
+    /// Asks whether rays may meet a zero in a slab, and if it is the last whether it is bounded. What is told of other rays says
+    /// nothing. What kernels are asked is added to `work`.
     fn ask<V: Simd>(
         &self,
         simd: V,
@@ -39,7 +39,7 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
         slab: &Slab<T>,
         batch: &mut Self::Batch,
         work: &mut Work,
-    ) -> Told;
+    ) -> Zeros;
 }
 
 /// What is asked about.
@@ -51,15 +51,6 @@ pub(super) struct Slab<T> {
     pub rays: u16,
     /// Whether slabs in which a zero is possible are not halved: then it matters whether they are bounded.
     pub is_last: bool,
-}
-
-/// What is known of rays between planes, a bit for each.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Told {
-    /// There may be a zero: where the bit is clear, there is none.
-    pub possible: u16,
-    /// No finite bounds of the function are known.
-    pub unbounded: u16,
 }
 
 /// Marches packets through slabs.
@@ -187,7 +178,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             let from = T::integer(index) * size;
             let planes = [from, from + size];
             let active = alive & possible[level as usize] & packet.meets(simd, from, planes[1]);
-            let mut told = Told::default();
+            let mut told = Zeros::default();
             if active != 0 {
                 let slab = Slab { planes, rays: active, is_last: level == self.last };
                 told = self.test.ask(simd, packet, &slab, batch, &mut done);

@@ -242,7 +242,7 @@ impl Shader<'_> {
     /// How undecided pixels are marked: what is left of their own light, and the share of the tint.
     fn marks(&self, undecided: Window) -> [Lanes<f32>; 2] {
         let [mut left, mut tint] = [1.0, 0.0].map(Lanes::splat);
-        let diagonal = undecided.column + undecided.row + self.rays.corner().iter().sum::<usize>();
+        let diagonal = undecided.column + undecided.row + self.rays.corner.iter().sum::<usize>();
         for lane in undecided.lanes() {
             if self.appearance.undecided == UndecidedStyle::Tint {
                 (left[lane], tint[lane]) = (0.5, 0.5);

@@ -14,7 +14,7 @@ mod solve;
 mod waves;
 
 use crate::bounds::Interval;
-use crate::enclosure::{Claims, Enclosure, Exponent, Operand};
+use crate::enclosure::{Claims, Enclosure, Exponent, Operand, Term};
 use crate::machine::{Format, Machine};
 use crate::rules::{Rule, enclose};
 use crate::software::{Software, Vector128};
@@ -45,15 +45,7 @@ pub struct Form<V, const N: usize> {
 }
 
 /// An operand of [`linearise`].
-#[derive(Clone, Copy, Debug)]
-pub struct FormOperand<V, const N: usize> {
-    /// The lanes.
-    pub value: Form<V, N>,
-    /// Bounds of the value at all points of the domain.
-    pub range: Interval,
-    /// What it is as an exponent.
-    pub exponent: Exponent,
-}
+pub type FormOperand<V, const N: usize> = Term<Form<V, N>>;
 
 impl<V: Copy, const N: usize> FormOperand<V, N> {
     /// A form of which nothing else is known.
@@ -347,7 +339,7 @@ impl<M: Machine> Rule<'_, M> {
                 self.within([neg_lo, hi], a.range)
             }
         };
-        Operand { value: a.value.facts.with(bounds), range: a.range, exponent: a.exponent }
+        a.with(a.value.facts.with(bounds))
     }
 
     /// As [`Self::operand`], but the form is not asked where bounds are known beside it.
@@ -356,7 +348,7 @@ impl<M: Machine> Rule<'_, M> {
             return self.operand(a);
         };
         let bounds = self.within(bounds, a.range);
-        Operand { value: a.value.facts.with(bounds), range: a.range, exponent: a.exponent }
+        a.with(a.value.facts.with(bounds))
     }
 
     /// Bounds within what holds all over the domain.

@@ -7,7 +7,7 @@ use super::pixels::Patch;
 use super::plane::Plane;
 use super::pool::{ANYWHERE, Memory, TileRay};
 use super::screens::outward;
-use super::tiles::Tracer;
+use super::tracer::Tracer;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{f64x4, prelude::*};

@@ -4,10 +4,10 @@
 //! Screen coordinates (a, b) are those of the [`RayGrid`]; s is the ray's t less that of a plane through the region's centre,
 //! so that `f32` is spent on the region and not on the way to it.
 
-use super::screens::{Ends, HALF, Rays};
+use super::screens::{Ends, Rays};
 use crate::grid::RayGrid;
 use crate::region::Region;
-use crate::scalar::Scalar;
+use crate::scalar::{HALF, Scalar};
 use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
 use zeroset_eval::{LANES, Lanes, Tiles};
@@ -34,31 +34,29 @@ pub(super) struct Frame {
 impl Frame {
     pub fn new(rays: &RayGrid, region: &Region) -> Self {
         let (eye, forward) = (rays.eye(), rays.forward());
-        let depth = |point: DVec3| (point - eye).dot(forward);
-        let start = depth(region.centre()).max(0.0);
+        let middle = (region.centre() - eye).dot(forward);
+        let start = middle.max(0.0);
         let half = (region.high() - region.low()) / 2.0;
         let reach_of_box = half.dot(forward.abs());
-        let middle = depth(region.centre());
         // Moved out by more than what these few operations round.
         let slack = 1e-12 * (middle.abs() + reach_of_box + eye.length());
         let near = (middle - reach_of_box - slack).max(0.0);
         let far = (middle + reach_of_box + slack).max(0.0);
         let at = eye + start * forward;
         let (right, up) = (rays.right(), rays.up());
-        let (origin, direction) = if rays.is_parallel() {
+        let (origin, direction) = if rays.parallel {
             ([at, right, up], [forward, DVec3::ZERO, DVec3::ZERO])
         } else {
             ([at, start * right, start * up], [forward, right, up])
         };
-        let reach = rays.reach();
+        let reach = rays.reach;
         // The way from the eye in f64: a dozen roundings of what is added up, here and in the ray itself.
-        let sum = |parts: &[DVec3; 3]| {
-            parts[0].abs() + reach[0] * parts[1].abs() + reach[1] * parts[2].abs()
-        };
         let farthest = far.max(start);
         let error = 16.0
             * f64::EPSILON
-            * (eye.abs() + sum(&origin) + farthest * (forward.abs() + sum(&direction)));
+            * (eye.abs()
+                + largest(&origin, reach)
+                + farthest * (forward.abs() + largest(&direction, reach)));
         Self { start, span: [near - start, far - start], origin, direction, reach, error }
     }
 
@@ -76,27 +74,22 @@ impl Frame {
     ///
     /// Room is left for underflow, and a part is rounded to `T` first.
     pub fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
-        let sum = |parts: &[DVec3; 3]| {
-            parts[0].abs() + self.reach[0] * parts[1].abs() + self.reach[1] * parts[2].abs()
-        };
         let least: f64 = T::LEAST_NORMAL.into();
         let scale = (1.0 + most) * (1.0 + self.reach[0] + self.reach[1]);
-        let rounding =
-            (T::PATH_ERROR + T::UNIT) * (sum(&self.origin) + most * sum(&self.direction));
+        let sizes = largest(&self.origin, self.reach) + most * largest(&self.direction, self.reach);
+        let rounding = (T::PATH_ERROR + T::UNIT) * sizes;
         self.error + rounding + DVec3::splat(4.0 * least * scale)
     }
 
     /// A batch in which the frame is set.
     pub fn tiles<T: Scalar>(&self) -> Tiles<T> {
-        let mut tiles = Tiles::default();
-        let error = self.error_in::<T>(self.size());
+        let mut tiles = Tiles { error: self.segments_error(), ..Tiles::default() };
         for axis in 0..3 {
             for part in 0..3 {
                 let splat = |vector: DVec3| Lanes::splat(T::nearest(vector[axis]));
                 tiles.origin[3 * part + axis] = splat(self.origin[part]);
                 tiles.direction[3 * part + axis] = splat(self.direction[part]);
             }
-            tiles.error[axis] = Lanes::splat(T::above(error[axis]));
         }
         tiles
     }
@@ -254,6 +247,11 @@ impl Frame {
         }
         all
     }
+}
+
+/// A bound of the coordinates of a sum of three parts, by how far screen coordinates reach.
+fn largest(parts: &[DVec3; 3], reach: [f64; 2]) -> DVec3 {
+    parts[0].abs() + reach[0] * parts[1].abs() + reach[1] * parts[2].abs()
 }
 
 /// Where tiles are, in vectors.

@@ -1,9 +1,8 @@
 //! Up to sixteen tiles at once: where they are, and what is still to be looked at of them.
 
 use super::plane::Plane;
-use super::screens::{Ends, Screens, UNMOVED, outward, packed, saves_a_vector};
-use super::slots::Stack;
-use super::tiles::Tracer;
+use super::screens::{Ends, Screens, Stack, UNMOVED, outward, packed, saves_a_vector};
+use super::tracer::{LAST, SIDES, Tracer};
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{prelude::*, u8x16};
@@ -11,6 +10,7 @@ use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
 /// Up to sixteen tiles of one size, and what is still to be looked at of them.
+#[derive(Default)]
 pub(super) struct Level<T: Scalar> {
     /// Whether all of the tiles' segments are in the region.
     pub within: bool,
@@ -47,24 +47,6 @@ const SQUARE: [[u8; 2]; LANES] = {
     }
     places
 };
-
-impl<T: Scalar> Default for Level<T> {
-    fn default() -> Self {
-        Self {
-            within: false,
-            live: 0,
-            first: [0; 2],
-            places: SQUARE,
-            tiles: UNMOVED,
-            asked: [0; LANES],
-            screens: Screens::default(),
-            later: Default::default(),
-            waiting: 0,
-            batch: Tiles::default(),
-            out: Planes::default(),
-        }
-    }
-}
 
 impl<T: Scalar> Level<T> {
     /// Column and row of the tile in a lane, in units of tiles.
@@ -148,13 +130,17 @@ impl<T: Scalar> Level<T> {
         self.first = [column, row];
         self.places = SQUARE;
         self.tiles = UNMOVED;
-        let [across, upward] = tracer.centres([column, row]);
+        let side = SIDES[LAST];
+        // By the sum of a tile's first and last pixel.
+        let across = tracer.rays.screens(0, 2 * side * column + side - 1, 2 * side);
+        let top = tracer.band.top + side * row;
+        let upward = tracer.rays.screens(1, 2 * top + side - 1, 2 * side);
         let Screens { centre, half } = &mut self.screens;
         for (k, upward) in upward.into_iter().enumerate() {
             centre[0].as_chunks_mut().0[k] = across;
             centre[1].as_chunks_mut().0[k] = [upward; 4];
         }
-        *half = [Lanes::splat(tracer.reach()); 2];
+        *half = [Lanes::splat((side - 1) as f64 * tracer.rays.unit); 2];
         tracer.open_in_square([column, row])
     }
 

@@ -1,6 +1,6 @@
 //! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
 
-use super::slots::{Slots, Stack};
+use super::screens::Stack;
 use crate::method::Options;
 use crate::methods::way::{CUT, Way, bounds};
 use crate::region::Region;
@@ -53,20 +53,11 @@ pub(super) struct Narrower<'a, T: Scalar> {
 }
 
 /// What is still to be looked at of a ray, the nearest part last. Memory that is used again and again.
+#[derive(Default)]
 pub(super) struct Scratch<T: Scalar> {
     stacks: [Stack; LANES],
     batch: Segments<T>,
     out: Contractions<T>,
-}
-
-impl<T: Scalar> Default for Scratch<T> {
-    fn default() -> Self {
-        Self {
-            stacks: Default::default(),
-            batch: Segments::default(),
-            out: Contractions::default(),
-        }
-    }
 }
 
 /// A segment that stays longer than this share of what it was is cut.
@@ -130,23 +121,24 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 grain[lane] = least[lane];
             }
         }
-        let mut slots = Slots::new(stacks);
+        // The rays of which something is left, by their places in the batch.
+        let mut lanes: Vec<usize> = (0..LANES).filter(|&lane| !stacks[lane].is_empty()).collect();
         let mut moved = true;
-        while !slots.is_empty() {
+        while !lanes.is_empty() {
             if moved {
-                for (slot, lane) in slots.all() {
+                for (slot, &lane) in lanes.iter().enumerate() {
                     place(batch, slot, &ways[lane]);
                 }
-                batch.count = slots.len() as u32;
+                batch.count = lanes.len() as u32;
             }
-            for (slot, lane) in slots.all() {
+            for (slot, &lane) in lanes.iter().enumerate() {
                 if let Some(&[near, far]) = stacks[lane].last() {
                     batch.near[slot] = T::nearest(near);
                     batch.far[slot] = T::nearest(far);
                 }
             }
             self.segments.ask(batch, out);
-            for (slot, lane) in slots.all() {
+            for (slot, &lane) in lanes.iter().enumerate() {
                 let stack = &mut stacks[lane];
                 let Some([near, far]) = stack.pop() else { continue };
                 work.segments.lanes += 1;
@@ -204,7 +196,12 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 }
             }
             work.segments.calls += 1;
-            moved = slots.pack(stacks);
+            // Those of which nothing is left are taken out where that saves a vector.
+            let live = lanes.iter().filter(|&&lane| !stacks[lane].is_empty()).count();
+            moved = live.div_ceil(4) < lanes.len().div_ceil(4);
+            if moved {
+                lanes.retain(|&lane| !stacks[lane].is_empty());
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use super::super::way::{self, Way};
 use super::plane::Plane;
 use super::pool::{TileAt, TileRay, place_of, tile_at};
-use super::tiles::Tracer;
+use super::tracer::Tracer;
 use crate::method::Start;
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -116,7 +116,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let (mut distance, mut off) = (plane.at(self.simd, &patch.screens()), self.lengths(patch));
         for (distance, off) in distance.iter_mut().zip(&mut off) {
             *distance = (self.frame.start + *distance) * *off;
-            *off *= plane.reach();
+            *off *= plane.reach;
         }
         f64::narrow(distance, &mut found[0]);
         f64::narrow(off, &mut found[1]);
@@ -156,7 +156,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     #[inline(always)]
     fn lengths(&self, patch: &Patch) -> [f64x8<S>; 2] {
         let simd = self.simd;
-        if self.rays.is_parallel() {
+        if self.rays.parallel {
             return [f64x8::splat(simd, 1.0); 2];
         }
         let screens = patch.screens();
@@ -191,7 +191,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// The length of a ray's direction.
     #[inline]
     fn length(&self, [a, b]: [f64; 2]) -> f64 {
-        if self.rays.is_parallel() { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
+        if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
     }
 
     /// Follows up to sixteen rays one by one to the end, each as far as it is in the region.

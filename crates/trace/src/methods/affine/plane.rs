@@ -11,7 +11,8 @@ pub(super) struct Plane {
     /// s at the centre, and what it changes by per unit of a screen coordinate.
     s: f64,
     per_screen: [f64; 2],
-    reach: f64,
+    /// How far to either side of the plane a zero may be.
+    pub reach: f64,
 }
 
 impl Plane {
@@ -34,11 +35,6 @@ impl Plane {
             }),
             reach: per_value.abs() * error + T::PATH_ERROR * (middle.abs() + half),
         }
-    }
-
-    /// How far to either side of the plane a zero may be.
-    pub fn reach(&self) -> f64 {
-        self.reach
     }
 
     /// s where the plane meets rays at screen coordinates.

@@ -9,17 +9,12 @@
 //! A ray is here once at most: nothing that comes later is asked of its tile before it is finished.
 
 use super::narrow::Scratch;
-use super::screens::{UNMOVED, packed, saves_a_vector};
+use super::screens::{Stack, UNMOVED, packed, saves_a_vector};
 use super::sift::Asked;
-use super::slots::Stack;
-use super::tiles::Tracer;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{mask8x16, mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
-
-/// How often a segment of a ray is asked before what is left of it is set apart.
-const ROUNDS: u8 = 64;
 
 /// Where a tile of 4×4 is in its band: its row in the upper half of the bits, its column in the lower.
 pub(super) type TileAt = u32;
@@ -57,25 +52,28 @@ impl<T> TileRay<T> {
 }
 
 /// Rays that are followed together, a lane each.
+#[derive(Default)]
 pub(super) struct Pool<T: Scalar> {
     /// The lanes in use, as bits.
-    live: u16,
-    asked: Asked<T>,
+    pub live: u16,
+    pub asked: Asked<T>,
     /// Between which values of s a ray is certainly in the region.
-    inside: [Lanes<T>; 2],
-    tiles: [TileAt; LANES],
-    bits: [u32; LANES],
+    pub inside: [Lanes<T>; 2],
+    pub tiles: [TileAt; LANES],
+    pub bits: [u32; LANES],
     /// [`TileRay::within`], as bits by lane.
     within: u16,
-    rounds: [u8; LANES],
+    /// How often each was asked about.
+    pub rounds: [u8; LANES],
     /// What comes after the segment in a lane, and bits, clear where there is none of it.
     later: [Stack<T>; LANES],
     waiting: u16,
     /// Rays that are followed one by one, each between two values of s.
-    apart: Vec<(TileRay<T>, [f64; 2])>,
+    pub apart: Vec<(TileRay<T>, [f64; 2])>,
 }
 
 /// Memory of one band after another.
+#[derive(Default)]
 pub(super) struct Memory<T: Scalar> {
     /// The rays of one tile.
     pub fresh: Asked<T>,
@@ -86,28 +84,6 @@ pub(super) struct Memory<T: Scalar> {
 
 /// Between which values of s a ray is certainly in the region that is nowhere outside.
 pub(super) const ANYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
-
-impl<T: Scalar> Default for Memory<T> {
-    fn default() -> Self {
-        Self {
-            fresh: Asked::default(),
-            contractions: Contractions::default(),
-            pool: Pool {
-                live: 0,
-                asked: Asked::default(),
-                inside: ANYWHERE.map(|end| Lanes::splat(T::nearest(end))),
-                tiles: [0; LANES],
-                bits: [0; LANES],
-                within: 0,
-                rounds: [0; LANES],
-                later: Default::default(),
-                waiting: 0,
-                apart: Vec::new(),
-            },
-            scratch: Scratch::default(),
-        }
-    }
-}
 
 impl<T: Scalar> Memory<T> {
     /// For rays whose coordinates have this error.
@@ -153,7 +129,7 @@ impl<T: Scalar> Pool<T> {
 
     /// Lets go of a lane; returns its ray, and how far what was put aside of it reaches, if anything was.
     #[inline(always)]
-    fn finish(&mut self, lane: usize) -> (TileRay<T>, Option<T>) {
+    pub fn finish(&mut self, lane: usize) -> (TileRay<T>, Option<T>) {
         self.live &= !(1 << lane);
         let mut last = None;
         if self.waiting >> lane & 1 == 1 {
@@ -172,7 +148,7 @@ impl<T: Scalar> Pool<T> {
 
     /// Goes on with what was put aside of the rays in lanes of which nothing is left, and lets go of the others.
     #[inline(always)]
-    fn go_on(&mut self, done: u16) {
+    pub fn go_on(&mut self, done: u16) {
         self.live &= !done;
         for lane in ones(done & self.waiting) {
             if let Some([near, far]) = self.later[lane].pop() {
@@ -199,7 +175,7 @@ impl<T: Scalar> Pool<T> {
 
     /// Takes in rays of a tile from their lanes in a batch, which are their bits, into as many lanes.
     #[inline(always)]
-    fn take<S: Simd>(
+    pub fn take<S: Simd>(
         &mut self,
         simd: S,
         rays: TileRay<T>,
@@ -234,7 +210,7 @@ impl<T: Scalar> Pool<T> {
 
     /// Moves the rays to the first lanes, where that saves a vector.
     #[inline(always)]
-    fn pack<S: Simd>(&mut self, simd: S) {
+    pub fn pack<S: Simd>(&mut self, simd: S) {
         if !saves_a_vector::<T, S>(self.live) {
             return;
         }
@@ -259,139 +235,5 @@ impl<T: Scalar> Pool<T> {
         }
         (self.waiting, self.within) = (waiting, within);
         self.live = packed(kept);
-    }
-}
-
-/// The lowest `count` of the bits that are set.
-#[inline(always)]
-fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
-    let first = u32x16::simd_from(simd, UNMOVED.map(u32::from)).simd_lt(count);
-    let first = first.select(u32x16::splat(simd, 1), u32x16::splat(simd, 0));
-    let spread = first.expand(mask32x16::from_bitmask(simd, u64::from(bits)));
-    spread.simd_gt(0).to_bitmask() as u16
-}
-
-impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
-    /// Puts rays of a tile that were asked so often into the pool, from their lanes among the rays of the tile, which are their
-    /// bits: as many as there is room for, and at least one. Returns their lanes there and in the pool, in order, and takes
-    /// them from the `rest`.
-    #[inline(always)]
-    pub(super) fn admit(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
-        while self.memory.pool.live == u16::MAX {
-            self.ask_pool();
-        }
-        let Memory { fresh, pool, .. } = &mut *self.memory;
-        let (wanted, free) = (rest.count_ones(), pool.live.count_zeros());
-        let mut from = *rest;
-        if free < wanted {
-            from = lowest(self.simd, from, free);
-        }
-        let to = lowest(self.simd, !pool.live, wanted);
-        pool.take(self.simd, rays, &fresh.segments, [from, to], rounds);
-        *rest &= !from;
-        [from, to]
-    }
-
-    /// Sets a ray apart, to be followed alone.
-    pub(super) fn set_apart(&mut self, ray: TileRay<T>, ends: [f64; 2]) {
-        let apart = &mut self.memory.pool.apart;
-        apart.push((ray, ends));
-        if apart.len() == LANES {
-            self.follow_apart();
-        }
-    }
-
-    /// Follows all rays in the pool to the end, and those that were set apart.
-    pub(super) fn empty_pool(&mut self) {
-        while !self.over && self.follow_more() {}
-    }
-
-    /// Gives up the rays in the pool, and those that were set apart.
-    pub(super) fn give_up_pool(&mut self) {
-        let Pool { live, tiles, bits, .. } = self.memory.pool;
-        let pooled = ones(live).map(|lane| (tiles[lane], bits[lane]));
-        let apart = std::mem::take(&mut self.memory.pool.apart);
-        for (tile, bit) in pooled.chain(apart.iter().map(|(ray, _)| (ray.tile, ray.bit))) {
-            let ray = TileRay { tile, bit, ..TileRay::default() };
-            let ([column, row], _) = self.pixel_of(&ray);
-            self.band.give_up_pixel(column, row);
-        }
-    }
-
-    /// Asks the rays in the pool once, or if there are none follows those that were set apart; returns `false` if there are
-    /// none either.
-    #[inline(always)]
-    pub(super) fn follow_more(&mut self) -> bool {
-        if self.memory.pool.live != 0 {
-            self.ask_pool();
-        } else if self.memory.pool.apart.is_empty() {
-            return false;
-        } else {
-            self.follow_apart();
-        }
-        true
-    }
-
-    /// Follows the rays that were set apart.
-    fn follow_apart(&mut self) {
-        if self.is_over() {
-            return;
-        }
-        let mut apart = std::mem::take(&mut self.memory.pool.apart);
-        for some in apart.chunks(LANES) {
-            self.follow_each(some);
-        }
-        apart.clear();
-        self.memory.pool.apart = apart;
-    }
-
-    /// Asks the segments in the pool once.
-    #[inline(always)]
-    fn ask_pool(&mut self) {
-        // Apart, since it is called from many places; compiled for the same vectors.
-        self.simd.vectorize(
-            #[inline(always)]
-            || self.ask_pool_once(),
-        );
-    }
-
-    #[inline(always)]
-    fn ask_pool_once(&mut self) {
-        let Memory { pool, contractions, .. } = &mut *self.memory;
-        pool.pack(self.simd);
-        let live = pool.live;
-        pool.asked.segments.count = LANES as u32 - live.leading_zeros();
-        self.method.follower.ask(&pool.asked.segments, contractions);
-        self.work.segments.called(live.count_ones());
-        let limits = &self.limits;
-        let simd = self.simd;
-        let mut sifted = pool.asked.sift(simd, contractions, Some(&pool.inside), live, limits);
-        if self.method.cleared {
-            sifted.doubt();
-        }
-        let rounds = u8x16::simd_from(simd, pool.rounds) + 1;
-        rounds.store_slice(&mut pool.rounds);
-        let tired = rounds.simd_eq(ROUNDS).to_bitmask() as u16;
-        for lane in ones(sifted.cut) {
-            pool.put_aside(lane, [pool.asked.segments.far[lane], contractions.far[lane]]);
-        }
-        pool.go_on(sifted.empty);
-        for lane in ones(sifted.short) {
-            let ends = self.memory.left(lane);
-            let (ray, _) = self.memory.pool.finish(lane);
-            self.add_hit(&ray, ends.map(Into::into));
-        }
-        let over = tired & self.memory.pool.live & !sifted.open;
-        for lane in ones(sifted.open | over) {
-            let mut ends = self.memory.left(lane);
-            if over >> lane & 1 == 1 {
-                let Segments { near, far, .. } = &self.memory.pool.asked.segments;
-                ends = [near[lane], far[lane]];
-            }
-            let (ray, last) = self.memory.pool.finish(lane);
-            // What stays open of a ray reaches to the end of what was put aside.
-            let [near, far] = [ends[0], last.unwrap_or(ends[1])];
-            self.set_apart(ray, [near.into(), far.into()]);
-        }
     }
 }

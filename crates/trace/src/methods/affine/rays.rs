@@ -3,8 +3,8 @@
 use super::FINE;
 use super::frame::BLURS;
 use super::narrow::{Narrower, Scratch, Step, Stop, rounding};
-use crate::found::{Found, Reason};
-use crate::method::{Options, Precision, Segment, Start};
+use crate::found::Reason;
+use crate::method::{Options, Precision, Start};
 use crate::methods::bridge::Bridge;
 use crate::methods::outcome::{Outcome, reason};
 use crate::methods::way::{OPEN_PARTS, Way, bounds};
@@ -235,32 +235,5 @@ impl<'a, T: Scalar> Follower<'a, T> {
             }
         }
         (reason(facts, stop == Stop::Effort), !(asymptote || is_gap))
-    }
-
-    /// Follows arbitrary rays, and says what became of them.
-    pub fn follow_rays(
-        &self,
-        rays: &[Segment],
-        start: Start,
-        found: &mut [Found],
-        work: &mut Work,
-    ) {
-        let mut starts = [0.0; LANES];
-        let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
-        for (lane, segment) in rays.iter().enumerate() {
-            found[lane] = Found::MISS;
-            let Some(mut way) = Way::new(segment, self.region) else { continue };
-            way.longest = self.options.longest() * segment.footprint(-way.start);
-            starts[lane] = -way.start;
-            ways.push(way);
-            lanes.push(lane);
-        }
-        if ways.is_empty() {
-            return;
-        }
-        let outcomes = self.follow(&ways, start, &mut Scratch::default(), work);
-        for (outcome, lane) in outcomes.iter().zip(lanes) {
-            found[lane] = outcome.found(starts[lane]);
-        }
     }
 }

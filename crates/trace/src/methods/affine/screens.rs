@@ -1,11 +1,8 @@
 //! Where up to sixteen tiles are on the screen, and what is left of segments of theirs or of rays.
 
-use crate::scalar::Scalar;
+use crate::scalar::{HALF, Scalar};
 use fearless_simd::prelude::*;
 use zeroset_eval::{LANES, Lanes};
-
-/// Lanes of an `f64` vector: half of a batch.
-pub(super) const HALF: usize = LANES / 2;
 
 /// The screen coordinates of the rays of up to sixteen tiles: within `half` of `centre`.
 #[derive(Default)]
@@ -22,6 +19,9 @@ impl Screens {
         (&self.centre, Some(&self.half))
     }
 }
+
+/// What is still to be looked at of something: segments, the nearest last.
+pub(super) type Stack<T = f64> = Vec<[T; 2]>;
 
 /// What lanes are about before any has moved: each about its own.
 pub(super) const UNMOVED: [u8; LANES] = {

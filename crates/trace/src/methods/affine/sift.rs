@@ -16,6 +16,7 @@ pub(super) struct Limits<T> {
 }
 
 /// Segments that are asked together, and what decides about each.
+#[derive(Default)]
 pub(super) struct Asked<T: Scalar> {
     pub segments: Segments<T>,
     /// The longest bracket of a hit.
@@ -40,12 +41,6 @@ impl Sifted {
     /// Leaves open whether there is a zero in a bracket: one of a numerator is none of the function's.
     pub fn doubt(&mut self) {
         self.open |= std::mem::take(&mut self.short);
-    }
-}
-
-impl<T: Scalar> Default for Asked<T> {
-    fn default() -> Self {
-        Self { segments: Segments::default(), longest: Lanes::splat(T::default()) }
     }
 }
 

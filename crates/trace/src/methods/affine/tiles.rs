@@ -6,8 +6,8 @@ use super::level::Level;
 use super::narrow::{BLURRED, COARSE, are_progress};
 use super::plane::Plane;
 use super::pool::Memory;
-use super::room::Room;
 use super::sift::Limits;
+use super::tracer::{LAST, SIDES, Tracer};
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::methods::way::CUT;
@@ -16,13 +16,8 @@ use crate::scalar::Scalar;
 use crate::widths::parts;
 use crate::work::Work;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
-use std::ops::Range;
 use zeroset_eval::{LANES, Lanes};
 
-/// Pixels on the side of a tile, by level. Each holds sixteen of the next.
-pub(super) const SIDES: [usize; 2] = [16, 4];
-/// The level of tiles whose parts are rays.
-const LAST: usize = SIDES.len() - 1;
 /// A tile is split once its segment is no longer than so many times what it is wide, by level.
 const SLENDER: [f64; 2] = [3.0, 4.0];
 /// The same of tiles that are patches: along an outline surfaces are deep and a patch is thin, and its rays are all there.
@@ -33,8 +28,14 @@ const TILTED: f64 = 2.0;
 /// A segment that stays longer than this share of what it was is not asked again, but that of a tile to be split, or cut.
 const STALLED: f64 = 0.85;
 
-/// Between two looks at whether the work is still wanted, at least so many calls of kernels.
-const POLLED: u64 = 16;
+/// What a thread needs for a band. Bands use it one after another: to make it takes a few hundred allocations.
+#[derive(Default)]
+pub(super) struct Room<T: Scalar> {
+    levels: [Level<T>; SIDES.len()],
+    memory: Memory<T>,
+    /// [`Tracer::screens`].
+    screens: [Vec<[f64; 4]>; 2],
+}
 
 /// Traces a band.
 pub(super) fn trace<T: Scalar>(
@@ -63,7 +64,7 @@ fn trace_with<T: Scalar, S: Simd>(
     let mut open =
         if is_patched { vec![u16::MAX; band.height] } else { open_pixels(band.width, band.height) };
     close_unasked(&mut open, band, across, is_patched);
-    let mut room = method.rooms.take();
+    let mut room = method.rooms.take().unwrap_or_default();
     let Room { levels, memory, screens } = &mut *room;
     for level in levels.iter_mut() {
         level.batch = frame.tiles();
@@ -183,160 +184,7 @@ struct Verdicts<T> {
     far: Lanes<T>,
 }
 
-pub(super) struct Tracer<'a, 'b, 'm, T: Scalar, S> {
-    pub method: &'a Affine<'m, T>,
-    pub rays: &'a RayGrid,
-    pub frame: Frame,
-    pub band: &'a mut Band<'b>,
-    /// A bit per pixel of each 4×4 tile: whether it is not finished.
-    pub open: Vec<u16>,
-    /// Tiles of 4×4 in a row.
-    pub across: usize,
-    /// Screen coordinates of columns and rows of pixels, by fours; not of patches.
-    pub screens: &'a [Vec<[f64; 4]>; 2],
-    /// The farthest end of a segment.
-    pub size: f64,
-    pub limits: Limits<T>,
-    pub memory: &'a mut Memory<T>,
-    pub work: &'a mut Work,
-    /// Whether nobody wants what is still to be found.
-    pub over: bool,
-    /// How many calls had been made when that was asked.
-    polled: u64,
-    /// Vectors that the processor has.
-    pub simd: S,
-}
-
 impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
-    /// The first and last column and row of a tile's pixels in the band.
-    #[inline(always)]
-    pub(super) fn pixels(&self, [column, row]: [usize; 2], level: usize) -> [[usize; 2]; 2] {
-        let side = SIDES[level];
-        let range = |place: usize, size: usize| [side * place, (side * place + side).min(size) - 1];
-        [range(column, self.band.width), range(row, self.band.height)]
-    }
-
-    /// The screen coordinate in the middle of a column of tiles, and how far its rays are from that.
-    #[inline(always)]
-    pub(super) fn across(&self, column: usize, level: usize) -> [f64; 2] {
-        let [columns, _] = self.pixels([column, 0], level);
-        self.extent(0, columns[0], columns[1])
-    }
-
-    /// The same of a row of tiles.
-    #[inline(always)]
-    pub(super) fn upward(&self, row: usize, level: usize) -> [f64; 2] {
-        let top = self.band.top;
-        if let Some(patch) = self.rays.patch(top + row) {
-            return self.extent(1, patch.row, patch.row + 3);
-        }
-        let [_, rows] = self.pixels([0, row], level);
-        self.extent(1, top + rows[0], top + rows[1])
-    }
-
-    /// The same of some columns of pixels, or rows, the last included.
-    #[inline(always)]
-    pub(super) fn extent(&self, axis: usize, first: usize, last: usize) -> [f64; 2] {
-        let centre = self.rays.screen(first + last, first + last)[axis];
-        [centre, (last - first) as f64 * self.rays.unit()]
-    }
-
-    /// The first column and row of these tiles, if they are a square of sixteen of the last level with all of their pixels in
-    /// the picture.
-    #[inline(always)]
-    pub(super) fn square(
-        &self,
-        [columns, rows]: &[Range<usize>; 2],
-        level: usize,
-    ) -> Option<[usize; 2]> {
-        let side = SIDES[level];
-        let is_square = level == LAST
-            && !self.rays.is_patched()
-            && (columns.len(), rows.len()) == (4, 4)
-            && side * columns.end <= self.band.width
-            && side * rows.end <= self.band.height;
-        is_square.then_some([columns.start, rows.start])
-    }
-
-    /// The screen coordinates in the middle of a square's columns, and of its rows.
-    #[inline(always)]
-    pub(super) fn centres(&self, [column, row]: [usize; 2]) -> [[f64; 4]; 2] {
-        let side = SIDES[LAST];
-        let centres = |axis: usize, first: usize| {
-            // The sum of a tile's first and last pixel.
-            self.rays.screens(axis, 2 * first + side - 1, 2 * side)
-        };
-        [centres(0, side * column), centres(1, self.band.top + side * row)]
-    }
-
-    /// How far the rays of a square's tiles are from the middle of each.
-    #[inline(always)]
-    pub(super) fn reach(&self) -> f64 {
-        (SIDES[LAST] - 1) as f64 * self.rays.unit()
-    }
-
-    /// Which of a square's tiles have pixels that are not finished, as bits.
-    #[inline(always)]
-    pub(super) fn open_in_square(&self, [column, row]: [usize; 2]) -> u16 {
-        let mut all = 0;
-        for k in 0..4 {
-            let first = (row + k) * self.across + column;
-            for (tile, open) in self.open[first..first + 4].iter().enumerate() {
-                all |= u16::from(*open != 0) << (4 * k + tile);
-            }
-        }
-        all
-    }
-
-    /// What is to be looked at of a segment.
-    pub(super) fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
-        match self.rays.patch(self.band.top + place[1]) {
-            Some(patch) => {
-                let [from, until] = patch.between.map(|t| T::nearest(t - self.frame.start).into());
-                [near.max(from), far.min(until)]
-            }
-            None => [near, far],
-        }
-    }
-
-    /// Whether some pixel of a tile is not finished.
-    #[inline(always)]
-    pub(super) fn is_open(&self, place: [usize; 2], level: usize) -> bool {
-        self.any_in(&self.open, place, level)
-    }
-
-    /// Whether any bit of a tile is set among bits of each 4×4 tile.
-    #[inline(always)]
-    fn any_in(&self, bits: &[u16], [column, row]: [usize; 2], level: usize) -> bool {
-        if level == LAST {
-            return bits[row * self.across + column] != 0;
-        }
-        let side = SIDES[level] / SIDES[LAST];
-        let range = |place: usize, size: usize| side * place..(side * place + side).min(size);
-        let (columns, rows) = (range(column, self.across), range(row, bits.len() / self.across));
-        rows.into_iter().any(|row| {
-            let start = row * self.across;
-            let some = &bits[start + columns.start..start + columns.end];
-            some.iter().fold(0, |any, bits| any | bits) != 0
-        })
-    }
-
-    /// The width of a pixel in units of s.
-    #[inline(always)]
-    pub(super) fn footprint(&self, s: f64) -> f64 {
-        self.rays.footprint(self.frame.start + s)
-    }
-
-    /// Whether nobody wants what is still to be found. Not asked each time: to look at a clock takes as long as a short call.
-    #[inline(always)]
-    pub(super) fn is_over(&mut self) -> bool {
-        let calls = self.work.tiles.calls + self.work.segments.calls;
-        if calls >= self.polled + POLLED {
-            (self.polled, self.over) = (calls, self.over || !self.band.is_wanted());
-        }
-        self.over
-    }
-
     #[inline(always)]
     fn run<const DEPTH: usize>(&mut self, levels: &mut [Level<T>]) {
         let (level, finer) = levels.split_first_mut().expect("a level");

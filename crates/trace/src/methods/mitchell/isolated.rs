@@ -1,6 +1,5 @@
 //! A root that is isolated, brought within the tolerance: signs are certain at both ends of what is left.
 
-use super::search::sign;
 use crate::methods::slope::Slopes;
 use crate::methods::way::{Way, bounds};
 use crate::region::Region;
@@ -23,37 +22,39 @@ pub(super) struct Isolated {
     enough: f64,
 }
 
-/// Brings roots within the tolerance.
-pub(super) struct Refiner<'a, 'b, T: Scalar> {
-    pub slopes: &'b Slopes<'a, T>,
-    pub region: &'a Region,
-}
-
 /// Rounds, at most. Every third halves, so that a ray's way of 2⁻²² shares is reached, as fine as `f32` tells.
 const ROUNDS: u32 = 66;
 /// How far beyond the interpolated root the other end is looked for, as a share of the tolerance.
 const BEYOND: f64 = 0.75;
 
-impl<T: Scalar> Refiner<'_, '_, T> {
-    pub fn refine(&self, all: &mut [(&Way, Isolated)], work: &mut Work) {
-        for round in 0..ROUNDS {
-            let mut left: Vec<&mut (&Way, Isolated)> =
-                all.iter_mut().filter(|(_, isolated)| !isolated.is_done()).collect();
-            if left.is_empty() {
-                break;
-            }
-            let places: Vec<f64> = left.iter().map(|(_, isolated)| isolated.next(round)).collect();
-            let boxes: Vec<_> = left
-                .iter()
-                .zip(&places)
-                .map(|((way, _), &place)| bounds(way, [place; 2], self.region))
-                .collect();
-            let values = self.slopes.values(&boxes, work);
-            for (lane, (_, isolated)) in left.iter_mut().enumerate() {
-                isolated.narrow(places[lane], values[lane]);
-            }
+/// Brings roots within the tolerance.
+pub(super) fn refine<T: Scalar>(
+    all: &mut [(&Way, &mut Isolated)],
+    slopes: &Slopes<'_, T>,
+    region: &Region,
+    work: &mut Work,
+) {
+    for round in 0..ROUNDS {
+        let mut left: Vec<_> = all.iter_mut().filter(|(_, isolated)| !isolated.is_done()).collect();
+        if left.is_empty() {
+            break;
+        }
+        let places: Vec<f64> = left.iter().map(|(_, isolated)| isolated.next(round)).collect();
+        let boxes: Vec<_> = left
+            .iter()
+            .zip(&places)
+            .map(|((way, _), &place)| bounds(way, [place; 2], region))
+            .collect();
+        let values = slopes.values(&boxes, work);
+        for (lane, (_, isolated)) in left.iter_mut().enumerate() {
+            isolated.narrow(places[lane], values[lane]);
         }
     }
+}
+
+/// Whether a value is certainly above 0, or certainly below.
+pub(super) fn sign(value: Interval) -> Option<bool> {
+    if value.lo > 0.0 { Some(true) } else { (value.hi < 0.0).then_some(false) }
 }
 
 fn middle(value: Interval) -> f64 {

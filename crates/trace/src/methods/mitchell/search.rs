@@ -1,6 +1,6 @@
 //! Parts of up to sixteen rays, halved until each ray has met a root or nothing.
 
-use super::isolated::{Isolated, Refiner};
+use super::isolated::{Isolated, refine, sign};
 use crate::method::{Options, Start};
 use crate::methods::bridge::Bridge;
 use crate::methods::outcome::{Outcome, reason};
@@ -73,17 +73,14 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             }
             self.look(&mut rays, &parts, work);
         }
-        let refiner = Refiner { slopes: &self.slopes, region: self.region };
-        let mut isolated: Vec<(&Way, Isolated)> =
-            rays.iter().filter_map(|ray| Some((ray.way, ray.isolated?))).collect();
-        refiner.refine(&mut isolated, work);
-        let mut brackets = isolated.into_iter().map(|(_, isolated)| isolated.ends());
-        for ray in &mut rays {
-            if ray.isolated.is_some() {
-                ray.outcome.hit = brackets.next();
-            }
-        }
-        rays.into_iter().map(|ray| ray.outcome).collect()
+        let mut isolated: Vec<_> =
+            rays.iter_mut().filter_map(|ray| Some((ray.way, ray.isolated.as_mut()?))).collect();
+        refine(&mut isolated, &self.slopes, self.region, work);
+        let outcome = |ray: Search| match ray.isolated {
+            Some(isolated) => Outcome { hit: Some(isolated.ends()), ..ray.outcome },
+            None => ray.outcome,
+        };
+        rays.into_iter().map(outcome).collect()
     }
 
     /// The next part of each ray, if it may hold a zero.
@@ -219,9 +216,4 @@ impl<'a> Search<'a> {
 
 fn cuboids(parts: &[Part]) -> Vec<Cuboid> {
     parts.iter().map(|part| part.cuboid).collect()
-}
-
-/// Whether a value is certainly above 0, or certainly below.
-pub(super) fn sign(value: Interval) -> Option<bool> {
-    if value.lo > 0.0 { Some(true) } else { (value.hi < 0.0).then_some(false) }
 }

@@ -1,0 +1,146 @@
+//! The rays in the pool and those that were set apart: how they are followed.
+
+use super::pool::{Memory, Pool, TileRay};
+use super::screens::UNMOVED;
+use super::tracer::Tracer;
+use crate::painted::ones;
+use crate::scalar::Scalar;
+use fearless_simd::{mask32x16, prelude::*, u8x16, u32x16};
+use zeroset_eval::{LANES, Segments};
+
+/// How often a segment of a ray is asked before what is left of it is set apart.
+const ROUNDS: u8 = 64;
+
+/// The lowest `count` of the bits that are set.
+#[inline(always)]
+fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
+    let first = u32x16::simd_from(simd, UNMOVED.map(u32::from)).simd_lt(count);
+    let first = first.select(u32x16::splat(simd, 1), u32x16::splat(simd, 0));
+    let spread = first.expand(mask32x16::from_bitmask(simd, u64::from(bits)));
+    spread.simd_gt(0).to_bitmask() as u16
+}
+
+impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
+    /// Puts rays of a tile that were asked so often into the pool, from their lanes among the rays of the tile, which are their
+    /// bits: as many as there is room for, and at least one. Returns their lanes there and in the pool, in order, and takes
+    /// them from the `rest`.
+    #[inline(always)]
+    pub(super) fn admit(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
+        while self.memory.pool.live == u16::MAX {
+            self.ask_pool();
+        }
+        let Memory { fresh, pool, .. } = &mut *self.memory;
+        let (wanted, free) = (rest.count_ones(), pool.live.count_zeros());
+        let mut from = *rest;
+        if free < wanted {
+            from = lowest(self.simd, from, free);
+        }
+        let to = lowest(self.simd, !pool.live, wanted);
+        pool.take(self.simd, rays, &fresh.segments, [from, to], rounds);
+        *rest &= !from;
+        [from, to]
+    }
+
+    /// Sets a ray apart, to be followed alone.
+    pub(super) fn set_apart(&mut self, ray: TileRay<T>, ends: [f64; 2]) {
+        let apart = &mut self.memory.pool.apart;
+        apart.push((ray, ends));
+        if apart.len() == LANES {
+            self.follow_apart();
+        }
+    }
+
+    /// Follows all rays in the pool to the end, and those that were set apart.
+    pub(super) fn empty_pool(&mut self) {
+        while !self.over && self.follow_more() {}
+    }
+
+    /// Gives up the rays in the pool, and those that were set apart.
+    pub(super) fn give_up_pool(&mut self) {
+        let Pool { live, tiles, bits, .. } = self.memory.pool;
+        let pooled = ones(live).map(|lane| (tiles[lane], bits[lane]));
+        let apart = std::mem::take(&mut self.memory.pool.apart);
+        for (tile, bit) in pooled.chain(apart.iter().map(|(ray, _)| (ray.tile, ray.bit))) {
+            let ray = TileRay { tile, bit, ..TileRay::default() };
+            let ([column, row], _) = self.pixel_of(&ray);
+            self.band.give_up_pixel(column, row);
+        }
+    }
+
+    /// Asks the rays in the pool once, or if there are none follows those that were set apart; returns `false` if there are
+    /// none either.
+    #[inline(always)]
+    pub(super) fn follow_more(&mut self) -> bool {
+        if self.memory.pool.live != 0 {
+            self.ask_pool();
+        } else if self.memory.pool.apart.is_empty() {
+            return false;
+        } else {
+            self.follow_apart();
+        }
+        true
+    }
+
+    /// Follows the rays that were set apart.
+    fn follow_apart(&mut self) {
+        if self.is_over() {
+            return;
+        }
+        let mut apart = std::mem::take(&mut self.memory.pool.apart);
+        for some in apart.chunks(LANES) {
+            self.follow_each(some);
+        }
+        apart.clear();
+        self.memory.pool.apart = apart;
+    }
+
+    /// Asks the segments in the pool once.
+    #[inline(always)]
+    fn ask_pool(&mut self) {
+        // Apart, since it is called from many places; compiled for the same vectors.
+        self.simd.vectorize(
+            #[inline(always)]
+            || self.ask_pool_once(),
+        );
+    }
+
+    #[inline(always)]
+    fn ask_pool_once(&mut self) {
+        let Memory { pool, contractions, .. } = &mut *self.memory;
+        pool.pack(self.simd);
+        let live = pool.live;
+        pool.asked.segments.count = LANES as u32 - live.leading_zeros();
+        self.method.follower.ask(&pool.asked.segments, contractions);
+        self.work.segments.called(live.count_ones());
+        let limits = &self.limits;
+        let simd = self.simd;
+        let mut sifted = pool.asked.sift(simd, contractions, Some(&pool.inside), live, limits);
+        if self.method.cleared {
+            sifted.doubt();
+        }
+        let rounds = u8x16::simd_from(simd, pool.rounds) + 1;
+        rounds.store_slice(&mut pool.rounds);
+        let tired = rounds.simd_eq(ROUNDS).to_bitmask() as u16;
+        for lane in ones(sifted.cut) {
+            pool.put_aside(lane, [pool.asked.segments.far[lane], contractions.far[lane]]);
+        }
+        pool.go_on(sifted.empty);
+        for lane in ones(sifted.short) {
+            let ends = self.memory.left(lane);
+            let (ray, _) = self.memory.pool.finish(lane);
+            self.add_hit(&ray, ends.map(Into::into));
+        }
+        let over = tired & self.memory.pool.live & !sifted.open;
+        for lane in ones(sifted.open | over) {
+            let mut ends = self.memory.left(lane);
+            if over >> lane & 1 == 1 {
+                let Segments { near, far, .. } = &self.memory.pool.asked.segments;
+                ends = [near[lane], far[lane]];
+            }
+            let (ray, last) = self.memory.pool.finish(lane);
+            // What stays open of a ray reaches to the end of what was put aside.
+            let [near, far] = [ends[0], last.unwrap_or(ends[1])];
+            self.set_apart(ray, [near.into(), far.into()]);
+        }
+    }
+}
