@@ -181,12 +181,7 @@ struct Spot {
 }
 
 fn corners(region: &Region) -> Vec<Spot> {
-    let (low, high) = (region.low(), region.high());
-    let corner = |n: u32| {
-        let end = |axis: usize| if n >> axis & 1 == 1 { high[axis] } else { low[axis] };
-        Spot { at: DVec3::new(end(0), end(1), end(2)), radius: 0.0 }
-    };
-    (0..8).map(corner).collect()
+    scene::corners(region).map(|at| Spot { at, radius: 0.0 }).to_vec()
 }
 
 /// What of a camera is not its place.

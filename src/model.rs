@@ -216,17 +216,16 @@ impl Model {
             return self.sample(surface, point);
         }
         let typed = Program::unchecked(document, scene::bounds(&self.region));
-        let none = (f64::NAN, [f64::NAN; 3]);
-        typed.map_or(none, |typed| self.sample_of(&typed, surface, point))
+        typed.map_or(UNKNOWN, |typed| self.sample_of(&typed, surface, point))
     }
 
     fn sample_of(&self, program: &Program, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
-        let values = (surface < self.surfaces()).then(|| program.surface(surface));
-        let values = values.and_then(|surface| match self.precision {
-            Precision::F32 => sample::<f32>(surface, point),
-            Precision::Auto | Precision::F64 => sample::<f64>(surface, point),
-        });
-        values.unwrap_or((f64::NAN, [f64::NAN; 3]))
+        let sample = match self.precision {
+            Precision::F32 => sample::<f32>,
+            Precision::Auto | Precision::F64 => sample::<f64>,
+        };
+        let values = (surface < self.surfaces()).then(|| sample(program.surface(surface), point));
+        values.flatten().unwrap_or(UNKNOWN)
     }
 
     /// Whether the function of some surface cannot be told from 0 at any of some points strewn over the region: then either
@@ -342,6 +341,9 @@ pub fn make_kernels<T: KernelFloat>(
     let (traced, (other, bounds)) = rayon::join(traced, || rayon::join(other, bounds));
     Ok(traced.and(other).and(bounds)?)
 }
+
+/// Value and gradient where nothing answers.
+const UNKNOWN: (f64, [f64; 3]) = (f64::NAN, [f64::NAN; 3]);
 
 fn sample<T: KernelFloat>(surface: &dyn Surface, point: DVec3) -> Option<(f64, [f64; 3])> {
     let out = T::kernels(surface).gradients().ok()?.ask_all(&Points::near(&[point.to_array()]));

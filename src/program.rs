@@ -40,14 +40,7 @@ impl Program {
     /// # Errors
     /// If a formula is too large.
     pub fn drawn(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        Self::made_of(document, domain, |graph, roots| {
-            // What is drawn of an equation are its zeros, and those are proven where they are simple.
-            for (root, surface) in roots.iter_mut().zip(&document.surfaces) {
-                if surface.kind == SurfaceKind::Equation {
-                    *root = radical(graph, *root);
-                }
-            }
-        })
+        Self::made_of(document, domain, true)
     }
 
     /// As [`Program::drawn`], but of the functions as typed, whose values can be asked for.
@@ -55,30 +48,32 @@ impl Program {
     /// # Errors
     /// If a formula is too large.
     pub fn unchecked(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        Self::made_of(document, domain, |_, _| {})
+        Self::made_of(document, domain, false)
     }
 
     fn made_of(
         document: &Document,
         domain: [Interval; 3],
-        zeros: impl FnOnce(&mut Graph, &mut [NodeId]),
+        is_drawn: bool,
     ) -> Result<Self, ProgramError> {
         let typed = typed(document);
         let parameters: Vec<Interval> = document.parameters.iter().map(assumed).collect();
-        let mut symbolic = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
-        let before = symbolic.1.clone();
-        zeros(&mut symbolic.0, &mut symbolic.1);
-        let reduced =
-            before.iter().zip(&symbolic.1).map(|(before, after)| before != after).collect();
-        let (graph, roots) = simplify(&symbolic.0, &symbolic.1, &domain, &parameters)?;
+        let solid = solid(document);
+        let (mut symbolic, rewritten) = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
+        // What is drawn of an equation are its zeros, and those are proven where they are simple.
+        let drawn = |(root, is_solid): (&NodeId, &bool)| {
+            if is_drawn && !is_solid { radical(&mut symbolic, *root) } else { *root }
+        };
+        let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).map(drawn).collect();
+        let reduced = rewritten.iter().zip(&drawn).map(|(before, after)| before != after).collect();
+        let (graph, roots) = simplify(&symbolic, &drawn, &domain, &parameters)?;
         let assumptions = Assumptions { domain, parameters };
         let before: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
         let nodes_before = count(&document.graph, &before);
-        let solid = solid(document);
         let simplified = Simplified {
             graph,
             roots,
-            symbolic,
+            symbolic: (symbolic, drawn),
             typed,
             assumptions,
             nodes_before,
