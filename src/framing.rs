@@ -7,7 +7,6 @@ use crate::model::Model;
 use crate::picture::Settings;
 use crate::scene::{self, CameraChoice, SceneError};
 use glam::{DQuat, DVec3};
-use std::time::Instant;
 use zeroset_syntax::Document;
 use zeroset_trace::{Camera, CameraError, Projection, Region, StandardView};
 
@@ -116,9 +115,7 @@ pub fn camera(
     choice: &CameraChoice,
     settings: &Settings,
 ) -> Result<Camera, SceneError> {
-    let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
-    let is_early = || end.is_none_or(|end| Instant::now() < end);
-    match camera_while(model, document, choice, settings, &is_early)? {
+    match camera_while(model, document, choice, settings, &settings.has_time())? {
         Some(camera) => Ok(camera),
         None => Ok(usual(document, model.region(), choice, settings)?.0),
     }
@@ -184,12 +181,7 @@ struct Spot {
 }
 
 fn corners(region: &Region) -> Vec<Spot> {
-    let (low, high) = (region.low(), region.high());
-    let corner = |n: u32| {
-        let end = |axis: usize| if n >> axis & 1 == 1 { high[axis] } else { low[axis] };
-        Spot { at: DVec3::new(end(0), end(1), end(2)), radius: 0.0 }
-    };
-    (0..8).map(corner).collect()
+    scene::corners(region).map(|at| Spot { at, radius: 0.0 }).to_vec()
 }
 
 /// What of a camera is not its place.

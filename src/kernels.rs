@@ -6,8 +6,7 @@
 use crate::simplified::{Form, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
 use std::fmt;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use zeroset_eval::{
     Asked, Binding, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel,
     KernelError, Kernels, Question, Real, Reference, Sample, SampleGradient, Surface, Tape,
@@ -86,35 +85,36 @@ impl fmt::Display for Made {
     }
 }
 
-/// What all kernels of a program share: how large they may be together, and a list of them.
+/// All kernels of a program that were made so far, which together may be only so large.
 #[derive(Debug, Default)]
-pub(crate) struct Ledger {
-    bytes: AtomicUsize,
-    made: Mutex<Vec<Made>>,
-}
+pub(crate) struct Ledger(Mutex<Vec<Made>>);
 
 impl Ledger {
     /// All kernels made so far, by surface.
     pub fn made(&self) -> Vec<Made> {
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let mut made = self.list().clone();
         made.sort_by_key(|made| (made.surface, made.form, made.question, made.format as u8));
         made
     }
 
     fn add(&self, made: Made) -> Result<(), ProgramError> {
-        let bytes = made.bytes + self.bytes.fetch_add(made.bytes, Ordering::Relaxed);
-        self.made.lock().unwrap_or_else(PoisonError::into_inner).push(made);
-        within_limit(bytes)
+        let mut list = self.list();
+        list.push(made);
+        within_limit(&list)
     }
 
     /// An error once all code together is too long.
     fn is_open(&self) -> Result<(), ProgramError> {
-        within_limit(self.bytes.load(Ordering::Relaxed))
+        within_limit(&self.list())
+    }
+
+    fn list(&self) -> MutexGuard<'_, Vec<Made>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn within_limit(bytes: usize) -> Result<(), ProgramError> {
-    if bytes > CODE_BYTES {
+fn within_limit(made: &[Made]) -> Result<(), ProgramError> {
+    if made.iter().map(|made| made.bytes).sum::<usize>() > CODE_BYTES {
         return Err(ProgramError::TooMuchCode { limit: CODE_BYTES });
     }
     Ok(())
@@ -147,27 +147,71 @@ struct Codes<T: Real> {
     numerator: Slot<Enclose, T>,
     denominator: Slot<Enclose, T>,
     segments: Slot<ContractSegments, T>,
-    numerator_segments: Slot<ContractSegments, T>,
     tiles: Slot<ContractTiles, T>,
-    numerator_tiles: Slot<ContractTiles, T>,
     gradient_bounds: Slot<EncloseGradient, T>,
     values: Slot<Sample, T>,
     gradients: Slot<SampleGradient, T>,
 }
 
+/// The code of one surface.
+#[derive(Default)]
+struct BothCodes {
+    single: Arc<Codes<f32>>,
+    double: Arc<Codes<f64>>,
+}
+
+/// The code of all surfaces of a program, made as kernels ask for it, and what it is made of.
+pub(crate) struct Store {
+    pub simplified: Arc<Simplified>,
+    pub ledger: Ledger,
+    evaluator: Evaluator,
+    /// By surface.
+    codes: Vec<BothCodes>,
+}
+
+impl Store {
+    pub fn new(simplified: Arc<Simplified>, evaluator: Evaluator) -> Self {
+        let codes = simplified.roots.iter().map(|_| BothCodes::default()).collect();
+        Self { simplified, ledger: Ledger::default(), evaluator, codes }
+    }
+
+    fn make<Q: Question, T: Real>(
+        &self,
+        surface: usize,
+        form: Form,
+        steps: Result<Option<(Tape<T>, Uniforms)>, ProgramError>,
+    ) -> Result<Option<Code<Q, T>>, ProgramError> {
+        let Some((tape, uniforms)) = steps? else { return Ok(None) };
+        // Others may have used up what there is.
+        self.ledger.is_open()?;
+        let (question, format) = (Q::NAME, T::FORMAT);
+        let mut made = Made { surface, question, form, format, bytes: 0, vector_bytes: 0 };
+        let steps = match self.evaluator {
+            Evaluator::Native => {
+                let compiled = Compiled::new(tape)?;
+                (made.bytes, made.vector_bytes) = (compiled.code_bytes(), compiled.vector_bytes());
+                Steps::Native(compiled)
+            }
+            Evaluator::Reference => Steps::Reference(tape),
+        };
+        self.ledger.add(made)?;
+        Ok(Some(Code { steps, uniforms }))
+    }
+}
+
 /// A kernel with values bound.
 type Bound<Q, T> = Box<dyn Kernel<Q, T>>;
 
-/// A kernel that is bound at most once.
+/// What is made at most once.
 type Once<K> = OnceLock<Result<K, KernelError>>;
 
 /// The kernels of one surface in one precision, for present values.
-struct Bindings<T: Real> {
-    source: Source,
-    codes: Arc<Codes<T>>,
+#[derive(Default)]
+struct BoundKernels<T: Real> {
     zeros: Once<Bound<FindZeros, T>>,
     bounds: Once<Bound<Enclose, T>>,
-    cleared: Once<Option<[Bound<Enclose, T>; 2]>>,
+    numerator: Once<Bound<Enclose, T>>,
+    denominator: Once<Bound<Enclose, T>>,
     segments: Once<Bound<ContractSegments, T>>,
     tiles: Once<Bound<ContractTiles, T>>,
     gradient_bounds: Once<Bound<EncloseGradient, T>>,
@@ -175,14 +219,13 @@ struct Bindings<T: Real> {
     gradients: Once<Bound<SampleGradient, T>>,
 }
 
-/// What kernels of one surface are made of.
-#[derive(Clone)]
-struct Source {
-    simplified: Arc<Simplified>,
-    ledger: Arc<Ledger>,
+/// How these kernels are bound.
+struct Bindings<T: Real> {
+    store: Arc<Store>,
     surface: usize,
-    evaluator: Evaluator,
     values: Arc<[Interval]>,
+    codes: Arc<Codes<T>>,
+    bound: BoundKernels<T>,
 }
 
 /// A surface for present values of its parameters.
@@ -192,27 +235,11 @@ pub(crate) struct BoundSurface {
 }
 
 impl BoundSurface {
-    pub fn new(
-        simplified: &Arc<Simplified>,
-        ledger: &Arc<Ledger>,
-        surface: usize,
-        evaluator: Evaluator,
-        values: &Arc<[Interval]>,
-    ) -> Self {
-        let (simplified, ledger) = (Arc::clone(simplified), Arc::clone(ledger));
-        let source = Source { simplified, ledger, surface, evaluator, values: Arc::clone(values) };
+    pub fn new(store: &Arc<Store>, surface: usize, values: &Arc<[Interval]>) -> Self {
+        let BothCodes { single, double } = &store.codes[surface];
         Self {
-            single: Bindings::new(source.clone(), Arc::default()),
-            double: Bindings::new(source, Arc::default()),
-        }
-    }
-
-    /// The same code for other values.
-    pub fn with(&self, values: &Arc<[Interval]>) -> Self {
-        let source = Source { values: Arc::clone(values), ..self.single.source.clone() };
-        Self {
-            single: Bindings::new(source.clone(), Arc::clone(&self.single.codes)),
-            double: Bindings::new(source, Arc::clone(&self.double.codes)),
+            single: Bindings::new(store, surface, values, single),
+            double: Bindings::new(store, surface, values, double),
         }
     }
 }
@@ -227,9 +254,19 @@ impl Surface for BoundSurface {
     }
 }
 
-impl Source {
+impl<T: Real> Bindings<T> {
+    fn new(
+        store: &Arc<Store>,
+        surface: usize,
+        values: &Arc<[Interval]>,
+        codes: &Arc<Codes<T>>,
+    ) -> Self {
+        let (store, values, codes) = (Arc::clone(store), Arc::clone(values), Arc::clone(codes));
+        Self { store, surface, values, codes, bound: BoundKernels::default() }
+    }
+
     /// A form's code with present values bound; `None` if the surface has no such form.
-    fn bind<Q: Question, T: Real>(
+    fn bind<Q: Question>(
         &self,
         slot: &Slot<Q, T>,
         form: Form,
@@ -237,13 +274,14 @@ impl Source {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
                 // Asked beforehand, so that no code is made which does not hold.
-                let steps = self.simplified.steps(self.surface, form, hoisted);
+                let steps = self.store.simplified.steps(self.surface, form, hoisted);
                 if let Ok(Some((_, uniforms))) = &steps
                     && uniforms.values(&self.values).is_none()
                 {
                     continue;
                 }
-                slot.get_or_init(|| self.make(form, steps).map_err(|error| Arc::new(error) as _));
+                let make = || self.store.make(self.surface, form, steps);
+                slot.get_or_init(|| make().map_err(|error| Arc::new(error) as _));
             }
             let code = slot.get().expect("made").as_ref().map_err(Arc::clone)?;
             let Some(code) = code else { return Ok(None) };
@@ -257,136 +295,96 @@ impl Source {
         unreachable!("a program's values are within what it assumes")
     }
 
-    /// As [`Source::bind`], for forms that every surface has.
-    fn bind_always<Q: Question, T: Real>(
+    /// As [`Bindings::bind`], for forms that the surface has.
+    fn bind_always<Q: Question>(
         &self,
         slot: &Slot<Q, T>,
         form: Form,
     ) -> Result<Bound<Q, T>, KernelError> {
-        Ok(self.bind(slot, form)?.expect("a form of every surface"))
+        Ok(self.bind(slot, form)?.expect("a form of the surface"))
     }
 
-    fn make<Q: Question, T: Real>(
+    /// The same, bound when it is first asked for.
+    fn kernel<'a, Q: Question>(
         &self,
+        bound: &'a Once<Bound<Q, T>>,
+        slot: &Slot<Q, T>,
         form: Form,
-        steps: Result<Option<(Tape<T>, Uniforms)>, ProgramError>,
-    ) -> Result<Option<Code<Q, T>>, ProgramError> {
-        let Self { ledger, surface, evaluator, .. } = self;
-        let Some((tape, uniforms)) = steps? else { return Ok(None) };
-        // Others may have used up what there is.
-        ledger.is_open()?;
-        let (surface, question, format) = (*surface, Q::NAME, T::FORMAT);
-        let mut made = Made { surface, question, form, format, bytes: 0, vector_bytes: 0 };
-        let steps = match evaluator {
-            Evaluator::Native => {
-                let compiled = Compiled::new(tape)?;
-                (made.bytes, made.vector_bytes) = (compiled.code_bytes(), compiled.vector_bytes());
-                Steps::Native(compiled)
-            }
-            Evaluator::Reference => Steps::Reference(tape),
-        };
-        ledger.add(made)?;
-        Ok(Some(Code { steps, uniforms }))
-    }
-}
-
-impl<T: Real> Bindings<T> {
-    fn new(source: Source, codes: Arc<Codes<T>>) -> Self {
-        Self {
-            source,
-            codes,
-            zeros: OnceLock::new(),
-            bounds: OnceLock::new(),
-            cleared: OnceLock::new(),
-            segments: OnceLock::new(),
-            tiles: OnceLock::new(),
-            gradient_bounds: OnceLock::new(),
-            values: OnceLock::new(),
-            gradients: OnceLock::new(),
-        }
+    ) -> Asked<'a, Q, T> {
+        known(bound.get_or_init(|| self.bind_always(slot, form)))
     }
 
     fn zero_test(&self) -> Result<Bound<FindZeros, T>, KernelError> {
-        let (source, codes) = (&self.source, &self.codes);
-        let function = source.bind_always(&codes.zeros, Form::Function)?;
+        let function = self.bind_always(&self.codes.zeros, Form::Function)?;
         // The boundary of a solid is also where its function changes sign at a pole or in a jump.
-        if source.simplified.solid[source.surface] {
+        if self.is_solid() {
             return Ok(function);
         }
-        let numerator = source.bind(&codes.numerator_zeros, Form::Numerator)?;
-        let branches = source.bind(&codes.branches, Form::Branches)?;
+        let numerator = self.bind(&self.codes.numerator_zeros, Form::Numerator)?;
+        let branches = self.bind(&self.codes.branches, Form::Branches)?;
         if numerator.is_none() && branches.is_none() {
             return Ok(function);
         }
         Ok(Box::new(ZeroTest { function, numerator, branches }))
     }
 
-    /// A kernel of the cleared form's numerator, or of the function where there is none.
-    fn without_poles<Q: Question>(
-        &self,
-        numerator: &Slot<Q, T>,
-        function: &Slot<Q, T>,
-    ) -> Result<Bound<Q, T>, KernelError> {
-        let source = &self.source;
-        // The boundary of a solid is also where its function changes sign at a pole.
-        if !source.simplified.solid[source.surface]
-            && let Some(cleared) = source.bind(numerator, Form::Numerator)?
-        {
-            return Ok(cleared);
-        }
-        source.bind_always(function, Form::Function)
+    fn is_solid(&self) -> bool {
+        self.store.simplified.solid[self.surface]
     }
 
-    fn both_of_cleared(&self) -> Result<Option<[Bound<Enclose, T>; 2]>, KernelError> {
-        let numerator = self.source.bind(&self.codes.numerator, Form::Numerator)?;
-        let denominator = self.source.bind(&self.codes.denominator, Form::Denominator)?;
-        Ok(numerator.zip(denominator).map(Into::into))
+    fn has_cleared(&self) -> Result<bool, KernelError> {
+        let cleared = self.store.simplified.cleared(self.surface);
+        Ok(cleared.map_err(|error| Arc::new(error) as KernelError)?.is_some())
+    }
+
+    /// The cleared form's numerator, or the function where there is none.
+    fn without_poles(&self) -> Result<Form, KernelError> {
+        // The boundary of a solid is also where its function changes sign at a pole.
+        let is_cleared = !self.is_solid() && self.has_cleared()?;
+        Ok(if is_cleared { Form::Numerator } else { Form::Function })
     }
 }
 
-fn known<K>(result: &Result<K, KernelError>) -> Result<&K, KernelError> {
-    result.as_ref().map_err(Arc::clone)
+fn known<Q, T>(bound: &Result<Bound<Q, T>, KernelError>) -> Asked<'_, Q, T> {
+    bound.as_deref().map_err(Arc::clone)
 }
 
 impl<T: Real> Kernels<T> for Bindings<T> {
     fn zeros(&self) -> Asked<'_, FindZeros, T> {
-        Ok(&**known(self.zeros.get_or_init(|| self.zero_test()))?)
+        known(self.bound.zeros.get_or_init(|| self.zero_test()))
     }
 
     fn bounds(&self) -> Asked<'_, Enclose, T> {
-        let make = || self.source.bind_always(&self.codes.bounds, Form::Function);
-        Ok(&**known(self.bounds.get_or_init(make))?)
+        self.kernel(&self.bound.bounds, &self.codes.bounds, Form::Function)
     }
 
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
-        let both = known(self.cleared.get_or_init(|| self.both_of_cleared()))?;
-        Ok(both.as_ref().map(|[numerator, denominator]| [&**numerator, &**denominator]))
+        if !self.has_cleared()? {
+            return Ok(None);
+        }
+        let Self { codes, bound, .. } = self;
+        let numerator = self.kernel(&bound.numerator, &codes.numerator, Form::Numerator)?;
+        let denominator = self.kernel(&bound.denominator, &codes.denominator, Form::Denominator)?;
+        Ok(Some([numerator, denominator]))
     }
 
     fn segments(&self) -> Asked<'_, ContractSegments, T> {
-        let Codes { numerator_segments, segments, .. } = &*self.codes;
-        let make = || self.without_poles(numerator_segments, segments);
-        Ok(&**known(self.segments.get_or_init(make))?)
+        self.kernel(&self.bound.segments, &self.codes.segments, self.without_poles()?)
     }
 
     fn tiles(&self) -> Asked<'_, ContractTiles, T> {
-        let Codes { numerator_tiles, tiles, .. } = &*self.codes;
-        let make = || self.without_poles(numerator_tiles, tiles);
-        Ok(&**known(self.tiles.get_or_init(make))?)
+        self.kernel(&self.bound.tiles, &self.codes.tiles, self.without_poles()?)
     }
 
     fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T> {
-        let make = || self.source.bind_always(&self.codes.gradient_bounds, Form::Gradient);
-        Ok(&**known(self.gradient_bounds.get_or_init(make))?)
+        self.kernel(&self.bound.gradient_bounds, &self.codes.gradient_bounds, Form::Gradient)
     }
 
     fn values(&self) -> Asked<'_, Sample, T> {
-        let make = || self.source.bind_always(&self.codes.values, Form::Function);
-        Ok(&**known(self.values.get_or_init(make))?)
+        self.kernel(&self.bound.values, &self.codes.values, Form::Function)
     }
 
     fn gradients(&self) -> Asked<'_, SampleGradient, T> {
-        let make = || self.source.bind_always(&self.codes.gradients, Form::Gradient);
-        Ok(&**known(self.gradients.get_or_init(make))?)
+        self.kernel(&self.bound.gradients, &self.codes.gradients, Form::Gradient)
     }
 }

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, Surface};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
-use zeroset_syntax::{Contours, Document, PointValue, SrgbColor, SurfaceKind};
+use zeroset_syntax::{Document, PictureLines, PointValue, SrgbColor, SurfaceKind};
 use zeroset_trace::{Camera, Look, Options, Region};
 
 /// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed with the last model
@@ -44,9 +44,7 @@ pub struct Model {
 struct Setting {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
-    light: Option<DVec3>,
-    shadows: bool,
-    contours: Option<Contours>,
+    lines: PictureLines,
     /// What is the same along contour lines, if there are any, unless something else is said: z.
     height: Option<PointValue>,
     /// Values by number.
@@ -65,9 +63,7 @@ impl Setting {
         Self {
             look: document.look.and_then(Look::named),
             background: document.background,
-            light: lines.light.as_ref().map(|place| place.each_ref().map(scene::nearest).into()),
-            shadows: lines.shadows == Some(true),
-            contours: lines.contours.clone(),
+            lines: lines.clone(),
             height: lines.contours.is_some().then(height),
             parameters: values.collect(),
         }
@@ -109,13 +105,17 @@ impl Model {
         let mut times = Times::default();
         let program = Program::new(document, scene::bounds(reach))?;
         times.simplify = watch.lap();
-        let made = match precision {
-            Precision::Auto | Precision::F32 => {
-                make_kernels::<f32>(&program, document, region, settings, wanted)?
-            }
-            Precision::F64 => make_kernels::<f64>(&program, document, region, settings, wanted)?,
+        let make = match precision {
+            Precision::Auto | Precision::F32 => make_kernels::<f32>,
+            Precision::F64 => make_kernels::<f64>,
         };
-        if !made {
+        let surfaces = document.surfaces.par_iter().enumerate();
+        // Those of a hidden surface are made when it is first shown.
+        let seen = surfaces.filter(|(_, surface)| !surface.hidden);
+        seen.try_for_each(|(n, surface)| {
+            make(&program, n, surface.kind, region, settings, wanted)
+        })?;
+        if !wanted() {
             return Ok(None);
         }
         times.compile = watch.lap();
@@ -216,17 +216,16 @@ impl Model {
             return self.sample(surface, point);
         }
         let typed = Program::unchecked(document, scene::bounds(&self.region));
-        let none = (f64::NAN, [f64::NAN; 3]);
-        typed.map_or(none, |typed| self.sample_of(&typed, surface, point))
+        typed.map_or(UNKNOWN, |typed| self.sample_of(&typed, surface, point))
     }
 
     fn sample_of(&self, program: &Program, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
-        let values = (surface < self.surfaces()).then(|| program.surface(surface));
-        let values = values.and_then(|surface| match self.precision {
-            Precision::F32 => sample::<f32>(surface, point),
-            Precision::Auto | Precision::F64 => sample::<f64>(surface, point),
-        });
-        values.unwrap_or((f64::NAN, [f64::NAN; 3]))
+        let sample = match self.precision {
+            Precision::F32 => sample::<f32>,
+            Precision::Auto | Precision::F64 => sample::<f64>,
+        };
+        let values = (surface < self.surfaces()).then(|| sample(program.surface(surface), point));
+        values.flatten().unwrap_or(UNKNOWN)
     }
 
     /// Whether the function of some surface cannot be told from 0 at any of some points strewn over the region: then either
@@ -306,43 +305,45 @@ fn options(settings: &Settings, kind: SurfaceKind, aim: Aim) -> Options {
     Options { precision, depth, tolerance, least, steps, suppress_asymptotes, ideas }
 }
 
-/// Makes the kernels that a picture needs, all at once; returns whether they were wanted to the end.
-fn make_kernels<T: KernelFloat>(
+/// Makes the kernels that pictures of a surface need, all at once, as long as they are `wanted`.
+///
+/// # Errors
+/// If one cannot be made.
+///
+/// # Panics
+/// If there is no such surface.
+pub fn make_kernels<T: KernelFloat>(
     program: &Program,
-    document: &Document,
+    surface: usize,
+    kind: SurfaceKind,
     region: &Region,
     settings: &Settings,
     wanted: &(dyn Fn() -> bool + Sync),
-) -> Result<bool, ProgramError> {
-    let one = |surface: usize| {
-        let kernels = program.kernels::<T>(surface);
-        let kind = document.surfaces[surface].kind;
-        let traced = || {
-            if !wanted() {
-                return Ok(());
-            }
-            let options = options(settings, kind, Aim::of(settings));
-            settings.method.prepare(program.surface(surface), region, options).map(drop)
-        };
-        let other = || match settings.normals {
-            _ if !wanted() => Ok(()),
-            None => Ok(()),
-            Some(Normals::Gradient) => kernels.gradients().map(|_| ()),
-            Some(Normals::Central) => kernels.values().map(|_| ()),
-        };
-        let bounds = || match kind {
-            SurfaceKind::Solid if wanted() => kernels.bounds().map(|_| ()),
-            SurfaceKind::Solid | SurfaceKind::Equation => Ok(()),
-        };
-        let (traced, (other, bounds)) = rayon::join(traced, || rayon::join(other, bounds));
-        traced.and(other).and(bounds)
+) -> Result<(), ProgramError> {
+    let kernels = program.kernels::<T>(surface);
+    let traced = || {
+        if !wanted() {
+            return Ok(());
+        }
+        let options = options(settings, kind, Aim::of(settings));
+        settings.method.prepare(program.surface(surface), region, options).map(drop)
     };
-    // That of a hidden surface is made when it is first shown.
-    let seen = |surface: &usize| !document.surfaces[*surface].hidden;
-    let surfaces = (0..document.surfaces.len()).into_par_iter().filter(seen);
-    surfaces.map(one).collect::<Result<(), _>>()?;
-    Ok(wanted())
+    let other = || match settings.normals {
+        _ if !wanted() => Ok(()),
+        None => Ok(()),
+        Some(Normals::Gradient) => kernels.gradients().map(|_| ()),
+        Some(Normals::Central) => kernels.values().map(|_| ()),
+    };
+    let bounds = || match kind {
+        SurfaceKind::Solid if wanted() => kernels.bounds().map(|_| ()),
+        SurfaceKind::Solid | SurfaceKind::Equation => Ok(()),
+    };
+    let (traced, (other, bounds)) = rayon::join(traced, || rayon::join(other, bounds));
+    Ok(traced.and(other).and(bounds)?)
 }
+
+/// Value and gradient where nothing answers.
+const UNKNOWN: (f64, [f64; 3]) = (f64::NAN, [f64::NAN; 3]);
 
 fn sample<T: KernelFloat>(surface: &dyn Surface, point: DVec3) -> Option<(f64, [f64; 3])> {
     let out = T::kernels(surface).gradients().ok()?.ask_all(&Points::near(&[point.to_array()]));

@@ -4,7 +4,7 @@ use crate::kernels::Made;
 use crate::legend::Legend;
 use glam::DVec3;
 use std::ops::{AddAssign, RangeInclusive};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zeroset_trace::{
     GBuffer, Ideas, LinearRgb, Look, Method, Pattern, PixelCounts, Proves, Reason, Status,
     UndecidedStyle, Work, hand_back_colours,
@@ -116,6 +116,12 @@ impl Settings {
     /// Halvings of a shadow ray's way, unless told otherwise: one fewer than of a ray from the eye.
     pub fn usual_shadow_depth(&self) -> u32 {
         self.max_depth.saturating_sub(1).max(1)
+    }
+
+    /// Tells whether there is time left for a picture that is begun now.
+    pub(crate) fn has_time(&self) -> impl Fn() -> bool + Sync + use<> {
+        let end = self.budget.and_then(|budget| Instant::now().checked_add(budget));
+        move || end.is_none_or(|end| Instant::now() < end)
     }
 
     /// The same with the light and the finish of others.

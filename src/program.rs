@@ -1,7 +1,7 @@
 //! A document made ready to run: simplified over a domain, parameters bound, kernels made as they are asked for.
 
 use crate::enclosure;
-use crate::kernels::{BoundSurface, Evaluator, Ledger, Made};
+use crate::kernels::{BoundSurface, Evaluator, Made, Store};
 use crate::simplified::Simplified;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, Surface, Tape};
@@ -13,12 +13,12 @@ pub use crate::simplified::{Cleared, Form, ProgramError};
 
 /// The surfaces of a document over one domain.
 pub struct Program {
-    shared: Arc<Simplified>,
-    ledger: Arc<Ledger>,
+    store: Arc<Store>,
     /// The parameters' values, within what is assumed.
     values: Arc<[Interval]>,
     surfaces: Vec<BoundSurface>,
-    undefined: Vec<bool>,
+    /// Per surface, what its function can be.
+    enclosures: Vec<(Interval, Facts)>,
 }
 
 /// Time is expected to stay within this of 0 if nobody says otherwise: beyond it code is compiled anew.
@@ -40,14 +40,7 @@ impl Program {
     /// # Errors
     /// If a formula is too large.
     pub fn drawn(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        Self::made_of(document, domain, |graph, roots| {
-            // What is drawn of an equation are its zeros, and those are proven where they are simple.
-            for (root, surface) in roots.iter_mut().zip(&document.surfaces) {
-                if surface.kind == SurfaceKind::Equation {
-                    *root = radical(graph, *root);
-                }
-            }
-        })
+        Self::made_of(document, domain, true)
     }
 
     /// As [`Program::drawn`], but of the functions as typed, whose values can be asked for.
@@ -55,50 +48,48 @@ impl Program {
     /// # Errors
     /// If a formula is too large.
     pub fn unchecked(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        Self::made_of(document, domain, |_, _| {})
+        Self::made_of(document, domain, false)
     }
 
     fn made_of(
         document: &Document,
         domain: [Interval; 3],
-        zeros: impl FnOnce(&mut Graph, &mut [NodeId]),
+        is_drawn: bool,
     ) -> Result<Self, ProgramError> {
         let typed = typed(document);
         let parameters: Vec<Interval> = document.parameters.iter().map(assumed).collect();
-        let mut symbolic = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
-        let before = symbolic.1.clone();
-        zeros(&mut symbolic.0, &mut symbolic.1);
-        let reduced =
-            before.iter().zip(&symbolic.1).map(|(before, after)| before != after).collect();
-        let (graph, roots) = simplify(&symbolic.0, &symbolic.1, &domain, &parameters)?;
+        let solid = solid(document);
+        let (mut symbolic, rewritten) = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
+        // What is drawn of an equation are its zeros, and those are proven where they are simple.
+        let drawn = |(root, is_solid): (&NodeId, &bool)| {
+            if is_drawn && !is_solid { radical(&mut symbolic, *root) } else { *root }
+        };
+        let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).map(drawn).collect();
+        let reduced = rewritten.iter().zip(&drawn).map(|(before, after)| before != after).collect();
+        let (graph, roots) = simplify(&symbolic, &drawn, &domain, &parameters)?;
         let assumptions = Assumptions { domain, parameters };
         let before: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
         let nodes_before = count(&document.graph, &before);
-        let solid = solid(document);
-        let shared = Arc::new(Simplified {
+        let simplified = Simplified {
             graph,
             roots,
-            symbolic,
+            symbolic: (symbolic, drawn),
             typed,
             assumptions,
             nodes_before,
             cleared: solid.iter().map(|_| OnceLock::new()).collect(),
             solid,
             reduced,
-        });
-        let ledger = Arc::default();
-        Ok(Self::of(&shared, &ledger, values(document), |surface, values| {
-            BoundSurface::new(&shared, &ledger, surface, Evaluator::Native, values)
-        }))
+        };
+        let store = Store::new(Arc::new(simplified), Evaluator::Native);
+        Ok(Self::of(Arc::new(store), values(document)))
     }
 
     /// The same program, its kernels run by `evaluator` and counted anew.
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
-        let ledger = Arc::default();
-        Self::of(&self.shared, &ledger, self.values.to_vec(), |surface, values| {
-            BoundSurface::new(&self.shared, &ledger, surface, evaluator, values)
-        })
+        let store = Store::new(Arc::clone(&self.store.simplified), evaluator);
+        Self::of(Arc::new(store), self.values.to_vec())
     }
 
     /// The same program for the parameter values of another document, or `None` if that differs in more than values, or if
@@ -117,7 +108,7 @@ impl Program {
     /// Whether the code holds for a document: it differs in values only from the one that it was made of, and these are within
     /// what was assumed.
     pub fn serves(&self, document: &Document) -> bool {
-        let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.shared;
+        let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.store.simplified;
         let assumed = document.parameters.iter().map(assumed);
         assumed.eq(assumptions.parameters.iter().copied())
             && solid(document) == *solids
@@ -127,7 +118,8 @@ impl Program {
     /// The same program for all times together that the document's loop has: what it says holds for each.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
-        let parameters = document.parameters.iter().zip(&self.shared.assumptions.parameters);
+        let assumed = &self.store.simplified.assumptions.parameters;
+        let parameters = document.parameters.iter().zip(assumed);
         let range = |(parameter, assumed): (&Parameter, &Interval)| match (
             parameter.kind,
             &parameter.range,
@@ -139,24 +131,17 @@ impl Program {
     }
 
     fn with(&self, values: Vec<Interval>) -> Self {
-        let surface = |surface: usize, values: &_| self.surfaces[surface].with(values);
-        Self::of(&self.shared, &self.ledger, values, surface)
+        Self::of(Arc::clone(&self.store), values)
     }
 
-    fn of(
-        shared: &Arc<Simplified>,
-        ledger: &Arc<Ledger>,
-        values: Vec<Interval>,
-        surface: impl Fn(usize, &Arc<[Interval]>) -> BoundSurface,
-    ) -> Self {
-        let Simplified { graph, roots, assumptions, .. } = &**shared;
+    fn of(store: Arc<Store>, values: Vec<Interval>) -> Self {
+        let Simplified { graph, roots, assumptions, .. } = &*store.simplified;
         let values: Arc<[Interval]> = values.into();
         let assumptions = Assumptions { parameters: values.to_vec(), ..assumptions.clone() };
         let enclosures = enclosure::enclose_all(graph, roots, &assumptions);
-        let undefined = enclosures.iter().map(|(_, facts)| facts.has(Facts::NOWHERE)).collect();
-        let surfaces = (0..roots.len()).map(|index| surface(index, &values)).collect();
-        let (shared, ledger) = (Arc::clone(shared), Arc::clone(ledger));
-        Self { shared, ledger, values, surfaces, undefined }
+        let surface = |index| BoundSurface::new(&store, index, &values);
+        let surfaces = (0..roots.len()).map(surface).collect();
+        Self { store, values, surfaces, enclosures }
     }
 
     /// Refuses what has no surface anywhere. What has none on this domain is left to [`Program::remarks`].
@@ -180,12 +165,10 @@ impl Program {
 
     /// The value of a surface's function if it is constant on the domain.
     fn constant(&self, surface: usize) -> Option<Interval> {
-        let Simplified { graph, roots, assumptions, .. } = &*self.shared;
-        let root = roots[surface];
-        let parameters = self.values.to_vec();
-        let here = Assumptions { parameters, ..assumptions.clone() };
-        let varies = ranks(graph)[root.index()] == Rank::Varying || self.undefined[surface];
-        (!varies).then(|| enclosure::enclose(graph, root, &here).0)
+        let root = self.roots()[surface];
+        let varies =
+            ranks(self.graph())[root.index()] == Rank::Varying || self.is_undefined(surface);
+        (!varies).then(|| self.enclosures[surface].0)
     }
 
     /// One line for each surface whose function is constant on this domain, though not everywhere.
@@ -201,17 +184,17 @@ impl Program {
 
     /// The simplified graph of all surfaces.
     pub fn graph(&self) -> &Graph {
-        &self.shared.graph
+        &self.store.simplified.graph
     }
 
     /// The function of each surface in the graph.
     pub fn roots(&self) -> &[NodeId] {
-        &self.shared.roots
+        &self.store.simplified.roots
     }
 
     /// The bounds of x, y and z that the code holds for.
     pub fn domain(&self) -> [Interval; 3] {
-        self.shared.assumptions.domain
+        self.store.simplified.assumptions.domain
     }
 
     /// The parameters' values, by number.
@@ -221,17 +204,17 @@ impl Program {
 
     /// Nodes as typed and after simplification, all surfaces together.
     pub fn nodes(&self) -> (usize, usize) {
-        (self.shared.nodes_before, count(self.graph(), self.roots()))
+        (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
 
     /// Whether another function than the one typed is drawn, since it has the same zeros and none of them is multiple.
     pub fn is_reduced(&self, surface: usize) -> bool {
-        self.shared.reduced[surface]
+        self.store.simplified.reduced[surface]
     }
 
     /// Whether a surface's function is proven to have no value on the whole domain.
     pub fn is_undefined(&self, surface: usize) -> bool {
-        self.undefined[surface]
+        self.enclosures[surface].1.has(Facts::NOWHERE)
     }
 
     /// A surface, whose kernels are made as they are asked for; programs that differ in values only share the code.
@@ -252,7 +235,7 @@ impl Program {
 
     /// All kernels that were made so far, for these values of the parameters or others.
     pub fn made(&self) -> Vec<Made> {
-        self.ledger.made()
+        self.store.ledger.made()
     }
 
     /// The steps that compute a form of a surface's function, or `None` if it has no such form.
@@ -267,7 +250,7 @@ impl Program {
         surface: usize,
         form: Form,
     ) -> Result<Option<Tape<T>>, ProgramError> {
-        Ok(self.shared.steps(surface, form, true)?.map(|(tape, _)| tape))
+        Ok(self.store.simplified.steps(surface, form, true)?.map(|(tape, _)| tape))
     }
 
     /// A surface's cleared form, or `None` if it has no poles that can be cleared.
@@ -278,7 +261,7 @@ impl Program {
     /// # Panics
     /// If there is no such surface.
     pub fn cleared(&self, surface: usize) -> Result<Option<&Cleared>, ProgramError> {
-        self.shared.cleared(surface)
+        self.store.simplified.cleared(surface)
     }
 }
 

@@ -289,6 +289,14 @@ pub fn bounds(region: &Region) -> [Interval; 3] {
     [0, 1, 2].map(|axis| Interval { lo: region.low()[axis], hi: region.high()[axis] })
 }
 
+/// The corners of the box of a region, by number: each axis has a bit, which is set at its upper end.
+pub fn corners(region: &Region) -> [DVec3; 8] {
+    let (low, high) = (region.low(), region.high());
+    std::array::from_fn(|n| {
+        DVec3::from_array([0, 1, 2].map(|k| if n >> k & 1 == 1 { high[k] } else { low[k] }))
+    })
+}
+
 /// The camera for `document` in `region`.
 ///
 /// # Errors

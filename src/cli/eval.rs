@@ -129,7 +129,7 @@ impl Functions {
             }
             self.compiled.insert(formula.to_owned(), program);
         }
-        self.compiled.get(formula).ok_or_else(|| "the formula is gone".to_owned())
+        Ok(&self.compiled[formula])
     }
 
     fn read(&self, formula: &str) -> Result<Program, String> {
@@ -165,11 +165,11 @@ fn three<T>(value: &Value, read: impl Fn(&Value) -> Result<T, String>) -> Result
 }
 
 fn interval(value: &Value) -> Result<Interval, String> {
-    let ends = match value.as_array().map(Vec::as_slice) {
-        Some([low, high]) => (number::read(low)?, number::read(high)?),
-        _ => return Err("each range of \"box\" must be an array of two".to_owned()),
+    let Some([low, high]) = value.as_array().map(Vec::as_slice) else {
+        return Err("each range of \"box\" must be an array of two".to_owned());
     };
-    Interval::new(ends.0, ends.1).ok_or_else(|| format!("{} to {} is not a range", ends.0, ends.1))
+    let (low, high) = (number::read(low)?, number::read(high)?);
+    Interval::new(low, high).ok_or_else(|| format!("{low} to {high} is not a range"))
 }
 
 fn sample<T: KernelFloat>(

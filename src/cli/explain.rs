@@ -9,6 +9,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
+use zeroset::model::make_kernels;
 use zeroset::picture::{Precision, Settings};
 use zeroset::program::{Cleared, Form, Program};
 use zeroset::scene;
@@ -16,8 +17,7 @@ use zeroset_eval::{FindZeros, KernelFloat, Step, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::{NodeId, display};
 use zeroset_jit::intermediate_code;
-use zeroset_syntax::SurfaceKind;
-use zeroset_trace::{Method, Options, Region};
+use zeroset_trace::{Method, Region};
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
@@ -33,11 +33,11 @@ pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
 /// If no code can be made.
 pub fn explain(
     subject: &Subject,
-    method: &Method,
+    method: &'static Method,
     precision: Precision,
     with_code: bool,
 ) -> Result<String> {
-    let make: fn(&_, &_, _, _) -> _ = match precision {
+    let make = match precision {
         Precision::Auto | Precision::F32 => explain_in::<f32>,
         Precision::F64 => explain_in::<f64>,
     };
@@ -46,7 +46,7 @@ pub fn explain(
 
 fn explain_in<T: KernelFloat>(
     subject: &Subject,
-    method: &Method,
+    method: &'static Method,
     precision: Precision,
     with_code: bool,
 ) -> Result<String> {
@@ -85,22 +85,8 @@ fn explain_in<T: KernelFloat>(
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
         // Asked for what a picture needs, so that the kernels listed are those that it makes.
-        let kernels = program.kernels::<T>(index);
-        let Settings { max_depth: depth, tolerance, steps, .. } = Settings::default();
-        let suppress_asymptotes = surface.kind == SurfaceKind::Equation;
-        let options = Options {
-            precision,
-            depth,
-            tolerance,
-            steps,
-            suppress_asymptotes,
-            ..Options::default()
-        };
-        drop(method.prepare(program.surface(index), &region, options)?);
-        kernels.gradients()?;
-        if surface.kind == SurfaceKind::Solid {
-            kernels.bounds()?;
-        }
+        let settings = Settings { method, precision, ..Settings::default() };
+        make_kernels::<T>(&program, index, surface.kind, &region, &settings, &|| true)?;
         for (form, label) in [(Form::Function, "operations"), (Form::Gradient, "derivatives")] {
             if let Some(tape) = program.tape::<T>(index, form)? {
                 writeln!(text, "{label}  {}", operations(&tape))?;

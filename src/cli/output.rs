@@ -136,7 +136,7 @@ fn sink(path: &Path) -> Result<Sink> {
 
 /// Copies what was written to a file beside `target`, which is renamed.
 fn put(mut written: File, target: &Path) -> std::io::Result<()> {
-    let mut file = temporary(directory(target))?;
+    let mut file = temporary(target.parent().unwrap_or(Path::new(".")))?;
     written.rewind()?;
     std::io::copy(&mut written, file.as_file_mut())?;
     if let Ok(replaced) = std::fs::metadata(target) {
@@ -151,11 +151,6 @@ fn put(mut written: File, target: &Path) -> std::io::Result<()> {
     }
     file.persist(target).map_err(|error| error.error)?;
     Ok(())
-}
-
-/// That in which a file lies.
-fn directory(file: &Path) -> &Path {
-    file.parent().unwrap_or(Path::new("."))
 }
 
 /// Where a path leads through symbolic links, which a rename would replace; the last of them may

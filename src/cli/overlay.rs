@@ -5,6 +5,7 @@ use super::ticks::ticks;
 use glam::{DVec2, DVec3};
 use zeroset::live::Rendering;
 use zeroset::picture::Picture;
+use zeroset::scene::corners;
 use zeroset_trace::{Camera, Projection, Region};
 
 /// Lines and letters on light ground, and on dark.
@@ -203,16 +204,12 @@ pub fn draw_box(canvas: &mut Canvas, shown: Shown<'_>, height: usize) -> Vec<Lab
     let mut labels = Vec::new();
     let projector = Projector { shown, rays: shown.camera.rays(canvas.width, height) };
     let (region, mut cover) = (shown.region, Cover::new(canvas));
-    let (low, high) = (region.low(), region.high());
-    let corner = |n: usize| {
-        let side = |axis: usize| if n >> axis & 1 == 1 { high[axis] } else { low[axis] };
-        DVec3::new(side(0), side(1), side(2))
-    };
+    let corners = corners(region);
     let centre = projector.project(region.centre()).map(|(at, _)| at);
     for axis in 0..3 {
         let edges: Vec<(DVec3, DVec3)> = (0..8)
             .filter(|n| n >> axis & 1 == 0)
-            .map(|n| (corner(n), corner(n | 1 << axis)))
+            .map(|n| (corners[n], corners[n | 1 << axis]))
             .collect();
         for (from, to) in &edges {
             projector.line(&mut cover, *from, *to);

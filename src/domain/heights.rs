@@ -68,9 +68,7 @@ impl Grid {
         sorted.sort_unstable_by(f64::total_cmp);
         let on_border =
             |n: &usize| [0, SIDE - 1].contains(&(n % SIDE)) || [0, SIDE - 1].contains(&(n / SIDE));
-        let ends = [f64::INFINITY, f64::NEG_INFINITY];
-        let border = (0..SIDE * SIDE).filter(on_border).map(|n| sampled[n]);
-        let border = border.fold(ends, |[low, high], h| [low.min(h), high.max(h)]);
+        let border = ends((0..SIDE * SIDE).filter(on_border).map(|n| sampled[n]));
         Self { half, sampled, sorted, border }
     }
 
@@ -115,9 +113,13 @@ pub fn ends_of_ridge(heights: &Heights<'_>, half: f64) -> [f64; 2] {
     let near = [0.0, 1.0 / 32.0, -1.0 / 32.0, AT_ONCE, -AT_ONCE];
     let all = (0..SIDE).flat_map(|row| near.map(|share| place(half, row) + share * apart));
     let places: Vec<[f64; 2]> = all.flat_map(|along| [[along, 0.0], [0.0, along]]).collect();
-    let found = heights(&places).into_iter().filter(|height| height.is_finite());
-    let ends = [f64::INFINITY, f64::NEG_INFINITY];
-    found.fold(ends, |[low, high], height| [low.min(height), high.max(height)])
+    ends(heights(&places).into_iter().filter(|height| height.is_finite()))
+}
+
+/// The lowest and the highest; infinite if there are none.
+fn ends(heights: impl Iterator<Item = f64>) -> [f64; 2] {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    heights.fold(none, |[low, high], height| [low.min(height), high.max(height)])
 }
 
 /// Which heights are shown: all tops and bottoms, and of what rises or falls to the border as much as is fit to be seen.
@@ -126,9 +128,7 @@ pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
     let Grid { half, sorted, border, .. } = grid;
     let [lowest, highest] = grid.ends()?;
     let quantile = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
-    let heights = || tops.iter().copied();
-    let (bottom, top) =
-        (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    let [bottom, top] = ends(tops.iter().copied());
     // Whether there is nothing lower, or higher, than what is found within.
     let (from_below, from_above) = (bottom <= lowest, top >= highest);
     let [mut low, mut high] = match (from_below, from_above) {

@@ -54,7 +54,7 @@ impl<'a> Painter<'a> {
     /// Whether anything has other colours than its surface's own.
     pub fn is_wanted(model: &Model) -> bool {
         let is_mapped = |surface| Self::mapped(model, surface).is_some();
-        model.setting.contours.is_some() || (0..model.surfaces()).any(is_mapped)
+        model.setting.lines.contours.is_some() || (0..model.surfaces()).any(is_mapped)
     }
 
     /// What colours a surface by a value, if it is shown.
@@ -107,7 +107,7 @@ impl<'a> Painter<'a> {
         };
         let scales: Vec<Option<Scale<'_>>> = surfaces.clone().map(scale).collect();
         let contours = surfaces.map(|surface| {
-            let setting = model.setting.contours.as_ref()?;
+            let setting = model.setting.lines.contours.as_ref()?;
             let scale = scales[surface];
             let value = setting.value.as_ref().or(scale.map(|scale| scale.value));
             let value = value.or(model.setting.height.as_ref())?;

@@ -8,7 +8,6 @@ use super::{Model, Progress};
 use crate::picture::{Picture, Settings};
 use crate::program::ProgramError;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
 use zeroset_trace::{Camera, Pattern, RayGrid};
 
 /// Strips begin at multiples of so many rows, and know as many beyond either end: what methods look at together, and more than
@@ -83,7 +82,7 @@ impl Model {
             return Ok(picture);
         }
         assert!(rows > 0 && rows.is_multiple_of(ALIGNED), "strips of whole bands");
-        let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
+        let has_time = settings.has_time();
         let small = overview_settings(settings);
         let tops = || (0..height).step_by(rows);
         let known = |top: usize| top.saturating_sub(ALIGNED)..(top + rows + ALIGNED).min(height);
@@ -94,13 +93,13 @@ impl Model {
             if now > 0 {
                 progress(done.fetch_add(now, Ordering::Relaxed) + now, pixels);
             }
-            end.is_none_or(|end| Instant::now() < end)
+            has_time()
         };
         let whole = camera.rays(width, height);
         let mut overview = None;
         if settings.normals.is_some() {
             let rays = camera.rays(small.width, small.height);
-            let picture = self.along(&rays, &small, &advance, None)?;
+            let picture = self.along(&rays, &small, &advance, None, None)?;
             overview = Some(Overview { picture, rays });
         }
         let mut all: Option<Picture> = None;
@@ -108,9 +107,9 @@ impl Model {
             let known = known(top);
             let own = top - known.start..(top + rows).min(height) - known.start;
             let rays = whole.part(0..width, known);
-            let part = (overview.as_ref(), own);
-            let mut picture = self.along(&rays, settings, &advance, Some(part))?;
-            let overview = overview.as_ref().map(|overview| &overview.picture);
+            let known = overview.as_ref();
+            let mut picture = self.along(&rays, settings, &advance, known, Some(own))?;
+            let overview = known.map(|overview| &overview.picture);
             each(Strip { top, picture: &mut picture, overview })?;
             all = Some(match all {
                 None => picture.without_rows(),

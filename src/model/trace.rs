@@ -10,7 +10,7 @@ use crate::program::ProgramError;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use zeroset_eval::KernelFloat;
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
@@ -40,34 +40,32 @@ impl Model {
         settings: &Settings,
         advance: Advance<'_>,
     ) -> Result<Picture, ProgramError> {
-        let end = settings.budget.and_then(|budget| Instant::now().checked_add(budget));
-        let advance = |done| advance(done) && end.is_none_or(|end| Instant::now() < end);
+        let has_time = settings.has_time();
+        let advance = |done| advance(done) && has_time();
         let rays = camera.rays(settings.width, settings.height);
-        self.along(&rays, settings, &advance, None)
+        self.along(&rays, settings, &advance, None, None)
     }
 
-    /// The picture along these rays: of a strip's, those rows of it are kept that `part` says, and what is near to what is
-    /// what its overview knows.
+    /// The picture along these rays: of a strip's, its `own` rows are kept, and what is near to what is what the `overview`
+    /// of the whole knows.
     pub(super) fn along(
         &self,
         rays: &RayGrid,
         settings: &Settings,
         advance: Advance<'_>,
-        part: Option<Part<'_>>,
+        overview: Option<&Overview>,
+        own: Option<Range<usize>>,
     ) -> Result<Picture, ProgramError> {
         match settings.precision {
             Precision::Auto | Precision::F32 => {
-                Shot::<f32>::new(self, settings, advance).of(part).take(rays)
+                Shot { overview, own, ..Shot::<f32>::new(self, settings, advance) }.take(rays)
             }
-            Precision::F64 => Shot::<f64>::new(self, settings, advance).of(part).take(rays),
+            Precision::F64 => {
+                Shot { overview, own, ..Shot::<f64>::new(self, settings, advance) }.take(rays)
+            }
         }
     }
-}
 
-/// What is known of the whole, and the rows that are kept of a strip.
-pub(super) type Part<'a> = (Option<&'a Overview>, Range<usize>);
-
-impl Model {
     /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as `settings` say, which are
     /// those of the picture but for that. One whose normals were not kept is taken anew, and what that takes is all that is
     /// accounted for. `advance` is as for [`Model::trace`]; `None` if it ended the work: nothing is worth keeping then.
@@ -105,26 +103,13 @@ impl Model {
         if picture.buffer.normal.is_empty() {
             return self.trace(camera, settings, advance);
         }
-        let mut lit = picture.clone();
-        let (rays, times) =
-            (camera.rays(settings.width, settings.height), &mut lit.statistics.times);
-        let buffer = &mut lit.buffer;
-        buffer.shadow.clear();
-        buffer.occlusion.clear();
-        let light = match settings.precision {
+        let rays = camera.rays(settings.width, settings.height);
+        match settings.precision {
             Precision::Auto | Precision::F32 => {
-                Shot::<f32>::new(self, settings, advance).light(&rays, buffer, None, times)
+                Shot::<f32>::new(self, settings, advance).relight(picture, &rays)
             }
-            Precision::F64 => {
-                Shot::<f64>::new(self, settings, advance).light(&rays, buffer, None, times)
-            }
-        };
-        let light = light?;
-        lit.statistics.work += light.work;
-        (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
-        lit.legends = light.legends;
-        lit.look = self.look(settings);
-        Ok(lit)
+            Precision::F64 => Shot::<f64>::new(self, settings, advance).relight(picture, &rays),
+        }
     }
 }
 
@@ -146,12 +131,6 @@ pub(super) struct Shot<'a, T> {
 impl<'a, T: KernelFloat> Shot<'a, T> {
     fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
         Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
-    }
-
-    /// The same for some rows of a strip; for the whole, if there is no part.
-    fn of(self, part: Option<Part<'a>>) -> Self {
-        let (overview, own) = part.unzip();
-        Self { overview: overview.flatten(), own, ..self }
     }
 
     /// The method at work on a surface.
@@ -240,6 +219,19 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         buffer.replace(&settled, &unsettled);
         settled.hand_back();
         self.finished(rays, buffer, work, times, None).map(Some)
+    }
+
+    /// The picture in other light.
+    fn relight(&self, picture: &Picture, rays: &RayGrid) -> Result<Picture, ProgramError> {
+        let mut lit = picture.clone();
+        lit.buffer.shadow.clear();
+        lit.buffer.occlusion.clear();
+        let light = self.light(rays, &mut lit.buffer, None, &mut lit.statistics.times)?;
+        lit.statistics.work += light.work;
+        (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
+        lit.legends = light.legends;
+        lit.look = self.model.look(self.settings);
+        Ok(lit)
     }
 
     /// Whether each row of the picture can be coloured once it is traced, whatever is in the others.

@@ -6,6 +6,7 @@ use super::Shot;
 use crate::legend::Legend;
 use crate::picture::Times;
 use crate::program::ProgramError;
+use crate::scene;
 use glam::DVec3;
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
@@ -31,7 +32,9 @@ pub(super) struct Lit {
 impl<T: KernelFloat> Shot<'_, T> {
     /// Where the light comes from that casts shadows.
     pub(super) fn lamp(&self, rays: &RayGrid) -> Light {
-        match self.settings.light.or(self.model.setting.light) {
+        let typed = self.model.setting.lines.light.as_ref();
+        let typed = typed.map(|place| place.each_ref().map(scene::nearest).into());
+        match self.settings.light.or(typed) {
             Some(place) => Light::Positional(place),
             None => Light::above_left(rays),
         }
@@ -76,8 +79,8 @@ impl<T: KernelFloat> Shot<'_, T> {
     /// How often the way of a shadow ray is halved; `None` if there are no shadows.
     pub(super) fn shadow_depth(&self) -> Option<u32> {
         let settings = self.settings;
-        let typed = self.model.setting.shadows.then(|| settings.usual_shadow_depth());
-        settings.shadow_depth.or(typed)
+        let is_typed = self.model.setting.lines.shadows == Some(true);
+        settings.shadow_depth.or(is_typed.then(|| settings.usual_shadow_depth()))
     }
 
     /// Whether what is near takes ambient light away.
