@@ -5,9 +5,9 @@
 //! [`simplify`](crate::simplify()).
 
 use crate::constant::Constant;
-use crate::graph::{Graph, Node, NodeId};
+use crate::graph::{Graph, NodeId};
 use num_rational::BigRational;
-use zeroset_ops::{Class, Op};
+use zeroset_ops::Op;
 
 fn exact(graph: &Graph, id: NodeId) -> Option<&BigRational> {
     graph.number(id)?.exact()
@@ -18,10 +18,7 @@ fn is_integer(graph: &Graph, id: NodeId, value: i64) -> bool {
 }
 
 fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
-    match graph.node(id) {
-        Node::Apply(op, operands) if op.row().class == Class::Negation => Some(operands[0]),
-        Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
-    }
+    graph.operands(id, Op::Neg).map(|operands| operands[0])
 }
 
 /// Whether `id` is the number 0.

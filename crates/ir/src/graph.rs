@@ -119,6 +119,14 @@ impl Graph {
         }
     }
 
+    /// The operands of `id`, if it applies `op`.
+    pub(crate) fn operands(&self, id: NodeId, op: Op) -> Option<&[NodeId]> {
+        match self.node(id) {
+            Node::Apply(found, operands) if *found == op => Some(operands),
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
+        }
+    }
+
     /// All nodes, operands before users.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = (NodeId, &Node)> {
         self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))

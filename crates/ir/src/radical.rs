@@ -46,40 +46,15 @@ pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
 
 /// The product of the distinct factors of `root`; `None` if that is the same, or vanishes nowhere.
 fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
-    let (mut factors, mut is_simpler) = (Vec::new(), false);
-    let mut rest = vec![root];
-    while let Some(id) = rest.pop() {
-        match graph.node(id) {
-            Node::Constant(value) if !value.bounds().contains(0.0) => {}
-            Node::Apply(Op::Mul, operands) => rest.extend(operands.iter().rev()),
-            Node::Apply(Op::Neg, operands) => rest.push(operands[0]),
-            Node::Apply(op, operands)
-                if LIKE_THEIR_OPERAND.contains(op)
-                    || *op == Op::Pow && whole(graph, operands[1]).is_some() =>
-            {
-                is_simpler = true;
-                rest.push(operands[0]);
-            }
-            Node::Constant(_) | Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => {
-                is_simpler |= factors.contains(&id);
-                factors.push(id);
-            }
-        }
-        if factors.len() + rest.len() > FACTOR_LIMIT {
-            return None;
-        }
-    }
+    let mut found = Vec::new();
+    let mut is_simpler = factors(graph, root, &[Op::Neg], &LIKE_THEIR_OPERAND, &mut found)?;
     let mut distinct: Vec<NodeId> = Vec::new();
     let even = |id: NodeId| {
-        of_even_powers(graph, id).map_or_else(
-            || vec![id],
-            |factors| {
-                is_simpler = true;
-                factors
-            },
-        )
+        let factors = of_even_powers(graph, id);
+        is_simpler |= factors.is_some();
+        factors.unwrap_or_else(|| vec![id])
     };
-    let factors: Vec<NodeId> = factors.into_iter().flat_map(even).collect();
+    let factors: Vec<NodeId> = found.into_iter().flat_map(even).collect();
     let mut work = univariate::WORK_LIMIT;
     for factor in factors {
         let simple = univariate::squarefree(graph, factor, &mut work);
@@ -91,6 +66,45 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     }
     let (first, others) = distinct.split_first().filter(|_| is_simpler)?;
     Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
+}
+
+/// Adds the factors of `root` to `found`, each once. Operations of `same` and `simpler`, and whole powers, give way to their
+/// operands. Whether the product of the factors is simpler: without one of `simpler`, a power, or a factor that is there
+/// again. `None` where there are too many.
+fn factors(
+    graph: &Graph,
+    root: NodeId,
+    same: &[Op],
+    simpler: &[Op],
+    found: &mut Vec<NodeId>,
+) -> Option<bool> {
+    let mut is_simpler = false;
+    let mut rest = vec![root];
+    while let Some(id) = rest.pop() {
+        match graph.node(id) {
+            Node::Constant(value) if !value.bounds().contains(0.0) => {}
+            Node::Apply(Op::Mul, operands) => rest.extend(operands.iter().rev()),
+            Node::Apply(op, operands) if same.contains(op) => rest.push(operands[0]),
+            Node::Apply(op, operands)
+                if simpler.contains(op)
+                    || *op == Op::Pow && whole(graph, operands[1]).is_some() =>
+            {
+                is_simpler = true;
+                rest.push(operands[0]);
+            }
+            Node::Constant(_) | Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => {
+                if found.contains(&id) {
+                    is_simpler = true;
+                } else {
+                    found.push(id);
+                }
+            }
+        }
+        if found.len() + rest.len() > FACTOR_LIMIT {
+            return None;
+        }
+    }
+    Some(is_simpler)
 }
 
 /// A node's value, if that is a whole number above 0.

@@ -12,7 +12,7 @@ use crate::print::factor_text;
 use crate::scan::Piece;
 use crate::scope::{Callee, Scope};
 use crate::span::Span;
-use crate::spelling::short_formula;
+use crate::spelling::{plain_text, short_formula};
 use rustc_hash::FxHashSet;
 use zeroset_ops::VectorFunction;
 
@@ -80,6 +80,11 @@ impl<'a> Builder<'a> {
     /// What was typed for `pair`.
     pub(crate) fn typed(&self, pair: &Pair<'_>) -> &'a str {
         &self.text[self.span(pair).range()]
+    }
+
+    /// The same in plain letters.
+    pub(crate) fn word(&self, pair: &Pair<'_>) -> String {
+        plain_text(self.typed(pair))
     }
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {

@@ -176,13 +176,11 @@ impl<'a> Lowering<'a> {
     ) -> Fallible<Value> {
         let low = self.whole(&series.low, locals)?;
         let high = self.whole(&series.high, locals)?;
-        let step = match &series.step {
-            Some(step) => self.whole(step, locals)?,
-            None => 1,
-        };
+        let step = series.step.as_ref();
+        let place = step.map_or(span, |step| step.span);
+        let step = step.map_or(Ok(1), |step| self.whole(step, locals))?;
         if step < 1 {
-            let step = series.step.as_ref().map_or(span, |step| step.span);
-            return Err(Error::new(step, ErrorKind::SeriesStep));
+            return Err(Error::new(place, ErrorKind::SeriesStep));
         }
         if high.saturating_sub(low) / step >= MOST_TERMS {
             let place = series.low.span.to(series.high.span);

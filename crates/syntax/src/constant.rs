@@ -11,7 +11,7 @@ use crate::scope::Scope;
 use crate::span::Span;
 use crate::spelling::short_name;
 use zeroset_interval::Interval;
-use zeroset_ir::{Constant, Graph, Node, NodeId, simplify};
+use zeroset_ir::{Constant, Graph, Node, NodeId, Rank, ranks, simplify};
 use zeroset_ops::Op;
 
 /// The value of a constant expression such as `1/3` or `2*pi`.
@@ -88,20 +88,14 @@ pub(crate) fn evaluate_range(
 /// is not known to be one: `log2(8)` is enclosed by two floats next to 3, and a power with it is
 /// that of a real number, defined for bases >= 0 only.
 pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
+    let ranks = ranks(graph);
     let mut exponents = Vec::new();
-    let mut constant = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
-        constant.push(match node {
-            Node::Variable(_) | Node::Parameter(_) => false,
-            Node::Constant(_) => true,
-            Node::Apply(op, operands) => {
-                let last = operands[operands.len() - 1];
-                if *op == Op::Pow && constant[last.index()] {
-                    exponents.push(last);
-                }
-                operands.iter().all(|operand| constant[operand.index()])
-            }
-        });
+        if let Node::Apply(Op::Pow, operands) = node
+            && ranks[operands[1].index()] == Rank::Constant
+        {
+            exponents.push(operands[1]);
+        }
     }
     exponents.sort_unstable();
     exponents.dedup();

@@ -3,9 +3,8 @@
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule, Zeroset};
 use crate::scan::Piece;
-use crate::setting::setting;
 use crate::span::Span;
-use crate::spelling::{closer, is_closer, is_name, is_operator, short_name};
+use crate::spelling::{closer, is_closer, is_name, is_operator, short_name, typed_setting};
 use crate::token::{Token, split};
 use pest::Parser as _;
 use pest::error::{ErrorVariant, InputLocation};
@@ -30,7 +29,7 @@ pub(crate) fn recognise<'i>(text: &str, piece: &'i Piece, rule: Rule) -> Fallibl
 /// stopped.
 fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
     let found = piece.tokens.get(next);
-    let word = piece.tokens.first().and_then(|first| setting(&text[first.span.range()]));
+    let word = piece.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
     let setting = match rule {
         Rule::domain_line => Some(ErrorKind::BadDomain),
         Rule::view_line => Some(ErrorKind::BadView),

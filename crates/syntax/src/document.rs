@@ -359,7 +359,8 @@ fn style<'a>(
     for surface in surfaces {
         let place = surface.span.start;
         let color = placed(&settings.colors, place, last);
-        surface.color = color.map(|(color, _)| values.color(color)).transpose()?.flatten();
+        let typed = color.and_then(|(typed, _)| typed.as_ref());
+        surface.color = typed.map(|typed| values.color(typed)).transpose()?;
         let own = color.and_then(|(_, opacity)| *opacity);
         let opacity = own.or_else(|| placed(&settings.opacities, place, last).copied());
         surface.opacity = opacity.unwrap_or(1.0);
@@ -370,9 +371,6 @@ fn style<'a>(
 
 /// What is used of what a program's branches and loops have made, and everything else.
 fn needed(built: Vec<Built>, generated: &FxHashSet<String>) -> Vec<Built> {
-    if generated.is_empty() {
-        return built;
-    }
     let name = |built: &Built| match &built.statement {
         Statement::Define(definition) if generated.contains(&definition.name.text) => {
             Some(definition.name.text.clone())

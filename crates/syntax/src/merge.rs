@@ -8,7 +8,8 @@ use crate::made::Built;
 use crate::program::Head;
 use crate::reader::{Frame, Reader};
 use crate::span::Span;
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::FxHashMap;
+use std::collections::BTreeSet;
 
 use crate::control::{LEFT, RESULT, more_than};
 
@@ -34,21 +35,12 @@ impl Reader<'_> {
     /// Names stand for what either side made of them.
     pub(crate) fn merge(&mut self, frame: &mut Frame, yes: &Frame, no: &Frame, condition: &Expr) {
         let (first, second) = (newest(&yes.aliases), newest(&no.aliases));
-        let mut names: Vec<&str> = Vec::new();
-        let mut seen = FxHashSet::default();
-        for (name, _) in yes.aliases.iter().chain(no.aliases.iter()) {
-            if seen.insert(name) {
-                names.push(name);
-            }
-        }
-        names.sort_unstable();
+        let names: BTreeSet<&str> = first.keys().chain(second.keys()).copied().collect();
         for name in names {
-            let own =
-                |side: &FxHashMap<&str, &ExprKind>| side.get(name).map(|kind| (*kind).clone());
-            let kind = match (own(&first), own(&second)) {
-                (Some(a), Some(b)) if a == b => a,
-                (Some(a), Some(b)) => self.chosen(name, condition, a, b, frame),
-                (Some(one), None) | (None, Some(one)) => {
+            let kind = match [&first, &second].map(|side| side.get(name).copied().cloned()) {
+                [Some(a), Some(b)] if a == b => a,
+                [Some(a), Some(b)] => self.chosen(name, condition, a, b, frame),
+                [Some(one), None] | [None, Some(one)] => {
                     let is_first = first.contains_key(name);
                     let global = self.heads.contains(name)
                         || matches!(name, "p" | "pos") && frame.function.is_none();
@@ -60,7 +52,7 @@ impl Reader<'_> {
                         None => one,
                     }
                 }
-                (None, None) => continue,
+                [None, None] => continue,
             };
             if frame.aliases.find(name) != Some(&kind) {
                 frame.aliases.push(name.to_owned(), kind);

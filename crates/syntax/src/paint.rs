@@ -105,13 +105,12 @@ impl<'a> PointValues<'a> {
     }
 
     /// A surface's color.
-    pub fn color(&self, typed: &'a TypedColor) -> Fallible<Option<SurfaceColor>> {
+    pub fn color(&self, typed: &'a SurfaceColor<Expr>) -> Fallible<SurfaceColor> {
         Ok(match typed {
-            None => None,
-            Some(SurfaceColor::Plain(color)) => Some(SurfaceColor::Plain(*color)),
-            Some(SurfaceColor::Mapped(MappedColor { map, value, range })) => {
+            SurfaceColor::Plain(color) => SurfaceColor::Plain(*color),
+            SurfaceColor::Mapped(MappedColor { map, value, range }) => {
                 let (value, range) = (self.value(value)?, range.clone());
-                Some(SurfaceColor::Mapped(MappedColor { map, value, range }))
+                SurfaceColor::Mapped(MappedColor { map, value, range })
             }
         })
     }

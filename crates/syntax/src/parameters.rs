@@ -174,10 +174,7 @@ fn slider(
     limits: &Limits,
 ) -> Fallible<(Constant, Option<ConstantRange>)> {
     let is_given = given.is_some();
-    let value = match given {
-        Some(value) => value,
-        None => evaluate(&definition.body, limits)?,
-    };
+    let value = given.map_or_else(|| evaluate(&definition.body, limits), Ok)?;
     let Some((low, high)) = &definition.range else {
         return Ok((value, None));
     };

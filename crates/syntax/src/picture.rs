@@ -12,8 +12,9 @@ use crate::limits::Limits;
 use crate::paint::{Contours, TypedColor, with_point_names};
 use crate::scene::{DomainLine, SrgbColor, ViewLine};
 use crate::scope::{Scope, nearest};
-use crate::setting::{SETTINGS, SettingKind, bad, setting, setting_word};
+use crate::setting::{SETTINGS, SettingKind, bad, setting_word};
 use crate::span::Span;
+use crate::spelling::typed_setting;
 use crate::statement::Line;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Constant;
@@ -80,11 +81,9 @@ impl Collected {
         let first = line.unit.piece.tokens[0];
         // The ranges of a plot have no word; a `domain` line counts more.
         let is_made = first.span.start == first.span.end;
-        let setting = match setting(&text[first.span.range()]) {
-            None => SETTINGS.iter().find(|setting| setting.symbol == first.symbol),
-            found => found,
-        };
-        let setting = setting.ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
+        let setting = typed_setting(&text[first.span.range()])
+            .or_else(|| SETTINGS.iter().find(|setting| setting.symbol == first.symbol))
+            .ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
         let scope = match setting.kind {
             SettingKind::Color | SettingKind::Contours => {
                 self.scope.get_or_insert_with(|| with_point_names(scope))
@@ -92,7 +91,7 @@ impl Collected {
             _ => scope,
         };
         let mut builder = Builder::new(text, &line.unit.piece, scope, &[], limits);
-        let (pair, at) = (line.pair, span.start);
+        let (pair, at, word) = (line.pair, span.start, setting.word);
         let mut share = None;
         match setting.kind {
             SettingKind::Domain => {
@@ -109,17 +108,17 @@ impl Collected {
             }
             SettingKind::Look => self.look = Some(builder.look(pair)?),
             SettingKind::Background => self.background = Some(builder.color(pair)?),
-            SettingKind::Clip => self.picture.clip = Some(builder.numbers(pair)?),
-            SettingKind::Light => self.picture.light = Some(builder.numbers(pair)?),
+            SettingKind::Clip => self.picture.clip = Some(builder.numbers(pair, word)?),
+            SettingKind::Light => self.picture.light = Some(builder.numbers(pair, word)?),
             SettingKind::Opacity => {
                 let share = pair.into_inner().find(|part| part.as_rule() == Rule::opacity);
                 let share = share.ok_or_else(|| bad("opacity", span))?;
                 self.opacities.push((at, builder.opacity(share)?));
             }
-            SettingKind::Hidden => self.hidden.push((at, builder.switch(pair)?)),
-            SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair)?),
-            SettingKind::Axes => self.picture.axes = Some(builder.switch(pair)?),
-            SettingKind::Legend => self.picture.legend = Some(builder.switch(pair)?),
+            SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, word)?)),
+            SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
+            SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
+            SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
             SettingKind::Contours => self.contours = Some(builder.contours(pair)?),
         }
         self.used.extend(builder.used);
@@ -142,16 +141,12 @@ pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Opti
 }
 
 impl Builder<'_> {
-    /// The word that begins the line.
-    fn word(&self) -> &'static str {
-        let first = self.piece.tokens.first();
-        let setting = first.and_then(|token| setting(&self.text[token.span.range()]));
-        setting.map_or("", |setting| setting.word)
-    }
-
-    /// As many numbers.
-    fn numbers<const COUNT: usize>(&mut self, line: Pair<'_>) -> Fallible<[Constant; COUNT]> {
-        let word = self.word();
+    /// As many numbers, of a line that begins with `word`.
+    fn numbers<const COUNT: usize>(
+        &mut self,
+        line: Pair<'_>,
+        word: &'static str,
+    ) -> Fallible<[Constant; COUNT]> {
         let mut parts = parts(line);
         if let [point] = &parts[..]
             && point.as_rule() == Rule::point
@@ -183,13 +178,12 @@ impl Builder<'_> {
     }
 
     /// Whether something is on: the word alone means that it is.
-    fn switch(&mut self, line: Pair<'_>) -> Fallible<bool> {
-        let (word, parts) = (self.word(), parts(line));
-        match &parts[..] {
+    fn switch(&mut self, line: Pair<'_>, word: &'static str) -> Fallible<bool> {
+        match &parts(line)[..] {
             [] => Ok(true),
             [part] => {
                 let place = self.span(part);
-                match &self.text[place.range()] {
+                match self.word(part).as_str() {
                     "on" => Ok(true),
                     "off" => Ok(false),
                     typed => {
@@ -214,5 +208,30 @@ impl Builder<'_> {
         };
         let share = value.lo.midpoint(value.hi) / whole;
         if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(bad("opacity", span)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Options, read};
+
+    #[test]
+    fn words_in_letters_of_full_width_are_the_same_words() {
+        for (wide, plain) in [
+            ("ｌｉｇｈｔ 1, 2, 3", "light 1, 2, 3"),
+            ("ｌｉｇｈｔ 1, 2, 3, 4", "light 1, 2, 3, 4"),
+            ("ｓｈａｄｏｗｓ ｏｆｆ", "shadows off"),
+            ("ｃｏｌｏｕｒ ｒｅｄ", "colour red"),
+            ("ｖｉｅｗ ｆｒｏｎｔ", "view front"),
+            ("ｖｉｅｗ ｅｙｅ (4, 3, 6) ｆｏｖ 40", "view eye (4, 3, 6) fov 40"),
+        ] {
+            let said = |line: &str| {
+                let read = read(&format!("x + y\n{line}"), &Options::default());
+                let said =
+                    read.map(|d| format!("{:?}", (d.view, d.picture, d.surfaces[0].color.clone())));
+                said.map_err(|errors| errors.iter().map(|e| e.kind.clone()).collect::<Vec<_>>())
+            };
+            assert_eq!(said(wide), said(plain), "{wide}");
+        }
     }
 }

@@ -69,7 +69,7 @@ impl Builder<'_> {
         Ok(factors)
     }
 
-    /// A part of a fraction that is one name.
+    /// A part of a fraction, or the last number of a sum, that is one name.
     #[inline(never)] // not in the stack frames of nested fractions
     pub(crate) fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let mut items = Items::new();
@@ -87,7 +87,7 @@ impl Builder<'_> {
         Ok(items)
     }
 
-    pub(crate) fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
+    fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
         let span = self.span(&pair);
         let typed = self.typed(&pair);
         items.push_back(match pair.as_rule() {

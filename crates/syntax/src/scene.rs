@@ -112,7 +112,7 @@ impl Builder<'_> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
         let word = parts.next().expect("a ball has a name");
-        if self.typed(&word) != "ball" {
+        if self.word(&word) != "ball" {
             return Err(Error::new(span, ErrorKind::BadDomain));
         }
         let radius = self.sum(parts.next().expect("a ball has a radius"))?;
@@ -128,7 +128,7 @@ impl Builder<'_> {
         for part in line.into_inner() {
             match part.as_rule() {
                 Rule::preset => {
-                    let typed = self.typed(&part);
+                    let typed = self.word(&part);
                     view.preset = PRESETS.into_iter().find(|name| *name == typed);
                 }
                 Rule::setting => self.setting(part, &mut view)?,
@@ -142,12 +142,12 @@ impl Builder<'_> {
         let span = self.span(&pair);
         let mut inner = pair.into_inner();
         let key = inner.next().expect("a setting has a key");
-        let name = self.typed(&key);
+        let name = self.word(&key);
         if key.as_rule() == Rule::number_key {
             let mut number = self.term(&mut inner)?;
             number.span = span;
             let value = Some(evaluate(&number, self.limits)?);
-            match name {
+            match name.as_str() {
                 "fov" => view.fov = value,
                 _ => view.ortho = value,
             }
@@ -155,10 +155,9 @@ impl Builder<'_> {
         }
         let numbers = inner.map(|number| evaluate(&self.value(number)?, self.limits));
         let Ok(vector) = <[Constant; 3]>::try_from(numbers.collect::<Fallible<Vec<_>>>()?) else {
-            let key = name.to_owned();
-            return Err(Error::new(span, ErrorKind::BadVector { key }));
+            return Err(Error::new(span, ErrorKind::BadVector { key: name }));
         };
-        match name {
+        match name.as_str() {
             "eye" => view.eye = Some(vector),
             "target" => view.target = Some(vector),
             _ => view.up = Some(vector),
@@ -178,10 +177,10 @@ impl Builder<'_> {
         names: &[&'static str],
         kind: ErrorKind,
     ) -> Fallible<&'static str> {
-        let (span, typed) = (self.span(given), self.typed(given));
-        let found = names.iter().find(|name| name.eq_ignore_ascii_case(typed));
+        let (span, typed) = (self.span(given), self.word(given));
+        let found = names.iter().find(|name| name.eq_ignore_ascii_case(&typed));
         found.copied().ok_or_else(|| {
-            Error::new(span, kind).suggest_any(span, nearest(typed, names.iter().copied()))
+            Error::new(span, kind).suggest_any(span, nearest(&typed, names.iter().copied()))
         })
     }
 
@@ -191,12 +190,12 @@ impl Builder<'_> {
 
     /// A color that is the same everywhere.
     pub(crate) fn plain(&self, given: &Pair<'_>) -> Fallible<SrgbColor> {
-        let (span, typed) = (self.span(given), self.typed(given));
-        SrgbColor::typed(typed).ok_or_else(|| {
-            if let Some(map) = COLOR_MAPS.iter().find(|map| map.eq_ignore_ascii_case(typed)) {
+        let (span, typed) = (self.span(given), self.word(given));
+        SrgbColor::typed(&typed).ok_or_else(|| {
+            if let Some(map) = COLOR_MAPS.iter().find(|map| map.eq_ignore_ascii_case(&typed)) {
                 return bad("color", span).suggest(span, format!("{map}(z)"));
             }
-            let meant = nearest(typed, NAMED_COLORS.keys().map(|known| known.as_str()));
+            let meant = nearest(&typed, NAMED_COLORS.keys().map(|known| known.as_str()));
             Error::new(span, ErrorKind::BadColor).suggest_any(span, meant)
         })
     }

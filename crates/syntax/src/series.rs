@@ -5,7 +5,6 @@ use crate::build::{Builder, number_only, numbers_only, sum_of};
 use crate::choice::MOST_TERMS;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
-use crate::run::Items;
 use crate::span::Span;
 use crate::special::{sole, tuple};
 use crate::spelling::{decimal, plain_name};
@@ -133,11 +132,7 @@ impl Builder<'_> {
         }
         let high = match end.as_rule() {
             Rule::number => Expr::of_digits(decimal(self.typed(&end)), end_span),
-            Rule::name => {
-                let mut items = Items::new();
-                self.item(end, &mut items)?;
-                self.power(&mut items)?
-            }
+            Rule::name => self.letter(end)?,
             Rule::group => self.deeper(end_span, 1, |b| b.group(end))?,
             _ => self.deeper(end_span, 1, |b| b.closed(end, end_span))?,
         };

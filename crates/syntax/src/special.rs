@@ -237,10 +237,7 @@ impl Builder<'_> {
         };
         let is_list = parts.len() == 1 && sole(first, Rule::list).is_some();
         let mut pieces = Vec::new();
-        let mut otherwise = match last {
-            Some(last) => Some(self.argument(last)?),
-            None => None,
-        };
+        let mut otherwise = last.map(|last| self.argument(last)).transpose()?;
         for row in rows {
             let Some([value, condition]) = tuple(&row).and_then(|row| <[_; 2]>::try_from(row).ok())
             else {

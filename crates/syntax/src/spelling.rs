@@ -1,6 +1,6 @@
 //! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
-use crate::setting::{SETTINGS, setting};
+use crate::setting::{SETTINGS, Setting, setting};
 
 /// Directions that a `view` line can name.
 pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
@@ -100,6 +100,11 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
 /// Whether a symbol is that of a word that begins a line about the picture rather than a formula.
 pub(crate) fn is_setting(symbol: char) -> bool {
     SETTINGS.iter().any(|setting| setting.symbol == symbol)
+}
+
+/// The setting that a word begins, as it was typed.
+pub(crate) fn typed_setting(word: &str) -> Option<&'static Setting> {
+    setting(&plain_text(word))
 }
 
 /// Whether a symbol stands for a name.

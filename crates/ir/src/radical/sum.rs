@@ -1,6 +1,6 @@
 //! Sums of terms that are nowhere below 0: each vanishes only where all of its terms do.
 
-use super::{FACTOR_LIMIT, whole};
+use super::{FACTOR_LIMIT, factors, whole};
 use crate::graph::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
@@ -106,31 +106,6 @@ fn term(graph: &Graph, id: NodeId) -> Option<Term> {
 
 /// Adds the factors of what is raised to a power, each without powers of its own.
 fn bases(graph: &Graph, root: NodeId, term: &mut Term) -> Option<()> {
-    let mut rest = vec![root];
-    while let Some(id) = rest.pop() {
-        match graph.node(id) {
-            Node::Apply(Op::Mul, operands) => rest.extend(operands.iter().rev()),
-            Node::Apply(Op::Neg | Op::Abs, operands) => rest.push(operands[0]),
-            Node::Apply(Op::Sqr, operands) => {
-                term.is_flat = true;
-                rest.push(operands[0]);
-            }
-            Node::Apply(Op::Pow, operands) if whole(graph, operands[1]).is_some() => {
-                term.is_flat = true;
-                rest.push(operands[0]);
-            }
-            Node::Constant(value) if !value.bounds().contains(0.0) => {}
-            Node::Apply(..) | Node::Constant(_) | Node::Variable(_) | Node::Parameter(_) => {
-                if term.bases.contains(&id) {
-                    term.is_flat = true;
-                } else {
-                    term.bases.push(id);
-                }
-            }
-        }
-        if term.bases.len() + rest.len() > FACTOR_LIMIT {
-            return None;
-        }
-    }
+    term.is_flat |= factors(graph, root, &[Op::Neg, Op::Abs], &[Op::Sqr], &mut term.bases)?;
     Some(())
 }

@@ -57,7 +57,7 @@ impl Rewriter<'_> {
                 let product = self.product_of_node(a);
                 return Product { coefficient: -product.coefficient, ..product };
             }
-            Law::Magnitude if self.operands(a, op).is_some() => return Product::power(a, 1),
+            Law::Magnitude if self.graph.operands(a, op).is_some() => return Product::power(a, 1),
             Law::Sign if known.excludes_zero() => {
                 let one = BigRational::one();
                 let mut result = Product::number(if known.range.lo > 0.0 { one } else { -one });
@@ -65,7 +65,7 @@ impl Rewriter<'_> {
                 return result;
             }
             Law::SquareRoot => {
-                if let Some(&[u]) = self.operands(a, Op::Sqr) {
+                if let Some(&[u]) = self.graph.operands(a, Op::Sqr) {
                     let magnitude = self.function(Op::Abs, Form::Node(u));
                     return self.product(magnitude);
                 }
@@ -80,7 +80,7 @@ impl Rewriter<'_> {
                 }
             }
             Law::Undoes(inner) => {
-                if let Some(&[u]) = self.operands(a, inner)
+                if let Some(&[u]) = self.graph.operands(a, inner)
                     && let Some(product) = self.within(inner.row().domain, u)
                 {
                     return product;

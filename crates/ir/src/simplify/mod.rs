@@ -224,14 +224,6 @@ impl Rewriter<'_> {
         self.graph.number(id)?.exact()
     }
 
-    /// The operands of a node, if it applies `op`.
-    fn operands(&self, id: NodeId, op: Op) -> Option<&[NodeId]> {
-        match self.graph.node(id) {
-            Node::Apply(found, operands) if *found == op => Some(operands),
-            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
-        }
-    }
-
     /// A value as a node, coefficient and conditions included.
     fn node_of(&mut self, value: Form) -> NodeId {
         match value {

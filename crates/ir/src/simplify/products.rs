@@ -132,10 +132,10 @@ impl Rewriter<'_> {
         let mut changed = false;
         for factor in p.factors.iter_mut().filter(|factor| factor.exponent != 0) {
             if factor.exponent % 2 == 0 {
-                if let Some(&[u]) = self.operands(factor.base, Op::Abs) {
+                if let Some(&[u]) = self.graph.operands(factor.base, Op::Abs) {
                     factor.base = u;
                     changed = true;
-                } else if let Some(&[u]) = self.operands(factor.base, Op::Sqrt) {
+                } else if let Some(&[u]) = self.graph.operands(factor.base, Op::Sqrt) {
                     self.require(&mut p.conditions, Condition(Restriction::Nonneg, u));
                     factor.base = self.nonneg_part(u);
                     factor.exponent /= 2;
@@ -143,7 +143,7 @@ impl Rewriter<'_> {
                 }
             }
             if factor.exponent % 3 == 0
-                && let Some(&[u]) = self.operands(factor.base, Op::Cbrt)
+                && let Some(&[u]) = self.graph.operands(factor.base, Op::Cbrt)
             {
                 factor.base = u;
                 factor.exponent /= 3;

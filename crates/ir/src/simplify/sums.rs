@@ -118,7 +118,7 @@ impl Rewriter<'_> {
         reach.sort_by_key(|(term, ..)| *term);
         let mut sources = Vec::new();
         for (square, a, source) in &reach {
-            let Some(&[t]) = self.operands(*square, Op::Sqr) else {
+            let Some(&[t]) = self.graph.operands(*square, Op::Sqr) else {
                 continue;
             };
             let from = reach.partition_point(|(term, ..)| *term < t);
@@ -169,7 +169,7 @@ impl Rewriter<'_> {
         while index < terms.len() {
             let (square, a) = terms[index].clone();
             index += 1;
-            let Some(&[t]) = self.operands(square, Op::Sqr) else {
+            let Some(&[t]) = self.graph.operands(square, Op::Sqr) else {
                 continue;
             };
             let Ok(linear) = terms.binary_search_by_key(&t, |(term, _)| *term) else {
