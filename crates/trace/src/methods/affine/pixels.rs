@@ -196,7 +196,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// Follows up to sixteen rays one by one to the end, each as far as it is in the region.
     pub(super) fn follow_each(&mut self, rays: &[(TileRay<T>, [f64; 2])]) {
-        let (region, error, start) = (self.method.region, self.frame.error, self.frame.start);
+        let (region, error, start) = (self.method.task.region, self.frame.error, self.frame.start);
         let [mut screens, mut spans] = [[Lanes::splat(0.0); 2]; 2];
         let mut pixels = [[0; 2]; LANES];
         for (lane, (ray, span)) in rays.iter().enumerate() {
