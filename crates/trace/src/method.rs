@@ -243,6 +243,13 @@ impl Segment {
     pub(crate) fn footprint(&self, t: f64) -> f64 {
         self.pixel[0] + t * self.pixel[1]
     }
+
+    /// [`Region::span`] of it; `None` if it does not meet the region.
+    pub(crate) fn within(&self, region: &Region) -> Option<[f64; 2]> {
+        let (near, last) = region.span(&self.ray)?;
+        let far = last.min(self.to);
+        (near <= far).then_some([near, far])
+    }
 }
 
 /// Where rays start.

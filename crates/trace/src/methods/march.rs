@@ -77,11 +77,7 @@ impl<T: Scalar> Tracer for March<'_, T> {
             let mut cells = Parts::default();
             for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
                 *found = Found::MISS;
-                let Some((near, far)) = self.region.span(&segment.ray) else { continue };
-                let far = far.min(segment.to);
-                if near > far {
-                    continue;
-                }
+                let Some([near, far]) = segment.within(self.region) else { continue };
                 // A miss would be a claim. Before the region there is nothing.
                 let (status, reason) = (Status::Undecided, Reason::Unproven);
                 *found = Found { status, reason, distance: near, ..Found::MISS };

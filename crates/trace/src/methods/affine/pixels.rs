@@ -213,7 +213,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
-        let (mut ways, mut lanes) = ([Way::NONE; LANES], [0; LANES]);
+        let (mut ways, mut lanes) = ([Way::default(); LANES], [0; LANES]);
         let mut count = 0;
         for (lane, (ray, span)) in rays.iter().enumerate() {
             let [origin, direction] = self.frame.ray(screen(lane));
