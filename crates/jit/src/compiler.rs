@@ -147,7 +147,8 @@ fn generate(
             return Ok(code);
         }
     }
-    generate_narrow(write(VECTOR)?, tier)
+    let code = machine_code(write(VECTOR)?, tier, Looks::Code)?;
+    place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)
 }
 
 /// The same for vectors that are wider than Cranelift's; `None` if the code would use too much of the stack, or cannot be
@@ -165,12 +166,6 @@ fn generate_wide(
     };
     let wider = widened(code.buffer.data(), width, slots, STACK);
     wider.map(|bytes| place(&bytes, width.bytes() as u64, width.bytes())).transpose()
-}
-
-/// The same for Cranelift's own vectors.
-fn generate_narrow(function: Function, tier: Option<Tier>) -> Result<Code, Error> {
-    let code = machine_code(function, tier, Looks::Code)?;
-    place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)
 }
 
 /// From intermediate code to machine code.

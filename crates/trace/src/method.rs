@@ -29,9 +29,18 @@ pub struct Method {
     pub(crate) prepare: [Prepare; 2],
 }
 
-/// Asks a surface for kernels, and gets ready to follow rays through a region.
-pub(crate) type Prepare =
-    for<'a> fn(&'a dyn Surface, &'a Region, Options) -> Result<Box<dyn Tracer + 'a>, KernelError>;
+/// What a method is made ready for.
+#[derive(Clone, Copy)]
+pub(crate) struct Task<'a> {
+    /// What rays are to meet.
+    pub surface: &'a dyn Surface,
+    /// Where they are followed.
+    pub region: &'a Region,
+    pub options: Options,
+}
+
+/// Asks the surface for kernels, and gets ready to follow rays through the region.
+pub(crate) type Prepare = fn(Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError>;
 
 /// What a method is able to prove of a ray through the region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -234,6 +243,13 @@ impl Segment {
     pub(crate) fn footprint(&self, t: f64) -> f64 {
         self.pixel[0] + t * self.pixel[1]
     }
+
+    /// [`Region::span`] of it; `None` if it does not meet the region.
+    pub(crate) fn within(&self, region: &Region) -> Option<[f64; 2]> {
+        let (near, last) = region.span(&self.ray)?;
+        let far = last.min(self.to);
+        (near <= far).then_some([near, far])
+    }
 }
 
 /// Where rays start.
@@ -261,7 +277,7 @@ impl Method {
             Precision::Auto | Precision::F32 => single,
             Precision::F64 => double,
         };
-        prepare(surface, region, options)
+        prepare(Task { surface, region, options })
     }
 }
 

@@ -198,23 +198,23 @@ impl Region {
     pub(crate) fn entry(&self, ray: &Ray) -> Option<Entry> {
         let (mut near, mut far) = ((0.0_f64, 0.0_f64), f64::INFINITY);
         let mut normal = None;
+        // Through a face from outside. The last face that is met tells the normal.
+        let mut cross = |crossing: (f64, f64), face: DVec3| {
+            if crossing.0 > near.0 {
+                normal = Some(face);
+            }
+            near = (near.0.max(crossing.0), near.1.max(crossing.1));
+        };
         for axis in 0..3 {
             let (from, to) = self.slab(ray, axis)?;
-            if from.0 > near.0 {
-                let sign = -ray.direction[axis].signum();
-                normal = Some(DVec3::AXES[axis] * sign);
-            }
-            near = (near.0.max(from.0), near.1.max(from.1));
+            cross(from, DVec3::AXES[axis] * -ray.direction[axis].signum());
             far = far.min(to.0);
         }
         if let Some(clip) = &self.clip {
             let (room, slope) = clip.relation(ray);
             if slope.1 < 0.0 && room.1 < 0.0 {
                 let crossing = (down(room.1 / slope.0), up(room.0 / slope.1));
-                if crossing.0 > near.0 {
-                    normal = Some(clip.normal.normalize());
-                }
-                near = (near.0.max(crossing.0), near.1.max(crossing.1));
+                cross(crossing, clip.normal.normalize());
             } else if slope.1 > 0.0 {
                 far = far.min(down(room.0 / slope.1));
             } else if room.0 < 0.0 {
@@ -225,10 +225,7 @@ impl Region {
             let chord = ball.chord(ray)?;
             let [first, last] = chord.inner;
             let crossing = (chord.outer[0], if first <= last { first } else { chord.outer[1] });
-            if crossing.0 > near.0 {
-                normal = Some(ball.normal(ray.at(crossing.0)));
-            }
-            near = (near.0.max(crossing.0), near.1.max(crossing.1));
+            cross(crossing, ball.normal(ray.at(crossing.0)));
             far = far.min(last);
         }
         self.span(ray)?;

@@ -66,35 +66,30 @@ pub fn cap_rows<T: Real>(
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
         let ray = rays.ray_of(pixel);
         let (distance, pixel) = (ray.distance(entry.t.0), pixel - first);
-        match inside {
+        let (from, reason) = match inside {
             Inside::No => continue,
-            Inside::Unknown(reason) => {
-                // What the traverser found at the face may lie before it by a rounding.
-                rows.open_from[pixel] = rows.distance(pixel).min(distance);
-                (rows.status[pixel], rows.reason[pixel]) = (Status::Undecided, reason);
-                if let Some(bracket) = rows.bracket.get_mut(pixel) {
-                    *bracket = [f64::NAN; 2];
-                }
-                continue;
-            }
-            Inside::Yes => {}
-        }
+            // What the traverser found at the face may lie before it by a rounding.
+            Inside::Unknown(reason) => (rows.distance(pixel).min(distance), reason),
+            // It may pass by an edge of the region.
+            Inside::Yes => (distance, Reason::Touching),
+        };
         let mut bracket = [f64::NAN; 2];
-        if entry.certain {
+        if inside == Inside::Yes && entry.certain {
             let found = Found { bracket: [entry.t.0, entry.t.1], ..Found::MISS };
             bracket = found.scaled(ray.distance(1.0)).bracket;
             rows.status[pixel] = Status::Hit;
         } else {
-            // It may pass by an edge of the region.
-            (rows.status[pixel], rows.reason[pixel]) = (Status::Undecided, Reason::Touching);
-            rows.open_from[pixel] = distance;
+            (rows.status[pixel], rows.reason[pixel]) = (Status::Undecided, reason);
+            rows.open_from[pixel] = from;
         }
         if let Some(place) = rows.bracket.get_mut(pixel) {
             *place = bracket;
         }
-        rows.drawn[pixel] = distance;
-        rows.normal[pixel] = entry.normal.as_vec3().to_array();
-        rows.cap[pixel] = true;
+        if inside == Inside::Yes {
+            rows.drawn[pixel] = distance;
+            rows.normal[pixel] = entry.normal.as_vec3().to_array();
+            rows.cap[pixel] = true;
+        }
     }
     work
 }

@@ -29,9 +29,8 @@ use crate::band::Band;
 use crate::found::Found;
 use crate::grid::RayGrid;
 use crate::method::{
-    Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer, by_squares,
+    Method, MethodOption, Options, Precision, Proves, Segment, Start, Task, Tracer, by_squares,
 };
-use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::spare::Spares;
 use crate::work::Work;
@@ -40,7 +39,7 @@ use narrow::Scratch;
 use rays::Follower;
 use std::sync::OnceLock;
 use tiles::Room;
-use zeroset_eval::{ContractTiles, Kernel, KernelError, Surface};
+use zeroset_eval::{ContractTiles, Kernel, KernelError};
 
 pub(crate) const METHOD: Method = Method {
     name: "affine",
@@ -50,15 +49,11 @@ pub(crate) const METHOD: Method = Method {
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a, T: Scalar>(
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: Options,
-) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    match Affine::<T>::new(surface, region, options) {
+fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
+    match Affine::<T>::new(task) {
         Ok(tracer) => Ok(Box::new(tracer)),
         // Forms need several times the room of intervals: a formula too large for them can still be drawn.
-        Err(_) => knoll::METHOD.prepare(surface, region, options),
+        Err(_) => knoll::prepare::<T>(task),
     }
 }
 
@@ -67,11 +62,9 @@ struct Affine<'a, T: Scalar> {
     follower: Follower<'a, T>,
     /// Whether the forms are those of a numerator, which proves no zero of the function.
     cleared: bool,
-    region: &'a Region,
+    task: Task<'a>,
     /// [`Options::longest`].
     longest: f64,
-    surface: &'a dyn Surface,
-    options: Options,
     /// Those that no thread is in.
     rooms: Spares<Box<Room<T>>>,
     /// Made for the first picture that needs it.
@@ -86,13 +79,9 @@ const FARTHEST: f64 = 1e-2;
 const FINE: f64 = 16.0;
 
 impl<'a, T: Scalar> Affine<'a, T> {
-    fn new(
-        surface: &'a dyn Surface,
-        region: &'a Region,
-        options: Options,
-    ) -> Result<Self, KernelError> {
-        let kernels = T::kernels(surface);
-        let follower = || Follower::new(surface, region, options);
+    fn new(task: Task<'a>) -> Result<Self, KernelError> {
+        let kernels = T::kernels(task.surface);
+        let follower = || Follower::new(task);
         let (tiles, follower) = if rayon::current_thread_index().is_some() {
             // Each is compiled while the other is.
             rayon::join(|| kernels.tiles(), follower)
@@ -104,10 +93,8 @@ impl<'a, T: Scalar> Affine<'a, T> {
             tiles: tiles?,
             follower: follower?,
             cleared: kernels.cleared()?.is_some(),
-            region,
-            longest: options.longest(),
-            surface,
-            options,
+            task,
+            longest: task.options.longest(),
             rooms: Spares::new(usize::MAX),
             double: OnceLock::new(),
         })
@@ -120,34 +107,34 @@ impl<'a, T: Scalar> Affine<'a, T> {
         if let Some(double) = self.double.get() {
             return double.as_deref();
         }
-        let options = Options { precision: Precision::F64, ..self.options };
+        let options = Options { precision: Precision::F64, ..self.task.options };
         // Not made while others are kept waiting: a thread that waits for the half of this that another one makes takes up
         // another band meanwhile, which would then wait for this very thread.
-        let made = Affine::new(self.surface, self.region, options).ok().map(Box::new);
+        let made = Affine::new(Task { options, ..self.task }).ok().map(Box::new);
         self.double.get_or_init(|| made).as_deref()
     }
 }
 
 impl<T: Scalar> Tracer for Affine<'_, T> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
-        follow_ways(rays, self.region, self.longest, found, |ways| {
+        follow_ways(rays, &self.task, found, |ways| {
             self.follower.follow(ways, start, &mut Scratch::default(), work)
         });
     }
 
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
-        let frame = Frame::new(rays, self.region);
-        let (error, extent) = (frame.error, self.region.high() - self.region.low());
+        let frame = Frame::new(rays, self.task.region);
+        let (error, extent) = (frame.error, self.task.region.high() - self.task.region.low());
         // From so far away forms say nothing of where in the region a ray is; boxes within it may.
         if error.cmpgt(extent * FARTHEST).any()
-            && let Ok(boxes) = knoll::METHOD.prepare(self.surface, self.region, self.options)
+            && let Ok(boxes) = knoll::prepare::<T>(self.task)
         {
             return boxes.band(rays, band, work);
         }
-        if !self.options.ideas.tiles {
+        if !self.task.options.ideas.tiles {
             return by_squares(self, rays, band, work);
         }
-        if self.options.precision == Precision::Auto
+        if self.task.options.precision == Precision::Auto
             && self.longest * rays.footprint(frame.start) < FINE * frame.resolution::<T>()
             && let Some(double) = self.double()
         {

@@ -2,13 +2,12 @@
 //! slabs that are halved down to a fixed depth.
 
 use super::slabs::{Slab, SlabTest, Slabs};
-use crate::method::{Method, MethodOption, Options, Proves, Tracer};
+use crate::method::{Method, MethodOption, Proves, Task, Tracer};
 use crate::packet::Packet;
-use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use fearless_simd::Simd;
-use zeroset_eval::{Boxes, FindZeros, Kernel, KernelError, Surface, Zeros};
+use zeroset_eval::{Boxes, FindZeros, Kernel, KernelError, Zeros};
 
 pub(crate) const METHOD: Method = Method {
     name: "knoll",
@@ -18,13 +17,9 @@ pub(crate) const METHOD: Method = Method {
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a, T: Scalar>(
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: Options,
-) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    let test = Intervals { kernel: T::kernels(surface).zeros()? };
-    Ok(Box::new(Slabs::new(test, surface, region, &options)))
+pub(super) fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
+    let test = Intervals { kernel: T::kernels(task.surface).zeros()? };
+    Ok(Box::new(Slabs::new(test, task)))
 }
 
 struct Intervals<'a, T: Scalar> {

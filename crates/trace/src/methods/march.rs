@@ -5,13 +5,13 @@
 
 use super::refine::{Parts, Refiner};
 use crate::found::{Found, Reason, Status};
-use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Tracer};
+use crate::method::{Method, MethodOption, Proves, Segment, Start, Task, Tracer};
 use crate::packet::Lines;
 use crate::painted::ones;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
-use zeroset_eval::{KernelError, LANES, Points, Surface, Values};
+use zeroset_eval::{KernelError, LANES, Points, Values};
 
 pub(crate) const METHOD: Method = Method {
     name: "march",
@@ -21,11 +21,8 @@ pub(crate) const METHOD: Method = Method {
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a, T: Scalar>(
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: Options,
-) -> Result<Box<dyn Tracer + 'a>, KernelError> {
+fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
+    let Task { surface, region, options } = task;
     let refiner = Refiner::new(T::kernels(surface).values()?, &options);
     Ok(Box::new(March { refiner, region, samples: options.steps.max(2) }))
 }
@@ -80,11 +77,7 @@ impl<T: Scalar> Tracer for March<'_, T> {
             let mut cells = Parts::default();
             for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
                 *found = Found::MISS;
-                let Some((near, far)) = self.region.span(&segment.ray) else { continue };
-                let far = far.min(segment.to);
-                if near > far {
-                    continue;
-                }
+                let Some([near, far]) = segment.within(self.region) else { continue };
                 // A miss would be a claim. Before the region there is nothing.
                 let (status, reason) = (Status::Undecided, Reason::Unproven);
                 *found = Found { status, reason, distance: near, ..Found::MISS };

@@ -9,13 +9,12 @@ mod search;
 use super::outcome::{Outcome, follow_ways};
 use super::way::Way;
 use crate::found::Found;
-use crate::method::{Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
-use crate::region::Region;
+use crate::method::{Method, MethodOption, Precision, Proves, Segment, Start, Task, Tracer};
 use crate::scalar::Scalar;
 use crate::work::Work;
 use search::Searcher;
 use std::sync::OnceLock;
-use zeroset_eval::{KernelError, Surface};
+use zeroset_eval::KernelError;
 
 pub(crate) const METHOD: Method = Method {
     name: "mitchell",
@@ -25,22 +24,15 @@ pub(crate) const METHOD: Method = Method {
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a, T: Scalar>(
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: Options,
-) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    let searcher = Searcher::<T>::new(surface, region, &options)?;
-    Ok(Box::new(Mitchell { searcher, double: OnceLock::new(), surface, region, options }))
+fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
+    Ok(Box::new(Mitchell { searcher: Searcher::<T>::new(task)?, double: OnceLock::new(), task }))
 }
 
 struct Mitchell<'a, T: Scalar> {
     searcher: Searcher<'a, T>,
     /// Made when `f32` leaves the first ray open.
     double: OnceLock<Option<Searcher<'a, f64>>>,
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: Options,
+    task: Task<'a>,
 }
 
 impl<T: Scalar> Mitchell<'_, T> {
@@ -50,7 +42,7 @@ impl<T: Scalar> Mitchell<'_, T> {
         if open.is_empty() {
             return;
         }
-        let make = || Searcher::new(self.surface, self.region, &self.options).ok();
+        let make = || Searcher::new(self.task).ok();
         let Some(double) = self.double.get_or_init(make) else { return };
         let rest = |&k: &usize| {
             let from = outcomes[k].open.map_or(0.0, |(from, _)| from);
@@ -66,10 +58,10 @@ impl<T: Scalar> Mitchell<'_, T> {
 
 impl<T: Scalar> Tracer for Mitchell<'_, T> {
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
-        follow_ways(rays, self.region, self.options.longest(), found, |ways| {
+        follow_ways(rays, &self.task, found, |ways| {
             let mut outcomes = self.searcher.search(ways, start, work);
             // Shadows need no more than `f32` tells.
-            if self.options.precision == Precision::Auto && start == Start::Anywhere {
+            if self.task.options.precision == Precision::Auto && start == Start::Anywhere {
                 self.follow_in_double(ways, &mut outcomes, work);
             }
             outcomes

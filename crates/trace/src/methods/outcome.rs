@@ -2,8 +2,7 @@
 
 use super::way::Way;
 use crate::found::{Found, Reason, Status};
-use crate::method::Segment;
-use crate::region::Region;
+use crate::method::{Segment, Task};
 use zeroset_eval::LANES;
 use zeroset_interval::Facts;
 
@@ -36,20 +35,19 @@ impl Outcome {
     }
 }
 
-/// Says what became of rays, given what becomes of up to [`LANES`] ways through a region, on which the bracket of a hit may be
-/// so many pixels long.
+/// Says what became of rays, given what becomes of up to [`LANES`] ways through the region.
 pub(super) fn follow_ways<O: IntoIterator<Item = Outcome>>(
     rays: &[Segment],
-    region: &Region,
-    longest: f64,
+    task: &Task<'_>,
     found: &mut [Found],
     mut follow: impl FnMut(&[Way]) -> O,
 ) {
+    let longest = task.options.longest();
     for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
         let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
         for (lane, segment) in rays.iter().enumerate() {
             found[lane] = Found::MISS;
-            if let Some(mut way) = Way::new(segment, region) {
+            if let Some(mut way) = Way::new(segment, task.region) {
                 way.longest = longest * segment.footprint(-way.start);
                 ways.push(way);
                 lanes.push(lane);

@@ -5,15 +5,13 @@
 //! A form is only asked whether it reaches 0: slabs are halved, not contracted. That is what sets it apart from `affine`.
 
 use super::slabs::{Slab, SlabTest, Slabs};
-use crate::method::{Method, MethodOption, Options, Proves, Tracer};
+use crate::method::{Method, MethodOption, Proves, Task, Tracer};
 use crate::packet::Packet;
-use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use fearless_simd::Simd;
 use zeroset_eval::{
-    Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelError, Lanes, Segments,
-    Surface, Zeros,
+    Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelError, Lanes, Segments, Zeros,
 };
 
 pub(crate) const METHOD: Method = Method {
@@ -24,16 +22,12 @@ pub(crate) const METHOD: Method = Method {
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a, T: Scalar>(
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: Options,
-) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    let kernels = T::kernels(surface);
+fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
+    let kernels = T::kernels(task.surface);
     // Whether a slab is bounded is asked of intervals: a form that has no bounds says no more than that.
-    let bounded = if options.suppress_asymptotes { kernels.zeros().ok() } else { None };
+    let bounded = if task.options.suppress_asymptotes { kernels.zeros().ok() } else { None };
     let test = Forms { kernel: kernels.segments()?, bounded };
-    Ok(Box::new(Slabs::new(test, surface, region, &options)))
+    Ok(Box::new(Slabs::new(test, task)))
 }
 
 struct Forms<'a, T: Scalar> {

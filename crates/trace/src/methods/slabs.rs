@@ -7,7 +7,7 @@
 
 use super::refine::{Parts, Refiner};
 use crate::found::{Found, Reason, Status};
-use crate::method::{Options, Segment, Start, Tracer};
+use crate::method::{Segment, Start, Task, Tracer};
 use crate::packet::{Lines, Packet, RAYS};
 use crate::painted::ones;
 use crate::region::Region;
@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 use crate::work::Work;
 use fearless_simd::{Level as Vectors, Simd, dispatch};
 use std::ops::Range;
-use zeroset_eval::{Surface, Zeros};
+use zeroset_eval::Zeros;
 
 /// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only deeper pictures can
 /// reach it. A packet that hits a surface well needs a few per level; one whose slabs stay undecided would need 2 to the depth.
@@ -81,11 +81,11 @@ struct Outcomes<T> {
 }
 
 impl<'a, T: Scalar, S: SlabTest<T>> Slabs<'a, T, S> {
-    pub fn new(test: S, surface: &'a dyn Surface, region: &'a Region, options: &Options) -> Self {
+    pub fn new(test: S, Task { surface, region, options }: Task<'a>) -> Self {
         let values = T::kernels(surface).values().ok();
         Self {
             test,
-            refiner: values.map(|values| Refiner::new(values, options)),
+            refiner: values.map(|values| Refiner::new(values, &options)),
             region,
             vectors: Vectors::new(),
             last: options.depth.clamp(1, T::MAX_DEPTH) - 1,

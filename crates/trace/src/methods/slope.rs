@@ -2,13 +2,12 @@
 //!
 //! What is concluded from them is not known here.
 
-use crate::region::Region;
+use crate::method::Task;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use glam::DVec3;
 use zeroset_eval::{
     Boxes, Enclose, EncloseGradient, Enclosures, GradientEnclosures, Kernel, KernelError, LANES,
-    Surface,
 };
 use zeroset_interval::{Facts, Interval};
 
@@ -24,9 +23,9 @@ pub(super) struct Slopes<'a, T: Scalar> {
 pub(super) type Cuboid = [Interval; 3];
 
 impl<'a, T: Scalar> Slopes<'a, T> {
-    pub fn new(surface: &'a dyn Surface, region: &Region) -> Result<Self, KernelError> {
-        let kernels = T::kernels(surface);
-        let (low, high) = (region.low(), region.high());
+    pub fn new(task: &Task<'a>) -> Result<Self, KernelError> {
+        let kernels = T::kernels(task.surface);
+        let (low, high) = (task.region.low(), task.region.high());
         let bounds = [0, 1, 2].map(|axis| [-low[axis], high[axis]].map(T::above));
         Ok(Self { values: kernels.bounds()?, gradients: kernels.gradient_bounds()?, bounds })
     }

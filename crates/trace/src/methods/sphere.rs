@@ -8,11 +8,11 @@
 use super::slope::Slopes;
 use super::way::{Way, bounds};
 use crate::found::{Found, Reason, Status};
-use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Tracer};
+use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Task, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
-use zeroset_eval::{KernelError, LANES, Surface};
+use zeroset_eval::{KernelError, LANES};
 use zeroset_interval::Interval;
 
 pub(crate) const METHOD: Method = Method {
@@ -23,14 +23,10 @@ pub(crate) const METHOD: Method = Method {
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
-fn prepare<'a, T: Scalar>(
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: Options,
-) -> Result<Box<dyn Tracer + 'a>, KernelError> {
-    let slopes = Slopes::<T>::new(surface, region)?;
-    let Options { tolerance, steps, .. } = options;
-    Ok(Box::new(Sphere { slopes, region, tolerance, steps }))
+fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
+    let slopes = Slopes::<T>::new(&task)?;
+    let Options { tolerance, steps, .. } = task.options;
+    Ok(Box::new(Sphere { slopes, region: task.region, tolerance, steps }))
 }
 
 struct Sphere<'a, T: Scalar> {

@@ -15,7 +15,7 @@ pub(super) const CUT: f64 = 0.460_937_5;
 pub(super) const OPEN_PARTS: u32 = 16;
 
 /// A ray to be followed: the points `origin` + s·`direction`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Way {
     pub origin: DVec3,
     pub direction: DVec3,
@@ -32,26 +32,11 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// To fill an array with.
-    pub const NONE: Self = Self {
-        origin: DVec3::ZERO,
-        direction: DVec3::ZERO,
-        error: DVec3::ZERO,
-        start: 0.0,
-        span: [0.0; 2],
-        inside: [0.0; 2],
-        longest: 0.0,
-    };
-
     /// A ray's way through the region, from where it enters: s is 0 there, and t is s − `start`. `None` if it does not meet
     /// the region.
     pub fn new(segment: &Segment, region: &Region) -> Option<Self> {
         let ray = &segment.ray;
-        let (near, last) = region.span(ray)?;
-        let far = last.min(segment.to);
-        if near > far {
-            return None;
-        }
+        let [near, far] = segment.within(region)?;
         // The way to where s is 0: a few roundings.
         let error = 4.0 * f64::EPSILON * (ray.origin.abs() + far.abs() * ray.direction.abs());
         let span = [0.0, far - near];

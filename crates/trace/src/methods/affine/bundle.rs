@@ -30,7 +30,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let patch = self.patch(level.place(lane));
         let longest = T::nearest(self.method.longest * self.footprint(segment[0]));
         let rays = TileRay { tile: patch.tile, bit: 0, longest, within };
-        if !self.method.options.ideas.contract || !within && self.method.region.is_cut() {
+        if !self.method.task.options.ideas.contract || !within && self.method.task.region.is_cut() {
             for bit in ones(self.open[patch.index]) {
                 self.set_apart(rays.at(bit), segment);
             }
@@ -102,7 +102,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let (mut left, screens) = (asked, patch.screens());
         plane.narrow::<_, T>(simd, (&screens, None), &mut left);
         if !within {
-            let region = self.method.region;
+            let region = self.method.task.region;
             *inside = self.frame.clip_rays(simd, &screens, region, self.size, &mut left);
         }
         let batch = &mut self.memory.fresh.segments;

@@ -158,7 +158,7 @@ impl<T: Scalar> Level<T> {
             plane.narrow::<_, T>(simd, self.screens.rays(), &mut left);
         }
         if !self.within {
-            tracer.frame.clip(simd, self.screens.rays(), tracer.method.region, &mut left);
+            tracer.frame.clip(simd, self.screens.rays(), tracer.method.task.region, &mut left);
         }
         for (axis, reach) in tracer.frame.reach.into_iter().enumerate() {
             let (Screens { centre, half }, batch) = (&self.screens, &mut self.batch);

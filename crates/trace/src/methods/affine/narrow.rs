@@ -1,7 +1,7 @@
 //! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
 
 use super::screens::Stack;
-use crate::method::Options;
+use crate::method::Task;
 use crate::methods::way::{CUT, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 use zeroset_eval::{
     Boxes, ContractSegments, Contractions, Enclose, FindZeros, Kernel, KernelError, LANES,
-    Segments, Surface, Zeros,
+    Segments, Zeros,
 };
 use zeroset_interval::Facts;
 
@@ -46,7 +46,7 @@ pub(super) struct Narrower<'a, T: Scalar> {
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
     contracts: bool,
-    /// [`Options::least`].
+    /// [`crate::Options::least`].
     least: f64,
     /// Whether what stays open is looked at in `f64`.
     hands_on: bool,
@@ -76,12 +76,8 @@ pub(super) const BLURRED: f64 = 0.125;
 const PATIENCE: u32 = 96;
 
 impl<'a, T: Scalar> Narrower<'a, T> {
-    pub fn new(
-        surface: &'a dyn Surface,
-        region: &'a Region,
-        options: Options,
-        hands_on: bool,
-    ) -> Result<Self, KernelError> {
+    pub fn new(task: Task<'a>, hands_on: bool) -> Result<Self, KernelError> {
+        let Task { surface, region, options } = task;
         let (kernels, ideas) = (T::kernels(surface), options.ideas);
         let cleared = match kernels.cleared()? {
             Some([_, denominator]) => Some([kernels.bounds()?, denominator]),

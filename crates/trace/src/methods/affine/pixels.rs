@@ -196,7 +196,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// Follows up to sixteen rays one by one to the end, each as far as it is in the region.
     pub(super) fn follow_each(&mut self, rays: &[(TileRay<T>, [f64; 2])]) {
-        let (region, error, start) = (self.method.region, self.frame.error, self.frame.start);
+        let (region, error, start) = (self.method.task.region, self.frame.error, self.frame.start);
         let [mut screens, mut spans] = [[Lanes::splat(0.0); 2]; 2];
         let mut pixels = [[0; 2]; LANES];
         for (lane, (ray, span)) in rays.iter().enumerate() {
@@ -213,7 +213,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
-        let (mut ways, mut lanes) = ([Way::NONE; LANES], [0; LANES]);
+        let (mut ways, mut lanes) = ([Way::default(); LANES], [0; LANES]);
         let mut count = 0;
         for (lane, (ray, span)) in rays.iter().enumerate() {
             let [origin, direction] = self.frame.ray(screen(lane));

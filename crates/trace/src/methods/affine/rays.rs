@@ -4,17 +4,14 @@ use super::FINE;
 use super::frame::BLURS;
 use super::narrow::{Narrower, Scratch, Step, Stop, rounding};
 use crate::found::Reason;
-use crate::method::{Options, Precision, Start};
+use crate::method::{Precision, Start, Task};
 use crate::methods::bridge::Bridge;
 use crate::methods::outcome::{Outcome, reason};
 use crate::methods::way::{OPEN_PARTS, Way, bounds};
-use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use std::sync::OnceLock;
-use zeroset_eval::{
-    Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Surface, Zeros,
-};
+use zeroset_eval::{Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Zeros};
 use zeroset_interval::Facts;
 
 /// Whether hits are wanted so close on a ray that `T` would narrow segments of it in vain.
@@ -29,29 +26,16 @@ pub(super) struct Follower<'a, T: Scalar> {
     refines: bool,
     /// Made when the first ray needs it.
     double: OnceLock<Option<Narrower<'a, f64>>>,
-    surface: &'a dyn Surface,
-    region: &'a Region,
-    options: Options,
+    task: Task<'a>,
 }
 
 /// A stretch that is looked at in `f64` is so many times as long as the part that stayed open in `f32`.
 const STRETCH: f64 = 256.0;
 
 impl<'a, T: Scalar> Follower<'a, T> {
-    pub fn new(
-        surface: &'a dyn Surface,
-        region: &'a Region,
-        options: Options,
-    ) -> Result<Self, KernelError> {
-        let refines = options.precision == Precision::Auto;
-        Ok(Self {
-            narrower: Narrower::new(surface, region, options, refines)?,
-            refines,
-            double: OnceLock::new(),
-            surface,
-            region,
-            options,
-        })
+    pub fn new(task: Task<'a>) -> Result<Self, KernelError> {
+        let refines = task.options.precision == Precision::Auto;
+        Ok(Self { narrower: Narrower::new(task, refines)?, refines, double: OnceLock::new(), task })
     }
 
     /// Narrows segments once.
@@ -184,7 +168,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
 
     /// The same in `f64`, where it may take the place of `T`.
     fn double(&self) -> Option<&Narrower<'a, f64>> {
-        let make = || Narrower::new(self.surface, self.region, self.options, false).ok();
+        let make = || Narrower::new(self.task, false).ok();
         self.refines.then(|| self.double.get_or_init(make).as_ref()).flatten()
     }
 
@@ -208,22 +192,22 @@ impl<'a, T: Scalar> Follower<'a, T> {
 
     fn bridge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2]) -> Option<[f64; 2]> {
         // A picture that another one follows paints the place either way.
-        if !self.options.ideas.intervals || self.options.least > 0.0 {
+        if !self.task.options.ideas.intervals || self.task.options.least > 0.0 {
             return None;
         }
-        let kernel = U::kernels(self.surface).bounds().ok()?;
-        Bridge { kernel, way, region: self.region }.bracket(segment)
+        let kernel = U::kernels(self.task.surface).bounds().ok()?;
+        Bridge { kernel, way, region: self.task.region }.bracket(segment)
     }
 
     fn judge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2], stop: Stop) -> (Reason, bool) {
-        let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
-        let kernels = U::kernels(self.surface);
+        let boxes = Boxes::around(&[bounds(way, segment, self.task.region)]);
+        let kernels = U::kernels(self.task.surface);
         let mut zeros = Zeros::default();
         if let Ok(kernel) = kernels.zeros() {
             kernel.ask(&boxes[0], &mut zeros);
         }
-        let asymptote = self.options.suppress_asymptotes && zeros.unbounded & 1 == 1;
-        if self.options.least > 0.0 {
+        let asymptote = self.task.options.suppress_asymptotes && zeros.unbounded & 1 == 1;
+        if self.task.options.least > 0.0 {
             return (Reason::Budget, !asymptote);
         }
         let mut facts = Facts::NONE;
@@ -231,7 +215,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if let Ok(kernel) = kernels.bounds() {
             facts = Kernel::<Enclose, U>::ask_all(kernel, &boxes)[0].facts(0);
             if let Ok(Some([_, denominator])) = kernels.cleared() {
-                is_gap = Bridge { kernel, way, region: self.region }.is_gap(segment, denominator);
+                is_gap =
+                    Bridge { kernel, way, region: self.task.region }.is_gap(segment, denominator);
             }
         }
         (reason(facts, stop == Stop::Effort), !(asymptote || is_gap))

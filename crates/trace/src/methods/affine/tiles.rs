@@ -233,7 +233,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         tired: u16,
     ) -> Verdicts<T> {
         let simd = self.simd;
-        let contracts = self.method.options.ideas.contract;
+        let contracts = self.method.task.options.ideas.contract;
         let Level { batch, out, .. } = level;
         let [_, growth] = self.rays.pixel();
         let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER[DEPTH] };
@@ -285,7 +285,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let finer = possible & (crossing | short | last) & !shorter | tired;
         let mut within = u16::MAX;
         if !level.within {
-            let region = self.method.region;
+            let region = self.method.task.region;
             within = 0;
             if region.clip().is_none() && flat | finer != 0 {
                 let rays = level.screens.rays();
@@ -360,7 +360,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let side = SIDES[LAST];
         let (columns, rows) = (self.band.width.div_ceil(side), self.band.height.div_ceil(side));
         let parts = [column..columns.min(column + 4), row..rows.min(row + 4)];
-        let plane = self.method.options.ideas.contract;
+        let plane = self.method.task.options.ideas.contract;
         let plane = plane.then(|| Plane::new(&level.batch, &level.out, lane));
         finer[0].start(self, parts, LAST, segment, plane.as_ref(), within);
         self.run::<LAST>(finer);

@@ -1,7 +1,7 @@
 //! Parts of up to sixteen rays, halved until each ray has met a root or nothing.
 
 use super::isolated::{Isolated, refine, sign};
-use crate::method::{Options, Start};
+use crate::method::{Start, Task};
 use crate::methods::bridge::Bridge;
 use crate::methods::outcome::{Outcome, reason};
 use crate::methods::slope::{Cuboid, Slopes};
@@ -9,7 +9,7 @@ use crate::methods::way::{CUT, OPEN_PARTS, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
-use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Surface, Zeros};
+use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Zeros};
 use zeroset_interval::Interval;
 
 /// Looks for roots in `T`.
@@ -53,14 +53,10 @@ struct Part {
 }
 
 impl<'a, T: Scalar> Searcher<'a, T> {
-    pub fn new(
-        surface: &'a dyn Surface,
-        region: &'a Region,
-        options: &Options,
-    ) -> Result<Self, KernelError> {
-        let suppress_asymptotes = options.suppress_asymptotes;
-        let zeros = T::kernels(surface).zeros()?;
-        Ok(Self { slopes: Slopes::new(surface, region)?, zeros, region, suppress_asymptotes })
+    pub fn new(task: Task<'a>) -> Result<Self, KernelError> {
+        let suppress_asymptotes = task.options.suppress_asymptotes;
+        let zeros = T::kernels(task.surface).zeros()?;
+        Ok(Self { slopes: Slopes::new(&task)?, zeros, region: task.region, suppress_asymptotes })
     }
 
     /// What becomes of up to [`LANES`] rays.
