@@ -7,12 +7,13 @@ use super::reply::{Refusal, Reply, refused};
 use super::session::Live;
 use super::source::DocumentSource;
 use super::undo::Gesture;
-use super::values::{TIME, defined};
+use super::values::{self, TIME, defined};
 use crate::program::Program;
 use crate::scene::is_idle;
 use std::borrow::Cow;
 use std::sync::Arc;
 use zeroset_interval::Interval;
+use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Document, ErrorKind, Limits, Note, NoteKind, parse};
 
 /// What an edit has made of a document.
@@ -68,8 +69,8 @@ impl Live {
             let line = format!("{name} = {value}");
             let base = base(request, readable, &line);
             let text = entered(&base, &line, false);
-            let is_read = parse(&text, &Limits::default()).is_ok();
-            if is_read && !defined(&text).iter().any(|other| other == name) {
+            let lacks = |all: Vec<Statement>| all.iter().all(|one| values::name(one) != Some(name));
+            if parse(&text, &Limits::default()).is_ok_and(lacks) {
                 return refused(format!("`{name}` has a fixed meaning and cannot be set"));
             }
             Edit::checked(request, text, vec![name.to_owned()])

@@ -211,7 +211,7 @@ impl<'a> Lowering<'a> {
         span: Span,
     ) -> Fallible<Value> {
         let count = match arguments.remove(0) {
-            Value::Number(node) => integer_of(&self.graph, node, &mut MOST_STEPS.clone()),
+            Value::Number(node) => integer_of(&self.graph, node, &mut { MOST_STEPS }),
             Value::Vector(_) | Value::Matrix(_) => None,
         };
         let Some(count) = count.filter(|count| *count >= 0) else {
@@ -232,7 +232,7 @@ impl<'a> Lowering<'a> {
     /// The whole number that an expression is.
     fn whole(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<i64> {
         let node = self.number(expr, locals)?;
-        match integer_of(&self.graph, node, &mut MOST_STEPS.clone()) {
+        match integer_of(&self.graph, node, &mut { MOST_STEPS }) {
             Some(whole) if whole.abs() <= 1_000_000_000 => Ok(whole),
             Some(_) => Err(Error::new(expr.span, ErrorKind::TooManyTerms { limit: MOST_TERMS })),
             None => Err(Error::new(expr.span, ErrorKind::RangeNotWhole)),

@@ -40,12 +40,6 @@ impl Pattern {
         self.places.map_or(self.side * self.side, <[_]>::len)
     }
 
-    /// Where they are, by column and row.
-    pub fn places(&self) -> impl Iterator<Item = [usize; 2]> {
-        let all = move |n: usize| [n % self.side, n / self.side];
-        (0..self.count()).map(move |n| self.places.map_or_else(|| all(n), |places| places[n]))
-    }
-
     /// Whether there is a ray in every place.
     pub fn is_full(&self) -> bool {
         self.places.is_none()
@@ -96,7 +90,9 @@ mod tests {
     fn rays_are_spread_over_columns_and_rows() {
         for count in Pattern::COUNTS {
             let pattern = Pattern::of(count).expect("listed");
-            let places: Vec<_> = pattern.places().collect();
+            let all = |n: usize| [n % pattern.side, n / pattern.side];
+            let places =
+                pattern.places.map_or_else(|| (0..count).map(all).collect(), <[_]>::to_vec);
             assert_eq!((places.len(), pattern.count()), (count, count));
             for axis in 0..2 {
                 let mut seen = vec![0; pattern.side];

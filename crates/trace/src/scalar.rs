@@ -66,6 +66,15 @@ impl Scalar for f32 {
     const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
     const GRAIN: f64 = 1.0 / 262_144.0; // 2^-18
 
+    // Not by way of `f64`: both are asked for at every slab.
+    #[inline]
+    fn integer(value: u64) -> Self {
+        value as i64 as Self
+    }
+    #[inline]
+    fn halved(n: u32) -> Self {
+        Self::from_bits((127 - n) << 23)
+    }
     #[inline(always)]
     fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2] {
         let (low, high) = f32x16::from_slice(simd, &lanes[..]).widen();
