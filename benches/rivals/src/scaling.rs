@@ -5,6 +5,10 @@ use crate::side::Side;
 use anyhow::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+/// Pictures that are drawn one after another each time, as while a view is turned: where each is waited for alone, threads
+/// are measured that wake one another, on the one side as on the other.
+const IN_A_ROW: usize = 8;
+
 /// Some threads for each of some pictures, which are drawn at once.
 pub struct Pooled {
     pictures: Vec<(ThreadPool, Ours)>,
@@ -37,11 +41,13 @@ impl Side for Pooled {
     }
 
     fn pictures(&self) -> usize {
-        self.pictures.len()
+        IN_A_ROW * self.pictures.len()
     }
 
     fn draw(&mut self) -> Result<()> {
-        let draw = |(pool, picture): &mut (ThreadPool, Ours)| pool.install(|| picture.draw());
+        let draw = |(pool, picture): &mut (ThreadPool, Ours)| {
+            pool.install(|| (0..IN_A_ROW).try_for_each(|_| picture.draw()))
+        };
         if let [only] = self.pictures.as_mut_slice() {
             return draw(only);
         }

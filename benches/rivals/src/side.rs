@@ -10,7 +10,7 @@ pub trait Side {
     /// Pixels in a row, and rows.
     fn size(&self) -> usize;
 
-    /// How many pictures it draws at once.
+    /// How many pictures it draws each time.
     fn pictures(&self) -> usize {
         1
     }
