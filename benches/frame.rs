@@ -1,9 +1,12 @@
-//! Whole pictures by every method: trace, normals and colours of 512×512 pixels, or N×N, on one thread.
+//! Whole pictures by every method: trace, normals and colours of 512×512 pixels, or N×N, on one
+//! thread.
 //!
-//! `cargo bench --bench frame [-- SURFACES… METHODS… --no-contract --no-tiles --no-interval --f32 --f64 --cold --rounds=N
-//! --size=N]` prints, for each surface and method, median milliseconds of interleaved rounds, what was asked of kernels, and how
-//! many pixels are decided. `--cold`: caches hold nothing of the frame before, as if others had worked meanwhile. Under a profiler, what one round takes is the difference between runs with `--rounds=1` and
-//! `--rounds=2`.
+//! `cargo bench --bench frame [-- SURFACES… METHODS… FLAGS…]` prints, for each surface and method,
+//! median milliseconds of interleaved rounds, what was asked of kernels, and how many pixels are
+//! decided. The flags: `--no-contract`, `--no-tiles`, `--no-interval`, `--f32`, `--f64`,
+//! `--rounds=N`, `--size=N`, and `--cold`: caches hold nothing of the frame before, as if others
+//! had worked meanwhile. Under a profiler, what one round takes is the difference between runs with
+//! `--rounds=1` and `--rounds=2`.
 
 use glam::DVec3;
 use include_dir::{Dir, include_dir};

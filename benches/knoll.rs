@@ -1,7 +1,8 @@
-//! The paper's traverser: driven by native code against the same traverser over formulas in intrinsics.
+//! The paper's traverser: driven by native code against the same traverser over formulas in
+//! intrinsics.
 //!
-//! `cargo bench --bench knoll` traces 512×512 pixels at depth 10 on one thread, from the default view, without shading;
-//! names are `knoll/case`.
+//! `cargo bench --bench knoll` traces 512×512 pixels at depth 10 on one thread, from the default
+//! view, without shading; names are `knoll/case`.
 
 mod rival;
 

@@ -1,9 +1,11 @@
-//! From typed text to native code, warm: the first interval kernel, and all kernels of the default picture.
+//! From typed text to native code, warm: the first interval kernel, and all kernels of the default
+//! picture.
 //!
-//! `cargo bench --bench latency` prints, for kernels of `f32` and then of `f64`, the median and the worst surface of the
-//! gallery against the targets of 2 ms and 8 ms, then the slowest surfaces with the time of each stage; `-- gyroid` at
-//! the end of the command looks only at surfaces with such a name. A surface's time is the median over rounds; each
-//! round goes through all surfaces, so that a disturbance falls on one round and not on one surface.
+//! `cargo bench --bench latency` prints, for kernels of `f32` and then of `f64`, the median and the
+//! worst surface of the gallery against the targets of 2 ms and 8 ms, then the slowest surfaces
+//! with the time of each stage; `-- gyroid` at the end of the command looks only at surfaces with
+//! such a name. A surface's time is the median over rounds; each round goes through all surfaces,
+//! so that a disturbance falls on one round and not on one surface.
 
 use rayon::prelude::*;
 use std::hint::black_box;

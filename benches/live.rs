@@ -1,13 +1,15 @@
 //! From a key to a picture, through the live pipeline and at the window's size of 512×512.
 //!
-//! `cargo bench --bench live` first replays 200 edits: of the gallery's formulas, typed letter by letter, a fixed sample
-//! of the keys that leave valid text. Each is pressed 100 ms after the one before, as by a fast typist, so that the work
-//! for the older text often has to be broken off. It prints how long the first picture took, which may be a coarse one,
-//! and the full one, against targets at the 95th percentile, and which keys took longest. A full picture has all pixels; a
-//! few of them may still be undecided for lack of time, which is then followed to the end: how long that took is printed too. Then it prints, for each surface of the gallery, the median time
-//! to the first and to the full picture, and how many pictures a second follow a slider that moves its formula, with how
-//! many times fewer columns than the window has. `-- gyroid` at the end of the command looks only at surfaces with such a
-//! name.
+//! `cargo bench --bench live` first replays 200 edits: of the gallery's formulas, typed letter by
+//! letter, a fixed sample of the keys that leave valid text. Each is pressed 100 ms after the one
+//! before, as by a fast typist, so that the work for the older text often has to be broken off. It
+//! prints how long the first picture took, which may be a coarse one, and the full one, against
+//! targets at the 95th percentile, and which keys took longest. A full picture has all pixels; a
+//! few of them may still be undecided for lack of time, which is then followed to the end: how long
+//! that took is printed too. Then it prints, for each surface of the gallery, the median time to
+//! the first and to the full picture, and how many pictures a second follow a slider that moves its
+//! formula, with how many times fewer columns than the window has. `-- gyroid` at the end of the
+//! command looks only at surfaces with such a name.
 
 use std::time::{Duration, Instant};
 use zeroset::gallery::{Example, examples};
@@ -21,7 +23,8 @@ const PACE: Duration = Duration::from_millis(100);
 const ROUNDS: usize = 5;
 /// Steps of a slider.
 const DRAGS: i32 = 40;
-/// So many pictures a second are seen as movement, if they have at least half of the window's columns.
+/// So many pictures a second are seen as movement, if they have at least half of the window's
+/// columns.
 const SMOOTH: f64 = 30.0;
 const LIMIT: Duration = Duration::from_mins(1);
 /// With what is wanted at the 95th percentile.
@@ -43,7 +46,8 @@ fn edits(examples: &[Example]) -> Vec<Edit> {
     for (number, example) in examples.iter().enumerate() {
         let document = read(example.text, &Options::default()).expect(example.slug);
         let line = &document.surfaces[0].echo;
-        // Typing goes on in a document that has the formula already, and with it every name that it needs.
+        // Typing goes on in a document that has the formula already, and with it every name that it
+        // needs.
         let valid = |line: &str| {
             let text = zeroset::live::entered(example.text, line, false);
             read(&text, &Options::default()).is_ok()
@@ -62,8 +66,8 @@ fn edits(examples: &[Example]) -> Vec<Edit> {
     edits
 }
 
-/// Presses the keys; returns the times from each to the first picture of it, to the full one, and until that is settled, in
-/// ms.
+/// Presses the keys; returns the times from each to the first picture of it, to the full one, and
+/// until that is settled, in ms.
 fn replay(examples: &[Example], sample: &[Edit]) -> [Vec<f64>; 3] {
     let live = Live::new(Request::default());
     let [mut first, mut full, mut settled] = [const { Vec::new() }; 3];

@@ -1,10 +1,12 @@
-//! What a picture costs apart from tracing and generated code: set-up of the G-buffer, normals, colours.
+//! What a picture costs apart from tracing and generated code: set-up of the G-buffer, normals,
+//! colours.
 //!
-//! `cargo bench --bench shade` takes 512×512 pixels on one thread and prints ns per drawn pixel, or per pixel of the
-//! background; names are `shade/case`. Surfaces are spheres whose distances are known, and the kernel asked for gradients
-//! hands its points on. The first columns are of one step after another over the whole picture: set-up in new memory, and in that
-//! of an empty picture, then the rest. The last two are of a frame, in which a few rows at a time go from nothing to colours, in
-//! the memory of the frame before.
+//! `cargo bench --bench shade` takes 512×512 pixels on one thread and prints ns per drawn pixel, or
+//! per pixel of the background; names are `shade/case`. Surfaces are spheres whose distances are
+//! known, and the kernel asked for gradients hands its points on. The first columns are of one step
+//! after another over the whole picture: set-up in new memory, and in that of an empty picture,
+//! then the rest. The last two are of a frame, in which a few rows at a time go from nothing to
+//! colours, in the memory of the frame before.
 
 use glam::DVec3;
 use std::hint::black_box;
@@ -79,8 +81,8 @@ const STAGES: [&str; 8] = [
 /// Those that are the same for each pixel.
 const OF_EACH: [usize; 3] = [0, 1, 6];
 
-/// Seconds that each stage takes: of interleaved rounds one in twenty was faster. A busy machine slows all others down, and
-/// there is no rival that it would slow down as much.
+/// Seconds that each stage takes: of interleaved rounds one in twenty was faster. A busy machine
+/// slows all others down, and there is no rival that it would slow down as much.
 fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     let far = Appearance::new(Default::default(), Light::above_left(rays));
     let near = Appearance::new(Default::default(), Light::Positional(DVec3::new(3.0, -3.0, 3.0)));

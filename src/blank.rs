@@ -23,7 +23,8 @@ pub enum Blank {
 }
 
 impl Blank {
-    /// Why nothing is seen of `document` in `region`. A domain that was searched for already need not be searched for again.
+    /// Why nothing is seen of `document` in `region`. A domain that was searched for already need
+    /// not be searched for again.
     pub fn find(
         document: &Document,
         region: &Region,
@@ -46,7 +47,8 @@ impl Blank {
         }
     }
 
-    /// One phrase, with what to do if something helps: `domain` writes how bounds of x, y and z are asked for.
+    /// One phrase, with what to do if something helps: `domain` writes how bounds of x, y and z are
+    /// asked for.
     pub fn describe(&self, domain: &dyn Fn(&str) -> String) -> String {
         match self {
             Self::Hidden => "nothing is seen: every surface is hidden".to_owned(),
@@ -65,7 +67,8 @@ impl Blank {
     }
 }
 
-/// Whether the domain found reaches beyond the region, or is so much smaller that what it holds may be lost in a pixel.
+/// Whether the domain found reaches beyond the region, or is so much smaller that what it holds may
+/// be lost in a pixel.
 fn differs(found: &AutoDomain, region: &Region) -> bool {
     let (low, high) = (region.low(), region.high());
     let beyond = (0..3).any(|axis| found.low[axis] < low[axis] || found.high[axis] > high[axis]);

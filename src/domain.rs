@@ -1,8 +1,9 @@
 //! Where to look when nobody says: `--domain auto`.
 //!
-//! If a surface can be proven to lie in some box, wherever and however large, that box is tightened by halving it; otherwise
-//! a window is chosen that shows what is particular. What may be spent is counted in evaluations, so the same document has
-//! the same domain on every machine. Knows neither cameras nor pictures.
+//! If a surface can be proven to lie in some box, wherever and however large, that box is tightened
+//! by halving it; otherwise a window is chosen that shows what is particular. What may be spent is
+//! counted in evaluations, so the same document has the same domain on every machine. Knows neither
+//! cameras nor pictures.
 
 mod cells;
 mod centre;
@@ -31,7 +32,8 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// Half the extent of the largest cube in which a surface is looked for that cannot be proven bounded everywhere.
+/// Half the extent of the largest cube in which a surface is looked for that cannot be proven
+/// bounded everywhere.
 pub const REACH: f64 = 1_099_511_627_776.0; // 2^40
 
 /// Evaluations of all surfaces together that a search may take, and those of functions at infinity.
@@ -68,7 +70,8 @@ pub enum Finding {
     Bounded,
     /// Nothing of it lies within ±[`REACH`] outside the domain: proven.
     BoundedNear,
-    /// As [`Finding::Unbounded`], but it looks better in the [ball](zeroset_trace::Region::with_ball) in that box.
+    /// As [`Finding::Unbounded`], but it looks better in the
+    /// [ball](zeroset_trace::Region::with_ball) in that box.
     UnboundedInBall,
     /// It could not be shown to be bounded; the domain is a window, a box.
     Unbounded,
@@ -98,8 +101,8 @@ impl Finding {
     }
 }
 
-/// Chooses a domain that shows all surfaces of `program`, which was made for all of space. `wanted` is asked between
-/// evaluations; once false, it must stay false, and the answer is `None`.
+/// Chooses a domain that shows all surfaces of `program`, which was made for all of space. `wanted`
+/// is asked between evaluations; once false, it must stay false, and the answer is `None`.
 ///
 /// # Errors
 /// If no code can be made.
@@ -165,9 +168,10 @@ fn around(program: &Program, hull: &Cell) -> Cell {
     thick(roomy(hull), THIN)
 }
 
-/// Whether a box is so small because floats ended: the surface is a point, or cannot be told from one. Then the box is a few
-/// floats wide; or no value within can be told from 0, as near the origin, where those of x²+y²+z² underflow. A surface
-/// with an inside has other values there, however small it is and whatever it is multiplied by.
+/// Whether a box is so small because floats ended: the surface is a point, or cannot be told from
+/// one. Then the box is a few floats wide; or no value within can be told from 0, as near the
+/// origin, where those of x²+y²+z² underflow. A surface with an inside has other values there,
+/// however small it is and whatever it is multiplied by.
 fn is_point(program: &Program, hull: &Cell) -> bool {
     let (graph, parameters) = (program.graph(), program.values().to_vec());
     let may_vanish = |place: [f64; 3]| {
@@ -295,14 +299,15 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
     Ok((whole.unwrap_or(Cell::cube(PLAIN)), all_round))
 }
 
-/// A side of a window that is shorter than this share of the longest is taken for none, and one of what is bounded if it is
-/// shorter than that, as around a curve.
+/// A side of a window that is shorter than this share of the longest is taken for none, and one of
+/// what is bounded if it is shorter than that, as around a curve.
 const FLAT: f64 = 0.01;
 const THIN: f64 = 1e-4;
 /// It is made this share of the longest.
 const THICK: f64 = 0.5;
 
-/// The box, with some thickness on every axis on which it has less than this share of the longest side.
+/// The box, with some thickness on every axis on which it has less than this share of the longest
+/// side.
 fn thick(mut cell: Cell, share: f64) -> Cell {
     let largest = cell.largest();
     for (axis, middle) in cell.centre().into_iter().enumerate() {
@@ -347,7 +352,8 @@ fn in_grains(place: f64, grain: f64, whole: impl Fn(f64) -> f64) -> f64 {
     if power < 0.0 { whole(place * grain) / grain } else { whole(place / grain) * grain }
 }
 
-/// The cube around a place with this half extent, both of few digits. Around the origin it is that exactly.
+/// The cube around a place with this half extent, both of few digits. Around the origin it is that
+/// exactly.
 fn cube_about(place: [f64; 3], half: f64) -> Cell {
     let end = |along: f64, side: f64| {
         if along == 0.0 { side } else { rounded(along + side, half / 1000.0) }

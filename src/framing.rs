@@ -1,7 +1,9 @@
-//! The camera that nobody chose: as near as what is visible allows, from a side on which flat things are not seen edge-on.
+//! The camera that nobody chose: as near as what is visible allows, from a side on which flat
+//! things are not seen edge-on.
 //!
-//! What is visible is found by a small picture of the whole domain. Whatever lies behind it lies within its outline, too, so
-//! the outline is all that has to fit. Nothing here is a proof, nor depends on the picture's method or on threads.
+//! What is visible is found by a small picture of the whole domain. Whatever lies behind it lies
+//! within its outline, too, so the outline is all that has to fit. Nothing here is a proof, nor
+//! depends on the picture's method or on threads.
 
 use crate::model::Model;
 use crate::picture::Settings;
@@ -25,16 +27,18 @@ const REACH: f64 = 0.75;
 /// With fewer painted pixels than these too little is known, and the whole domain is shown.
 const LEAST: usize = 8;
 
-/// What is thinner than this share of its width is flat, and shown from where the sine between it and the view is at least
-/// so much.
+/// What is thinner than this share of its width is flat, and shown from where the sine between it
+/// and the view is at least so much.
 const THIN: f64 = 0.15;
 const LEAST_SINE: f64 = 0.5;
 
-/// From so many sides is looked at what an eye goes around, and so many positions on its way are then thought of.
+/// From so many sides is looked at what an eye goes around, and so many positions on its way are
+/// then thought of.
 const ROUND_SIDES: usize = 4;
 const ROUND_STEPS: usize = 24;
 
-/// Sides from which flat things are shown, in order: higher than the usual one, and then from its right and left.
+/// Sides from which flat things are shown, in order: higher than the usual one, and then from its
+/// right and left.
 const SIDES: [DVec3; 5] = [
     DVec3::new(2.0, -3.0, 2.6),
     DVec3::new(3.0, 2.0, 2.6),
@@ -43,11 +47,10 @@ const SIDES: [DVec3; 5] = [
     DVec3::new(-3.0, 2.0, 2.6),
 ];
 
-/// The camera for pictures of `model`, which was made of `document`: what is chosen by `choice` or by the document stays as it
-/// is; where neither gives another side than the usual one, an eye, a target, a field of view
-/// or a height, what is visible is fitted into a picture of
-/// the settings' size.
-/// `None` if that was no longer `wanted`.
+/// The camera for pictures of `model`, which was made of `document`: what is chosen by `choice` or
+/// by the document stays as it is; where neither gives another side than the usual one, an eye, a
+/// target, a field of view or a height, what is visible is fitted into a picture of the settings'
+/// size. `None` if that was no longer `wanted`.
 ///
 /// # Errors
 /// If eye and target coincide, the upward direction is useless, or a number is out of range.
@@ -61,8 +64,8 @@ pub fn camera_while(
     camera_over(&[model], document, choice, settings, model.region(), false, wanted)
 }
 
-/// One camera for pictures of several models over the same region, as [`camera_while`] chooses it for one. If it is to turn
-/// around its target, what is visible from other sides fits, too.
+/// One camera for pictures of several models over the same region, as [`camera_while`] chooses it
+/// for one. If it is to turn around its target, what is visible from other sides fits, too.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -105,7 +108,8 @@ pub fn camera_over(
     Ok(Some(fitted.unwrap_or(usual)))
 }
 
-/// As [`camera_while`], to the end, or to that of the settings' budget of time: then it is the view of the whole domain.
+/// As [`camera_while`], to the end, or to that of the settings' budget of time: then it is the view
+/// of the whole domain.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -139,7 +143,8 @@ fn usual(
     Ok((usual, view))
 }
 
-/// The camera for pictures that show the whole domain with what is written around it: otherwise as [`camera_while`].
+/// The camera for pictures that show the whole domain with what is written around it: otherwise as
+/// [`camera_while`].
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -157,8 +162,8 @@ pub fn of_domain(
     Ok(fitted.unwrap_or(usual))
 }
 
-/// Whether somebody said from where to look, at what, or how much is seen: another side than the usual one is that of the
-/// whole domain.
+/// Whether somebody said from where to look, at what, or how much is seen: another side than the
+/// usual one is that of the whole domain.
 fn is_chosen(document: &Document, choice: &CameraChoice) -> bool {
     let CameraChoice { view, eye, target, up: _, projection } = choice;
     let other = |view: StandardView| view != StandardView::default();
@@ -232,8 +237,9 @@ impl View {
         Ok(Some(seen))
     }
 
-    /// The camera on the side of `back` whose eye can go around the upright axis through its target and shows what `look` sees
-    /// from all sides; `usual` where floats leave no room, and `None` if that was no longer wanted.
+    /// The camera on the side of `back` whose eye can go around the upright axis through its target
+    /// and shows what `look` sees from all sides; `usual` where floats leave no room, and `None` if
+    /// that was no longer wanted.
     fn fitted_around(
         &self,
         back: DVec3,
@@ -278,12 +284,14 @@ impl View {
         (self.fov.to_radians() / 2.0).tan()
     }
 
-    /// The nearest camera on the side of `back` that shows all spots within a share of the picture's shorter side.
+    /// The nearest camera on the side of `back` that shows all spots within a share of the
+    /// picture's shorter side.
     fn fitted(&self, back: DVec3, spots: &[Spot], share: f64) -> Result<Camera, CameraError> {
         self.fitted_within(back, spots, [share * self.slope() * self.aspect.min(1.0); 2])
     }
 
-    /// The nearest one that shows them within so much to each side of its middle and up and down, at a distance of 1.
+    /// The nearest one that shows them within so much to each side of its middle and up and down,
+    /// at a distance of 1.
     fn fitted_within(
         &self,
         back: DVec3,

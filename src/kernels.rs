@@ -1,4 +1,5 @@
-//! The kernels of surfaces: made when they are first asked for, compiled once whatever the parameters' values, counted.
+//! The kernels of surfaces: made when they are first asked for, compiled once whatever the
+//! parameters' values, counted.
 //!
 //! What is simplified and which values parameters have is said elsewhere; what kernels are
 //! asked about is not known here.
@@ -15,8 +16,8 @@ use zeroset_eval::{
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::Compiled;
 
-/// Machine code of all kernels of a document, at most: so much takes about a second to make, and the largest single surfaces
-/// that kernels hold need half of it.
+/// Machine code of all kernels of a document, at most: so much takes about a second to make, and
+/// the largest single surfaces that kernels hold need half of it.
 const CODE_BYTES: usize = 8 << 20;
 
 /// What runs kernels.
@@ -131,10 +132,11 @@ enum Steps<Q: Question, T: Real> {
     Reference(Tape<T>),
 }
 
-/// Code that is made at most once, or the reason why there can be none; `None` where a surface has no such form.
+/// Code that is made at most once, or the reason why there can be none; `None` where a surface has
+/// no such form.
 ///
-/// The first place is for code in which what depends on parameters alone is computed beforehand, the other for values with
-/// which that has no value.
+/// The first place is for code in which what depends on parameters alone is computed beforehand,
+/// the other for values with which that has no value.
 type Slot<Q, T> = [Once<Option<Code<Q, T>>>; 2];
 
 /// The code of one surface in one precision.

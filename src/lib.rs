@@ -15,7 +15,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The command line and any live view share this library. It knows no arguments, terminals or files.
+//! The command line and any live view share this library. It knows no arguments, terminals or
+//! files.
 
 pub mod blank;
 pub mod domain;

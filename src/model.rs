@@ -23,8 +23,8 @@ use zeroset_ir::{Axis, Graph};
 use zeroset_syntax::{Document, PictureLines, PointValue, SrgbColor, SurfaceKind};
 use zeroset_trace::{Camera, Look, Options, Region};
 
-/// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed with the last model
-/// that shares them.
+/// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed
+/// with the last model that shares them.
 pub struct Model {
     region: Region,
     program: Program,
@@ -36,7 +36,8 @@ pub struct Model {
     precision: Precision,
     /// Time to simplify and to compile; none if that was done for another model.
     times: Option<Times>,
-    /// Per surface, whether its negative side is the one seen from far away; found for the first picture that shows it.
+    /// Per surface, whether its negative side is the one seen from far away; found for the first
+    /// picture that shows it.
     turned: Vec<OnceLock<bool>>,
 }
 
@@ -71,8 +72,8 @@ impl Setting {
 }
 
 impl Model {
-    /// Simplifies all surfaces of `document` in `region`, and compiles what a picture by the default method needs with
-    /// these normals in this precision.
+    /// Simplifies all surfaces of `document` in `region`, and compiles what a picture by the
+    /// default method needs with these normals in this precision.
     ///
     /// # Errors
     /// If a formula is constant or defined nowhere, or too large to compile.
@@ -88,8 +89,8 @@ impl Model {
         Ok(model.expect("wanted to the end"))
     }
 
-    /// As [`Model::new`], but asks between kernels whether the model is still wanted; `None` if not. The code is made for all
-    /// of `reach`, which holds `region`.
+    /// As [`Model::new`], but asks between kernels whether the model is still wanted; `None` if
+    /// not. The code is made for all of `reach`, which holds `region`.
     ///
     /// # Errors
     /// If a formula is constant or defined nowhere, or too large to compile.
@@ -142,9 +143,9 @@ impl Model {
         }
     }
 
-    /// The same code for the parameter values of another document and in another region, or `None` if the document differs
-    /// in more than values and colours, or if values or region are beyond what the code was made for; a slider may be set to
-    /// anything in its range.
+    /// The same code for the parameter values of another document and in another region, or `None`
+    /// if the document differs in more than values and colours, or if values or region are beyond
+    /// what the code was made for; a slider may be set to anything in its range.
     ///
     /// # Errors
     /// If a formula is constant or defined nowhere.
@@ -197,9 +198,10 @@ impl Model {
         self.precision
     }
 
-    /// Value and gradient at a point of the function whose zeros are drawn as a surface: the one typed or a
-    /// [simpler one](Program::is_reduced). The point is rounded to the model's precision, to `f64` if that is
-    /// [`Precision::Auto`]; everything is NaN if there is no such surface, or no code for it.
+    /// Value and gradient at a point of the function whose zeros are drawn as a surface: the one
+    /// typed or a [simpler one](Program::is_reduced). The point is rounded to the model's
+    /// precision, to `f64` if that is [`Precision::Auto`]; everything is NaN if there is no such
+    /// surface, or no code for it.
     pub fn sample(&self, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
         self.sample_of(&self.program, surface, point)
     }
@@ -228,8 +230,8 @@ impl Model {
         values.flatten().unwrap_or(UNKNOWN)
     }
 
-    /// Whether the function of some surface cannot be told from 0 at any of some points strewn over the region: then either
-    /// it is 0 everywhere, or far too small for its own rounding.
+    /// Whether the function of some surface cannot be told from 0 at any of some points strewn over
+    /// the region: then either it is 0 everywhere, or far too small for its own rounding.
     fn is_flat<T: KernelFloat>(&self) -> Result<bool, ProgramError> {
         let (low, high) = (self.region.low(), self.region.high());
         let points = (1..=FLAT_POINTS).map(|n| {
@@ -292,8 +294,8 @@ impl Aim {
     }
 }
 
-/// What stays open in a picture that another one follows, and on rays that are only for looks, as a share of the longest
-/// bracket.
+/// What stays open in a picture that another one follows, and on rays that are only for looks, as a
+/// share of the longest bracket.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
 fn options(settings: &Settings, kind: SurfaceKind, aim: Aim) -> Options {

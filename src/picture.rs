@@ -24,23 +24,27 @@ pub struct Settings {
     pub method: &'static Method,
     /// What kernels compute in.
     pub precision: Precision,
-    /// How often a ray's way through the domain is halved: at most [`Precision::max_depth`], beyond which it is brought within.
+    /// How often a ray's way through the domain is halved: at most [`Precision::max_depth`], beyond
+    /// which it is brought within.
     pub max_depth: u32,
-    /// How far, in pixels, a hit may be from where it is drawn, for methods that bound it; proofs do not depend on it.
+    /// How far, in pixels, a hit may be from where it is drawn, for methods that bound it; proofs
+    /// do not depend on it.
     pub tolerance: f64,
-    /// Whether another picture follows: places that are hard to decide are painted, and left undecided, sooner.
+    /// Whether another picture follows: places that are hard to decide are painted, and left
+    /// undecided, sooner.
     pub is_preview: bool,
     /// Ideas of the method `affine` that are made use of.
     pub ideas: Ideas,
-    /// Samples on a ray's way through the domain, or steps along it at most, for methods that take such; among
-    /// [`STEPS_RANGE`].
+    /// Samples on a ray's way through the domain, or steps along it at most, for methods that take
+    /// such; among [`STEPS_RANGE`].
     pub steps: u32,
     /// Whether the brackets of hits are kept.
     pub brackets: bool,
-    /// Whether normals are kept that no further step needs. A picture without them is made faster, but has to be traced again to
-    /// be relit or settled.
+    /// Whether normals are kept that no further step needs. A picture without them is made faster,
+    /// but has to be traced again to be relit or settled.
     pub keeps_normals: bool,
-    /// How long surfaces may be looked for: what was not reached by then is undecided and not painted.
+    /// How long surfaces may be looked for: what was not reached by then is undecided and not
+    /// painted.
     pub budget: Option<Duration>,
     /// The same depth for shadow rays; `None` for no shadows.
     pub shadow_depth: Option<u32>,
@@ -48,12 +52,13 @@ pub struct Settings {
     pub normals: Option<Normals>,
     /// How undecided pixels are drawn.
     pub undecided: UndecidedStyle,
-    /// How surfaces are lit, and what they stand on; `None` for what the document says, else the first of the looks.
+    /// How surfaces are lit, and what they stand on; `None` for what the document says, else the
+    /// first of the looks.
     pub look: Option<&'static Look>,
     /// Whether what is near takes light away, if the look has that.
     pub occlusion: bool,
-    /// Over which rays the colour of a pixel with an edge is a mean. What is known of pixels is about the ray through their
-    /// centre in any case.
+    /// Over which rays the colour of a pixel with an edge is a mean. What is known of pixels is
+    /// about the ray through their centre in any case.
     pub antialias: Pattern,
     /// The light's place; `None` for far above and left of the camera.
     pub light: Option<DVec3>,
@@ -72,7 +77,8 @@ pub fn is_tolerance(pixels: f64) -> bool {
     pixels > 0.0 && pixels <= 100.0
 }
 
-/// How many steps a picture can be made with: from the two ends of a ray's way to as many as make a picture take minutes.
+/// How many steps a picture can be made with: from the two ends of a ray's way to as many as make a
+/// picture take minutes.
 pub const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
 
 /// Where normals come from.
@@ -169,7 +175,8 @@ pub struct Picture {
     pub undefined: bool,
     /// One line for each surface whose function is constant on the domain.
     pub remarks: Vec<String>,
-    /// Whether some surface's function could not be told from 0 wherever it was looked at: it may be 0 everywhere.
+    /// Whether some surface's function could not be told from 0 wherever it was looked at: it may
+    /// be 0 everywhere.
     pub flat: bool,
 }
 
@@ -205,13 +212,14 @@ impl Picture {
         self.statistics.open.reasons[Reason::Budget as usize]
     }
 
-    /// Of each pixel, row by row, whether it is open only because this is a preview or time was short.
+    /// Of each pixel, row by row, whether it is open only because this is a preview or time was
+    /// short.
     pub(crate) fn unsettled(&self) -> impl Iterator<Item = bool> + '_ {
         (0..self.buffer.status.len()).map(|pixel| self.buffer.reason(pixel) == Reason::Budget)
     }
 
-    /// Leaves the memory to the next pictures, which then are made faster. Up to two pictures' is kept, until the end of the
-    /// process.
+    /// Leaves the memory to the next pictures, which then are made faster. Up to two pictures' is
+    /// kept, until the end of the process.
     pub fn hand_back(self) {
         self.buffer.hand_back();
         hand_back_colours(self.rgb);
@@ -268,8 +276,8 @@ pub struct Statistics {
 pub struct Open {
     /// How many there are for each of [`Reason::ALL`].
     pub reasons: [usize; Reason::ALL.len()],
-    /// How many are not painted, but for those of which that is said otherwise: rays of a method that proves nothing, or
-    /// along which no bound of the slope is known.
+    /// How many are not painted, but for those of which that is said otherwise: rays of a method
+    /// that proves nothing, or along which no bound of the slope is known.
     pub blank: usize,
     /// How many of these were not reached in time.
     pub unreached: usize,

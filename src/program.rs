@@ -1,4 +1,5 @@
-//! A document made ready to run: simplified over a domain, parameters bound, kernels made as they are asked for.
+//! A document made ready to run: simplified over a domain, parameters bound, kernels made as they
+//! are asked for.
 
 use crate::enclosure;
 use crate::kernels::{BoundSurface, Evaluator, Made, Store};
@@ -21,7 +22,8 @@ pub struct Program {
     enclosures: Vec<(Interval, Facts)>,
 }
 
-/// Time is expected to stay within this of 0 if nobody says otherwise: beyond it code is compiled anew.
+/// Time is expected to stay within this of 0 if nobody says otherwise: beyond it code is compiled
+/// anew.
 const TIME: f64 = 16.0;
 
 impl Program {
@@ -92,8 +94,9 @@ impl Program {
         Self::of(Arc::new(store), self.values.to_vec())
     }
 
-    /// The same program for the parameter values of another document, or `None` if that differs in more than values, or if
-    /// these are beyond what was assumed. A slider is assumed to stay within its range.
+    /// The same program for the parameter values of another document, or `None` if that differs in
+    /// more than values, or if these are beyond what was assumed. A slider is assumed to stay
+    /// within its range.
     ///
     /// # Errors
     /// If a formula depends on no coordinate or is defined nowhere.
@@ -105,8 +108,8 @@ impl Program {
         Some(program.check(document).map(|()| program))
     }
 
-    /// Whether the code holds for a document: it differs in values only from the one that it was made of, and these are within
-    /// what was assumed.
+    /// Whether the code holds for a document: it differs in values only from the one that it was
+    /// made of, and these are within what was assumed.
     pub fn serves(&self, document: &Document) -> bool {
         let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.store.simplified;
         let assumed = document.parameters.iter().map(assumed);
@@ -115,7 +118,8 @@ impl Program {
             && typed(document) == *before
     }
 
-    /// The same program for all times together that the document's loop has: what it says holds for each.
+    /// The same program for all times together that the document's loop has: what it says holds for
+    /// each.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
         let assumed = &self.store.simplified.assumptions.parameters;
@@ -144,7 +148,8 @@ impl Program {
         Self { store, values, surfaces, enclosures }
     }
 
-    /// Refuses what has no surface anywhere. What has none on this domain is left to [`Program::remarks`].
+    /// Refuses what has no surface anywhere. What has none on this domain is left to
+    /// [`Program::remarks`].
     fn check(&self, document: &Document) -> Result<(), ProgramError> {
         let surfaces = 0..document.surfaces.len();
         if surfaces.clone().all(|k| !self.is_undefined(k) && self.constant(k).is_none()) {
@@ -207,7 +212,8 @@ impl Program {
         (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
 
-    /// Whether another function than the one typed is drawn, since it has the same zeros and none of them is multiple.
+    /// Whether another function than the one typed is drawn, since it has the same zeros and none
+    /// of them is multiple.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }
@@ -217,7 +223,8 @@ impl Program {
         self.enclosures[surface].1.has(Facts::NOWHERE)
     }
 
-    /// A surface, whose kernels are made as they are asked for; programs that differ in values only share the code.
+    /// A surface, whose kernels are made as they are asked for; programs that differ in values only
+    /// share the code.
     ///
     /// # Panics
     /// If there is no such surface.
@@ -304,7 +311,8 @@ fn formula(surface: &zeroset_syntax::Surface) -> (String, bool) {
     }
 }
 
-/// What is known of a constant; `plain` if it was typed as one expression, not as two that are compared.
+/// What is known of a constant; `plain` if it was typed as one expression, not as two that are
+/// compared.
 fn describe(bounds: Interval, plain: bool) -> String {
     let it = if plain { "it is" } else { "its two sides differ by" };
     let value = match bounds.singleton() {
@@ -341,7 +349,8 @@ mod tests {
         assert_eq!((tape.operations(), tape.parameters()), (4, 3));
     }
 
-    /// A value that does not exist is left to the steps, in code of its own; it serves again for the next such value.
+    /// A value that does not exist is left to the steps, in code of its own; it serves again for
+    /// the next such value.
     #[test]
     fn code_is_made_once_for_values_that_exist_and_once_for_others() {
         let document = |r: f64| {

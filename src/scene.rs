@@ -88,7 +88,8 @@ impl FromStr for ClipChoice {
 /// What a domain is clipped to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClipTo {
-    /// What the document says; the ball where the domain was found and is a window that looks better so; else the box.
+    /// What the document says; the ball where the domain was found and is a window that looks
+    /// better so; else the box.
     #[default]
     Auto,
     /// The [ball](Region::with_ball) in the domain's box.
@@ -125,8 +126,8 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 /// From where to look. What is `None` is taken from the document, and what that leaves open is
-/// chosen to show the whole domain from [`StandardView::Iso`]; [`framing`](crate::framing) goes as near as what is visible
-/// allows.
+/// chosen to show the whole domain from [`StandardView::Iso`]; [`framing`](crate::framing) goes as
+/// near as what is visible allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
     /// A named side; the document's eye and upward direction then do not count.
@@ -173,7 +174,8 @@ pub fn region(
 
 /// As [`region`], but asks during the search whether the domain is still wanted; `None` if not.
 /// Once `wanted` is false, it must stay false. `search` is the program of the search before, which
-/// is made again without compiling if the documents differ in values only; the new one is left there.
+/// is made again without compiling if the documents differ in values only; the new one is left
+/// there.
 ///
 /// # Errors
 /// As [`region`].
@@ -244,8 +246,8 @@ pub fn clipped(
     clip.map_or(Ok(whole), |clip| whole.with_clip(clip))
 }
 
-/// The surface found by intervals, whatever domain the document gives: for its parameters as they are set, and for all of the
-/// loop of its time.
+/// The surface found by intervals, whatever domain the document gives: for its parameters as they
+/// are set, and for all of the loop of its time.
 ///
 /// # Errors
 /// If there is no surface, or no code can be made.
@@ -289,7 +291,8 @@ pub fn bounds(region: &Region) -> [Interval; 3] {
     [0, 1, 2].map(|axis| Interval { lo: region.low()[axis], hi: region.high()[axis] })
 }
 
-/// The corners of the box of a region, by number: each axis has a bit, which is set at its upper end.
+/// The corners of the box of a region, by number: each axis has a bit, which is set at its upper
+/// end.
 pub fn corners(region: &Region) -> [DVec3; 8] {
     let (low, high) = (region.low(), region.high());
     std::array::from_fn(|n| {

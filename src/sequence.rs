@@ -1,7 +1,8 @@
 //! Pictures in sequence: values that move from frame to frame, or an eye that goes around.
 //!
-//! Every frame depends on its number alone, so that frames can be made in any order and on different machines. All have the
-//! same domain and the same camera, but for its turning: both are chosen for samples of the whole sequence.
+//! Every frame depends on its number alone, so that frames can be made in any order and on
+//! different machines. All have the same domain and the same camera, but for its turning: both are
+//! chosen for samples of the whole sequence.
 
 use crate::domain::AutoDomain;
 use crate::framing;
@@ -35,7 +36,8 @@ pub struct Sequence {
     pub frames: usize,
     /// The values that move.
     pub sweeps: Vec<Sweep>,
-    /// By how many degrees the eye goes around what it looks at; seen from above, counter-clockwise.
+    /// By how many degrees the eye goes around what it looks at; seen from above,
+    /// counter-clockwise.
     pub turn: Option<f64>,
     /// Whether the end is left out, because it shows what the start shows.
     pub is_loop: bool,
@@ -88,8 +90,8 @@ impl Sequence {
             .map(move |sweep| (sweep.name.as_str(), sweep.from * (1.0 - share) + sweep.to * share))
     }
 
-    /// The document at a frame, counted from 0. Its moving parameters have the sweep for their range, so that kernels serve
-    /// for all of it.
+    /// The document at a frame, counted from 0. Its moving parameters have the sweep for their
+    /// range, so that kernels serve for all of it.
     ///
     /// # Errors
     /// What is wrong with the text or with a value.
@@ -106,7 +108,8 @@ impl Sequence {
             zeroset_syntax::read(text, &Options { overrides: &overrides, ..*options })?;
         let point = |value: f64| Interval::point(value).map(Constant::enclosed);
         for sweep in &self.sweeps {
-            // Values are typed in decimals, and may lie an ulp beyond the floats that these were read as.
+            // Values are typed in decimals, and may lie an ulp beyond the floats that these were
+            // read as.
             let low = sweep.from.min(sweep.to).next_down();
             let high = sweep.from.max(sweep.to).next_up();
             let mut parameters = document.parameters.iter_mut();
@@ -117,8 +120,8 @@ impl Sequence {
         Ok(document)
     }
 
-    /// Domain and camera for all frames. A frame that has no surface is passed over. The camera shows all of the domain's box
-    /// if `shows_domain`, else what is visible.
+    /// Domain and camera for all frames. A frame that has no surface is passed over. The camera
+    /// shows all of the domain's box if `shows_domain`, else what is visible.
     ///
     /// # Errors
     /// If the text is wrong, if no frame has a surface, or if domain or camera are impossible.

@@ -13,7 +13,8 @@ use zeroset_ir::{Graph, IrError, NodeId, clear, compact, gradient, simplify};
 pub(crate) struct Simplified {
     pub graph: Graph,
     pub roots: Vec<NodeId>,
-    /// Before constants are folded to bounds, so that derivatives simplify as well as the functions.
+    /// Before constants are folded to bounds, so that derivatives simplify as well as the
+    /// functions.
     pub symbolic: (Graph, Vec<NodeId>),
     /// As typed, but for exponents: what all of the above was made from.
     pub typed: (Graph, Vec<NodeId>),
@@ -105,8 +106,8 @@ pub enum ProgramError {
 }
 
 impl Simplified {
-    /// The steps that compute a form, and how they are given values; those values that depend on parameters alone are
-    /// computed beforehand if `hoisted`. `None` if there is no such form.
+    /// The steps that compute a form, and how they are given values; those values that depend on
+    /// parameters alone are computed beforehand if `hoisted`. `None` if there is no such form.
     pub fn steps<T: Real>(
         &self,
         surface: usize,

@@ -1,8 +1,8 @@
 //! How code is given other parameter values without being compiled again.
 //!
-//! Code reads parameters, and values computed from parameters alone. It holds for parameters within assumed ranges; this
-//! computes what it reads from the parameters' present values, and tells when the code does not hold for them. Knows
-//! neither documents nor what the code computes.
+//! Code reads parameters, and values computed from parameters alone. It holds for parameters within
+//! assumed ranges; this computes what it reads from the parameters' present values, and tells when
+//! the code does not hold for them. Knows neither documents nor what the code computes.
 
 use crate::enclosure;
 use zeroset_eval::Assumptions;
@@ -20,8 +20,9 @@ pub struct Uniforms {
 }
 
 impl Uniforms {
-    /// Splits `roots` into what is computed beforehand from parameters and a graph with what is left to the steps; all is
-    /// left to them unless `hoisted`. The steps hold wherever the parameters are within `assumptions`.
+    /// Splits `roots` into what is computed beforehand from parameters and a graph with what is
+    /// left to the steps; all is left to them unless `hoisted`. The steps hold wherever the
+    /// parameters are within `assumptions`.
     ///
     /// # Panics
     /// If a parameter has no assumption.
@@ -49,9 +50,9 @@ impl Uniforms {
         &self.assumed
     }
 
-    /// All that the steps read when the parameters have these values, or `None` if the steps do not hold for them: where
-    /// one is beyond what was assumed, or what is computed beforehand may be undefined. A choice between branches need not
-    /// reach that, so it must stay where it is.
+    /// All that the steps read when the parameters have these values, or `None` if the steps do not
+    /// hold for them: where one is beyond what was assumed, or what is computed beforehand may be
+    /// undefined. A choice between branches need not reach that, so it must stay where it is.
     ///
     /// # Panics
     /// If a parameter has no value.

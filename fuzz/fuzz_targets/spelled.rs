@@ -1,4 +1,5 @@
-//! What is spelled by forms, vectors, choices and sums reads as it prints, and is simplified and enclosed soundly.
+//! What is spelled by forms, vectors, choices and sums reads as it prints, and is simplified and
+//! enclosed soundly.
 
 #![no_main]
 

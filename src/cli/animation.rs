@@ -19,7 +19,8 @@ pub enum Format {
 /// Most columns and rows of a GIF.
 const GIF_SIDE: usize = u16::MAX as usize;
 
-/// Most frames a second that every viewer of GIF shows: they count hundredths of a second, and take 1 for 10.
+/// Most frames a second that every viewer of GIF shows: they count hundredths of a second, and take
+/// 1 for 10.
 const GIF_FPS: u16 = 50;
 
 /// How thoroughly colours are chosen for a frame of a GIF, from 1 (best) to 30 (fastest).

@@ -72,8 +72,8 @@ impl Around {
     }
 }
 
-/// Draws what tells colors along the right edge of a picture that takes `height` rows of the canvas, one below the other: from
-/// the top down, or down to the bottom.
+/// Draws what tells colors along the right edge of a picture that takes `height` rows of the
+/// canvas, one below the other: from the top down, or down to the bottom.
 fn draw_legends(canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
     let legends = &shown.picture.legends;
     let (ink, space) = (shown.ink(), 10 * canvas.scale);

@@ -319,8 +319,8 @@ pub struct TracingArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sequences")]
 pub struct SequenceArgs {
-    /// How many frames there are: -o frame-%04d.png is a file for each, other PNG and GIF files hold
-    /// them all, and - is standard output, three bytes a pixel
+    /// How many frames there are: -o frame-%04d.png is a file for each, other PNG and GIF files
+    /// hold them all, and - is standard output, three bytes a pixel
     #[arg(long, value_name = "N")]
     pub frames: Option<usize>,
 
@@ -365,7 +365,8 @@ pub struct ShadingArgs {
     #[arg(long)]
     pub axes: bool,
 
-    /// Show which value has which color, where colors are those of values; with axes it is shown anyway
+    /// Show which value has which color, where colors are those of values; with axes it is shown
+    /// anyway
     #[arg(long)]
     pub legend: bool,
 
@@ -381,7 +382,8 @@ pub struct ShadingArgs {
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
     pub ambient: Option<f32>,
 
-    /// Background colour: a name of CSS such as white, or hexadecimal digits [default: the document's, else the look's]
+    /// Background colour: a name of CSS such as white, or hexadecimal digits [default: the
+    /// document's, else the look's]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }

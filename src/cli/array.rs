@@ -18,7 +18,8 @@ pub struct ArrayRow {
     pub needs_normals: bool,
     /// Whether brackets of hits have to be kept for it.
     pub needs_brackets: bool,
-    /// Makes ready to write so many rows and columns, of a picture that was computed in these floats.
+    /// Makes ready to write so many rows and columns, of a picture that was computed in these
+    /// floats.
     pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> Begun,
 }
 

@@ -1,5 +1,5 @@
-//! Pixels of a picture or the window, and letters, lines and boxes on them. The letters are Noto Sans Mono (SIL
-//! Open Font License 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
+//! Pixels of a picture or the window, and letters, lines and boxes on them. The letters are Noto
+//! Sans Mono (SIL Open Font License 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 

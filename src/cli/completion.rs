@@ -1,4 +1,5 @@
-//! What a line that is being typed can go on with, and what its words are. Knows no terminal and no window.
+//! What a line that is being typed can go on with, and what its words are. Knows no terminal and no
+//! window.
 
 use std::ops::Range;
 use zeroset::gallery;
@@ -124,7 +125,8 @@ pub fn is_open(text: &str) -> bool {
     depth > 0 && !text.trim_start().starts_with(':') && given_up(text).is_none()
 }
 
-/// What was left open, and the command in the line behind it, if there is one: nobody goes on with a formula that way.
+/// What was left open, and the command in the line behind it, if there is one: nobody goes on with
+/// a formula that way.
 pub fn given_up(text: &str) -> Option<(&str, &str)> {
     let (above, last) = text.trim_end().rsplit_once('\n')?;
     let name = last.trim_start().strip_prefix(':')?.split_whitespace().next()?;

@@ -178,8 +178,8 @@ fn sample<T: KernelFloat>(
     point: [f64; 3],
 ) -> Value {
     let out = gradient.ask_all(&Points::near(&[point]));
-    // Rounding makes numbers of what has no value, as of atan(1/x) at 0: enclosures tell, of the point as it is rather than of
-    // its nearest neighbour in `T`.
+    // Rounding makes numbers of what has no value, as of atan(1/x) at 0: enclosures tell, of the
+    // point as it is rather than of its nearest neighbour in `T`.
     let facts = if point.iter().all(|c| c.is_finite()) {
         bounds_and_facts(bounds, point.map(|c| Interval { lo: c, hi: c })).1
     } else {

@@ -105,7 +105,8 @@ fn explain_in<T: KernelFloat>(
     Ok(text + &code)
 }
 
-/// The value if the bounds enclose one number as tightly as they can, as the one that has fewer digits; else the bounds.
+/// The value if the bounds enclose one number as tightly as they can, as the one that has fewer
+/// digits; else the bounds.
 fn range(bounds: Interval) -> String {
     let [low, high] = [bounds.lo, bounds.hi].map(|bound| bound.to_string());
     if bounds.lo.next_up() < bounds.hi {

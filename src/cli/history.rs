@@ -22,7 +22,8 @@ impl History {
         self.lines.push_back(line);
     }
 
-    /// Of the lines after the first `known` ones those that are kept, the latest last; all are known then.
+    /// Of the lines after the first `known` ones those that are kept, the latest last; all are
+    /// known then.
     pub fn news(&self, known: &mut usize) -> Vec<String> {
         let kept = known.saturating_sub(self.dropped);
         *known = self.dropped + self.lines.len();

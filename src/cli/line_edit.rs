@@ -73,8 +73,8 @@ impl LineEdit {
         self.end();
     }
 
-    /// Completes the word at the cursor as far as all candidates agree, and returns them if there are
-    /// several.
+    /// Completes the word at the cursor as far as all candidates agree, and returns them if there
+    /// are several.
     pub fn complete(&mut self) -> Vec<String> {
         let (start, names) = candidates(&self.text, self.cursor);
         let Some(first) = names.first() else { return names };

@@ -25,7 +25,8 @@ pub fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Whether standard error takes colours: a terminal, unless `NO_COLOR` is set (no-color.org) or it is a dumb one.
+/// Whether standard error takes colours: a terminal, unless `NO_COLOR` is set (no-color.org) or it
+/// is a dumb one.
 pub fn coloured() -> bool {
     std::io::stderr().is_terminal() && colours_are_wanted()
 }

@@ -1,8 +1,9 @@
 //! Files that appear whole or not at all.
 //!
-//! Content goes to a file without a name, which at the end is copied beside the target and renamed over it. Whether that can
-//! be done is tried before any work is, so that a target that cannot be written is an error at once and not after the
-//! rendering; an interrupted run leaves nothing behind.
+//! Content goes to a file without a name, which at the end is copied beside the target and renamed
+//! over it. Whether that can be done is tried before any work is, so that a target that cannot be
+//! written is an error at once and not after the rendering; an interrupted run leaves nothing
+//! behind.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
@@ -120,7 +121,8 @@ fn sink(path: &Path) -> Result<Sink> {
         Ok(found) if !found.is_file() => {
             return Ok(Sink::Direct(BufWriter::new(File::options().write(true).open(&path)?)));
         }
-        // It is replaced, which its directory allows; a file that is read-only is left alone all the same.
+        // It is replaced, which its directory allows; a file that is read-only is left alone all
+        // the same.
         Ok(_) => drop(File::options().write(true).open(&path)?),
         Err(_) => {}
     }

@@ -12,7 +12,8 @@ pub struct Origin {
     pub chunks: Vec<(&'static str, String)>,
 }
 
-/// What makes no difference to pictures: which of them are made here, how fast, and whether they are made again.
+/// What makes no difference to pictures: which of them are made here, how fast, and whether they
+/// are made again.
 const INDIFFERENT: [(&str, bool); 3] =
     [("--shard", true), ("--resume", false), ("--threads", true)];
 

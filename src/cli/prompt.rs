@@ -127,7 +127,8 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         let parts = given_up(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
-                // What a command says is not to scroll away behind a picture that was there already.
+                // What a command says is not to scroll away behind a picture that was there
+                // already.
                 Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
                     session.fit_terminal();
                     let shown = session.live.request();
@@ -157,7 +158,8 @@ fn learn(
     Ok(())
 }
 
-/// When something was typed last, whether the line holds anything, and which request's fault was shown last.
+/// When something was typed last, whether the line holds anything, and which request's fault was
+/// shown last.
 struct Typing {
     at: Instant,
     is_begun: bool,

@@ -159,8 +159,8 @@ fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<Format>> {
     Ok(None)
 }
 
-/// A path with the number of a frame in the place of `%d` or `%04d`, and `%` in that of `%%`; `None` if there is no such
-/// place.
+/// A path with the number of a frame in the place of `%d` or `%04d`, and `%` in that of `%%`;
+/// `None` if there is no such place.
 ///
 /// # Errors
 /// If there is more than one, or `%` is followed by something else.
@@ -303,7 +303,8 @@ impl<'a> Maker<'a> {
         Ok((camera, picture))
     }
 
-    /// Frames in files of their own: of `of` frames that follow each other, every one is another shard's.
+    /// Frames in files of their own: of `of` frames that follow each other, every one is another
+    /// shard's.
     fn files(
         mut self,
         wanted: &OutputArgs,
@@ -326,7 +327,8 @@ impl<'a> Maker<'a> {
             let is_there = |picture: &PathBuf| {
                 let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
                 let last = written(picture);
-                // Arrays do not say whose they are: those of another sequence are newer than this one's picture.
+                // Arrays do not say whose they are: those of another sequence are newer than this
+                // one's picture.
                 let is_of_it = |(_, array): &(_, PathBuf)| {
                     array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
                 };

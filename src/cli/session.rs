@@ -156,8 +156,8 @@ impl Session {
         }
     }
 
-    /// Begins to watch the file that the document came from, if there is one. Changes count from the text that was `read`, or
-    /// without one from what is in the file now.
+    /// Begins to watch the file that the document came from, if there is one. Changes count from
+    /// the text that was `read`, or without one from what is in the file now.
     pub fn watch(self: &Arc<Self>, read: Option<&str>) {
         let path = self.path();
         let mut file = lock(&self.file);
@@ -241,13 +241,14 @@ impl Session {
         lines.into_iter().for_each(|line| history.add(line));
     }
 
-    /// Of the lines entered after the first `known` ones those that are kept, the latest last; all are known then.
+    /// Of the lines entered after the first `known` ones those that are kept, the latest last; all
+    /// are known then.
     pub fn recalled(&self, known: &mut usize) -> Vec<String> {
         lock(&self.history).news(known)
     }
 
-    /// Shows the picture of a file that was changed above the line that is being typed, unless something else is wanted before
-    /// it is finished.
+    /// Shows the picture of a file that was changed above the line that is being typed, unless
+    /// something else is wanted before it is finished.
     fn show_reloaded(&self, revision: u64) {
         if let Some(seen) = self.live.finished(revision, PATIENCE) {
             let text = preview::text(&seen.picture, &seen.summary());

@@ -42,7 +42,8 @@ pub fn find(argument: &OsStr) -> Result<Source> {
         if !path.is_dir() {
             return open(path);
         }
-        // A directory is nothing to draw, and may be called like a surface whose pictures are in it.
+        // A directory is nothing to draw, and may be called like a surface whose pictures are in
+        // it.
         let Some(example) = argument.to_str().and_then(example) else {
             bail!("'{shown}' is a directory, not a function file");
         };

@@ -10,7 +10,8 @@ use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::Options;
 use zeroset_trace::Camera;
 
-/// The model and the camera for pictures of the settings' size; `None` if they were no longer `wanted`.
+/// The model and the camera for pictures of the settings' size; `None` if they were no longer
+/// `wanted`.
 ///
 /// # Errors
 /// If there is something wrong with it.

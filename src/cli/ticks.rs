@@ -1,4 +1,5 @@
-//! Where an axis has ticks, and how they are written: round numbers, or multiples of π where its ends are such.
+//! Where an axis has ticks, and how they are written: round numbers, or multiples of π where its
+//! ends are such.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use zeroset::legend::nice;

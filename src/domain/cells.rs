@@ -63,7 +63,8 @@ impl Cell {
         (0..3).all(|axis| self.low[axis] <= other.low[axis] && other.high[axis] <= self.high[axis])
     }
 
-    /// The eight parts into which halving all sides divides it; they cover it, whatever rounding does.
+    /// The eight parts into which halving all sides divides it; they cover it, whatever rounding
+    /// does.
     fn parts(self) -> impl Iterator<Item = Self> {
         let middle = self.centre();
         (0..8).map(move |n| {
@@ -89,7 +90,8 @@ pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f
 pub struct Search<'a> {
     /// The surfaces' kernels.
     pub surfaces: Vec<&'a dyn Kernel<FindZeros, f64>>,
-    /// The same by affine forms, asked about what the others leave open; none until they are worth their code.
+    /// The same by affine forms, asked about what the others leave open; none until they are worth
+    /// their code.
     pub forms: Vec<&'a dyn Kernel<ContractTiles, f64>>,
     /// Asked between evaluations; once false, it must stay false.
     pub wanted: &'a dyn Fn() -> bool,
@@ -122,7 +124,8 @@ impl Search<'_> {
         values
     }
 
-    /// The cells that are not proven empty; none, so that every search ends, when it is no longer wanted.
+    /// The cells that are not proven empty; none, so that every search ends, when it is no longer
+    /// wanted.
     pub fn open(&self, cells: &[Cell]) -> Vec<Cell> {
         if !self.is_wanted() {
             return Vec::new();
@@ -188,8 +191,8 @@ impl Search<'_> {
         open
     }
 
-    /// Whether there is nothing outside a box, however far: proven, if `true`. The parts of space around it are asked about
-    /// as boxes with infinite ends.
+    /// Whether there is nothing outside a box, however far: proven, if `true`. The parts of space
+    /// around it are asked about as boxes with infinite ends.
     pub fn nothing_outside(&self, inner: &Cell) -> bool {
         let parts = (0..27).filter(|n| *n != 13).map(|n: usize| {
             let place = [n % 3, n / 3 % 3, n / 9];
@@ -258,8 +261,8 @@ impl Search<'_> {
     }
 }
 
-/// Between two cubes, cells are halved this often, or until more than so many are left: beyond that, a surface that passes
-/// through would only cost time.
+/// Between two cubes, cells are halved this often, or until more than so many are left: beyond
+/// that, a surface that passes through would only cost time.
 const SHELL_DEPTH: u32 = 6;
 const SHELL_CELLS: usize = 2048;
 
@@ -267,7 +270,8 @@ const SHELL_CELLS: usize = 2048;
 pub const BOX_DEPTH: u32 = 6;
 pub const FINE_DEPTH: u32 = 7;
 
-/// A box is looked through again if a side became shorter than this share of itself, at most so often.
+/// A box is looked through again if a side became shorter than this share of itself, at most so
+/// often.
 const SNUG: f64 = 0.75;
 const ROUNDS: u32 = 400;
 

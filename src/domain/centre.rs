@@ -1,5 +1,6 @@
-//! The place about which a function is arranged, read off its graph: the centre of a quadric, the tip of a paraboloid, what
-//! is subtracted from x, y and z where they enter roots and waves. It moves with the surface.
+//! The place about which a function is arranged, read off its graph: the centre of a quadric, the
+//! tip of a paraboloid, what is subtracted from x, y and z where they enter roots and waves. It
+//! moves with the surface.
 //!
 //! Nothing here is a proof: it serves to choose where to look. Knows neither kernels nor boxes.
 
@@ -21,8 +22,9 @@ struct Known {
 /// Of all products in a function, so many terms are written out; what is left is not.
 const MOST_PRODUCTS: usize = 100_000;
 
-/// The centre of the function at `root`, for parameters within bounds: the mean of the middles of the largest polynomials in
-/// it. What is linear counts along those directions only of which others know nothing.
+/// The centre of the function at `root`, for parameters within bounds: the mean of the middles of
+/// the largest polynomials in it. What is linear counts along those directions only of which others
+/// know nothing.
 pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] {
     let needed = graph.reachable(&[root]);
     let mut work = MOST_PRODUCTS;

@@ -22,8 +22,8 @@ const SEEN: f64 = 0.02;
 const STEPS: usize = 24;
 const HALVINGS: usize = 5;
 
-/// Ways out of a top that are tried, how often the highest is narrowed down to a fourth, and which share of the lowest way's
-/// fall a ridge does not fall.
+/// Ways out of a top that are tried, how often the highest is narrowed down to a fourth, and which
+/// share of the lowest way's fall a ridge does not fall.
 const WAYS: usize = 32;
 const NARROWED: usize = 5;
 const RIDGE: f64 = 1e-3;
@@ -46,8 +46,8 @@ pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Top> {
     tops
 }
 
-/// Points of the grid that are at least as high as all around them, or as low, and higher or lower than some by more than
-/// rounding: with the sign of the way to a top.
+/// Points of the grid that are at least as high as all around them, or as low, and higher or lower
+/// than some by more than rounding: with the sign of the way to a top.
 fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     let inner = |n: &usize| {
         (1..SIDE - 1).contains(&(n % SIDE))
@@ -105,7 +105,8 @@ fn climb(
     None
 }
 
-/// Whether the paraboloid through the heights around a place has its top nearby, too: in a bent valley it has not.
+/// Whether the paraboloid through the heights around a place has its top nearby, too: in a bent
+/// valley it has not.
 fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> bool {
     let places: Vec<[f64; 2]> = (0..9)
         .map(|n: i32| [x + f64::from(n % 3 - 1) * step, y + f64::from(n / 3 - 1) * step])
@@ -122,7 +123,8 @@ fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> boo
     way.is_nan() || way <= apart
 }
 
-/// Whether a height that differs from all around does so at once, as where rounding leaves a number of a pole.
+/// Whether a height that differs from all around does so at once, as where rounding leaves a number
+/// of a pole.
 fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
     let falls = |far: f64| {
         let place = |n: i32| [x + f64::from(n % 3 - 1) * far, y + f64::from(n / 3 - 1) * far];
@@ -137,8 +139,8 @@ fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> 
     at_once > 0 && 4 * at_once >= 3 * near.len()
 }
 
-/// Whether a top is higher than all places around it, not along some line only as a ridge is: on a square about it nothing is
-/// about as high.
+/// Whether a top is higher than all places around it, not along some line only as a ridge is: on a
+/// square about it nothing is about as high.
 fn is_alone(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
     // How far along the square: each side is 2 long.
     let on_square = |along: f64| {

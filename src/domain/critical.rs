@@ -1,8 +1,10 @@
-//! Critical points of a function that are on its surface or near it: nodes, and the middles of necks and handles.
+//! Critical points of a function that are on its surface or near it: nodes, and the middles of
+//! necks and handles.
 //!
-//! They are looked for by Newton's method from places that are spread about a centre, so that those of a surface that is moved
-//! are found moved. What counts is confirmed by a change of sign nearby that intervals do not rule out; that others were
-//! missed is possible. Knows neither cameras nor pictures.
+//! They are looked for by Newton's method from places that are spread about a centre, so that those
+//! of a surface that is moved are found moved. What counts is confirmed by a change of sign nearby
+//! that intervals do not rule out; that others were missed is possible. Knows neither cameras nor
+//! pictures.
 
 use super::cells::{Cell, Search, places_about};
 use super::polynomial::{Vector, principal};
@@ -45,24 +47,27 @@ const FARTHEST: f64 = 4.0;
 const STEPS: usize = 20;
 const SETTLED: f64 = 1e-5;
 
-/// Derivatives are taken of values that are so far apart, as a share of the half side: first and second ones of polynomials
-/// then have half of the digits of a value.
+/// Derivatives are taken of values that are so far apart, as a share of the half side: first and
+/// second ones of polynomials then have half of the digits of a value.
 const APART: f64 = 1e-3;
 
 /// Values around a place: there, one step either way along each axis, and along two at once.
 const AROUND: usize = 13;
 
-/// A critical point is alone if the determinant of the second derivatives, each axis scaled to its own, is at least this.
+/// A critical point is alone if the determinant of the second derivatives, each axis scaled to its
+/// own, is at least this.
 const ALONE: f64 = 1e-2;
-/// What bends along an axis less than this share of what it does along another is taken for straight there.
+/// What bends along an axis less than this share of what it does along another is taken for
+/// straight there.
 const FLATTEST: f64 = 1e-4;
 
-/// The curve along which others are is closed if so many are found, and none farther than this share of the half side.
+/// The curve along which others are is closed if so many are found, and none farther than this
+/// share of the half side.
 const SOME: usize = 8;
 const CLOSED: f64 = 0.75;
 
-/// The surface is near a critical point if it comes nearer than this share of the way from the centre; looked for at that,
-/// its half and its quarter, the shortest first.
+/// The surface is near a critical point if it comes nearer than this share of the way from the
+/// centre; looked for at that, its half and its quarter, the shortest first.
 const NEAR: f64 = 0.5;
 const HALVINGS: i32 = 3;
 
@@ -117,8 +122,8 @@ impl Seeker<'_> {
         found
     }
 
-    /// One of a sequence of places that fill a cube evenly: multiples of 1/g, 1/g² and 1/g³ with g⁴ = g + 1 (Roberts, 2018: the
-    /// sequence R₃).
+    /// One of a sequence of places that fill a cube evenly: multiples of 1/g, 1/g² and 1/g³ with g⁴
+    /// = g + 1 (Roberts, 2018: the sequence R₃).
     fn start(&self, n: u32) -> Vector {
         let strides = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
         [0, 1, 2].map(|axis| {
@@ -148,8 +153,8 @@ impl Seeker<'_> {
         ended.filter(|(_, end)| *end != End::Lost).collect()
     }
 
-    /// The places whose values tell how a function changes around one: that, those a step away along
-    /// each axis and back, and those along two axes and back.
+    /// The places whose values tell how a function changes around one: that, those a step away
+    /// along each axis and back, and those along two axes and back.
     fn around(&self, place: Vector) -> Vec<Vector> {
         let alone: [[i8; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
         let both: [[i8; 3]; 3] = [[0, 1, 1], [1, 0, 1], [1, 1, 0]];
@@ -198,8 +203,9 @@ impl Seeker<'_> {
         };
     }
 
-    /// How far a critical point is from the centre; `None` if the surface is not near it, or if the point is on a line through
-    /// the centre along an axis: on those the surface itself is looked for.
+    /// How far a critical point is from the centre; `None` if the surface is not near it, or if the
+    /// point is on a line through the centre along an axis: on those the surface itself is looked
+    /// for.
     fn distance_if_near(&self, place: Vector) -> Option<f64> {
         let far = distance(place, self.centre);
         let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > SAME * self.half;
@@ -236,8 +242,8 @@ struct Step {
     determinant: f64,
 }
 
-/// The step that a symmetric matrix brings to `wanted`. Where its determinant is too small for [`ALONE`], the shortest: nothing is
-/// known of steps along a curve. `None` if there is no scale.
+/// The step that a symmetric matrix brings to `wanted`. Where its determinant is too small for
+/// [`ALONE`], the shortest: nothing is known of steps along a curve. `None` if there is no scale.
 fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<Step> {
     let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
     let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);

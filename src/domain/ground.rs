@@ -10,7 +10,8 @@ const BARE: f64 = 0.1;
 /// Between two rows of the grid the end is narrowed down by so many halvings.
 const HALVINGS: u32 = 10;
 
-/// Where the ground begins and ends along its two axes; `None` for an end that has heights, or hardly any less.
+/// Where the ground begins and ends along its two axes; `None` for an end that has heights, or
+/// hardly any less.
 pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
     let place = |row: usize| place(grid.half, row);
     [0, 1].map(|axis| {

@@ -1,4 +1,5 @@
-//! The heights of a graph over a window on the ground: its tops and bottoms, and how much of them is fit to be seen.
+//! The heights of a graph over a window on the ground: its tops and bottoms, and how much of them
+//! is fit to be seen.
 //!
 //! All of it is sampled. Knows neither surfaces nor kernels.
 
@@ -20,7 +21,8 @@ pub struct Grid {
 /// Points in a row of the grid; one of them is the origin.
 pub const SIDE: usize = 65;
 
-/// A graph is at most so many times higher than wide; if it is its tops that are high, so many times.
+/// A graph is at most so many times higher than wide; if it is its tops that are high, so many
+/// times.
 const TALL: f64 = 1.3;
 const TALLEST: f64 = 3.0;
 
@@ -28,13 +30,13 @@ const TALLEST: f64 = 3.0;
 const MOST: f64 = 0.95;
 const MOST_ONE_WAY: f64 = 0.785;
 
-/// What is left out is shown too if it is no more than this share of what is shown; if it is this many times as much, it is a
-/// pole.
+/// What is left out is shown too if it is no more than this share of what is shown; if it is this
+/// many times as much, it is a pole.
 const NEARLY: f64 = 0.15;
 const POLE: f64 = 4.0;
 
-/// The median is compared with what lies between these shares about it, and another is taken if it is off by this share of what
-/// is shown.
+/// The median is compared with what lies between these shares about it, and another is taken if it
+/// is off by this share of what is shown.
 const NEARBY: f64 = 0.05;
 const GAP: f64 = 0.02;
 
@@ -44,7 +46,8 @@ const RIM: f64 = 0.7;
 /// Space above and below a graph, as a share of its height.
 const SPACE: f64 = 0.02;
 
-/// Heights that differ by less than this share of them may be the same but for rounding, as where little is added to much.
+/// Heights that differ by less than this share of them may be the same but for rounding, as where
+/// little is added to much.
 pub const ROUNDING: f64 = 1e-12;
 
 /// What happens within this share of the way between two points of the grid does so at once.
@@ -77,14 +80,16 @@ impl Grid {
         2.0 * self.half / (SIDE - 1) as f64
     }
 
-    /// The heights below which this share lies, and above which as much does; not numbers if there are none.
+    /// The heights below which this share lies, and above which as much does; not numbers if there
+    /// are none.
     pub fn without(&self, share: f64) -> [f64; 2] {
         let Some(last) = self.sorted.len().checked_sub(1) else { return [f64::NAN; 2] };
         let left_out = (share * last as f64) as usize;
         [self.sorted[left_out], self.sorted[last - left_out]]
     }
 
-    /// The median; where that is at one side of a gap, as between two branches, the middle of what is about it.
+    /// The median; where that is at one side of a gap, as between two branches, the middle of what
+    /// is about it.
     fn middle(&self, height: f64) -> f64 {
         let [median, _] = self.without(0.5);
         let [below, above] = self.without(0.5 - NEARBY);
@@ -98,7 +103,8 @@ impl Grid {
         self.sorted.first().zip(self.sorted.last()).map(|(lowest, highest)| [*lowest, *highest])
     }
 
-    /// Whether some heights are as far below most others, and some as far above, as where there are poles.
+    /// Whether some heights are as far below most others, and some as far above, as where there are
+    /// poles.
     pub fn is_far_out(&self) -> bool {
         let [quarter, rest] = self.without(0.25);
         let far = POLE * (rest - quarter);
@@ -106,8 +112,8 @@ impl Grid {
     }
 }
 
-/// The lowest and the highest of a graph over one axis, which has no heights beside it: a pole is seen close to a row of the
-/// grid if it is on that.
+/// The lowest and the highest of a graph over one axis, which has no heights beside it: a pole is
+/// seen close to a row of the grid if it is on that.
 pub fn ends_of_ridge(heights: &Heights<'_>, half: f64) -> [f64; 2] {
     let apart = 2.0 * half / (SIDE - 1) as f64;
     let near = [0.0, 1.0 / 32.0, -1.0 / 32.0, AT_ONCE, -AT_ONCE];
@@ -122,8 +128,8 @@ fn ends(heights: impl Iterator<Item = f64>) -> [f64; 2] {
     heights.fold(none, |[low, high], height| [low.min(height), high.max(height)])
 }
 
-/// Which heights are shown: all tops and bottoms, and of what rises or falls to the border as much as is fit to be seen.
-/// `None` if there are no heights.
+/// Which heights are shown: all tops and bottoms, and of what rises or falls to the border as much
+/// as is fit to be seen. `None` if there are no heights.
 pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
     let Grid { half, sorted, border, .. } = grid;
     let [lowest, highest] = grid.ends()?;

@@ -1,10 +1,13 @@
-//! What a function does at infinity: it is asked in coordinates in which infinity is a face of a cube.
+//! What a function does at infinity: it is asked in coordinates in which infinity is a face of a
+//! cube.
 //!
-//! In a chart of the first axis, a point is (s, u, v) scaled: x = s/wᵃ, y = u/wᵇ, z = v/wᶜ with s = ±1, u and v within ±1 and
-//! w from 0 to 1/R. The weights a, b, c are whole numbers; all of space with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ is covered by
-//! the charts of the three axes. There every step that is built of sums, products, quotients, roots and choices is w to
-//! minus its degree times a function that is finite at w = 0. If that function has no zero on any chart, the surface has no
-//! point outside the box ±(Rᵃ, Rᵇ, Rᶜ): a proof, since it is asked by intervals that are rounded outward.
+//! In a chart of the first axis, a point is (s, u, v) scaled: x = s/wᵃ, y = u/wᵇ, z = v/wᶜ with s =
+//! ±1, u and v within ±1 and w from 0 to 1/R. The weights a, b, c are whole numbers; all of space
+//! with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ is covered by the charts of the three axes. There every step
+//! that is built of sums, products, quotients, roots and choices is w to minus its degree times a
+//! function that is finite at w = 0. If that function has no zero on any chart, the surface has no
+//! point outside the box ±(Rᵃ, Rᵇ, Rᶜ): a proof, since it is asked by intervals that are rounded
+//! outward.
 //!
 //! Knows neither kernels nor what becomes of the answer.
 
@@ -87,8 +90,8 @@ impl Homogeneous {
         Some(Self { steps })
     }
 
-    /// Whether every zero lies in the box of ±2 to `exponent` times the weight of each axis: proven, if `true`. `work` is a
-    /// number of evaluations to spend, and what is left of them.
+    /// Whether every zero lies in the box of ±2 to `exponent` times the weight of each axis:
+    /// proven, if `true`. `work` is a number of evaluations to spend, and what is left of them.
     pub fn is_within(&self, exponent: u32, work: &mut u64) -> bool {
         let farthest = 0.5_f64.powi(exponent as i32);
         if farthest == 0.0 || self.changes_sign_at_infinity(work) {
@@ -148,8 +151,9 @@ impl Homogeneous {
         false
     }
 
-    /// Bounds over part of a chart by the mean value theorem, from the value in the middle and bounds of the slopes, and how
-    /// much each coordinate adds to them; `None` where there are no such bounds.
+    /// Bounds over part of a chart by the mean value theorem, from the value in the middle and
+    /// bounds of the slopes, and how much each coordinate adds to them; `None` where there are no
+    /// such bounds.
     fn about_middle(
         &self,
         chart: Chart,

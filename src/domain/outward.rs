@@ -1,7 +1,8 @@
-//! Intervals of `f64`, rounded outward by a unit in the last place: for the few thousand evaluations that are not worth code
-//! of their own.
+//! Intervals of `f64`, rounded outward by a unit in the last place: for the few thousand
+//! evaluations that are not worth code of their own.
 //!
-//! An operation that is rounded to nearest is off by less than the way to the next float, so that float is a bound.
+//! An operation that is rounded to nearest is off by less than the way to the next float, so that
+//! float is a bound.
 
 use zeroset_interval::Interval;
 

@@ -1,6 +1,8 @@
-//! Polynomials in x, y and z, and the place about which one is arranged: that moves with the surface.
+//! Polynomials in x, y and z, and the place about which one is arranged: that moves with the
+//! surface.
 //!
-//! All of it is computed in floats rounded to nearest, and nothing is a proof. Knows neither kernels nor boxes.
+//! All of it is computed in floats rounded to nearest, and nothing is a proof. Knows neither
+//! kernels nor boxes.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +22,8 @@ const HIGHEST: u32 = 24;
 /// What is left of a sum is rounding if it is less than this share of what was added.
 const ROUNDING: f64 = 1e-14;
 
-/// A direction counts if the polynomial changes along it by more than this share, squared, of how it changes at all.
+/// A direction counts if the polynomial changes along it by more than this share, squared, of how
+/// it changes at all.
 const STILL: f64 = 1e-20;
 
 impl Polynomial {
@@ -52,7 +55,8 @@ impl Polynomial {
         terms.fold(self.clone(), |sum, (powers, other)| sum.with(*powers, factor * other))
     }
 
-    /// The product; `None` if it is too long. `work` is how many terms may still be multiplied, and what is left of them.
+    /// The product; `None` if it is too long. `work` is how many terms may still be multiplied, and
+    /// what is left of them.
     pub fn times(&self, other: &Self, work: &mut usize) -> Option<Self> {
         *work = work.checked_sub(self.0.len() * other.0.len())?;
         let mut product = Self::default();
@@ -127,11 +131,13 @@ impl Polynomial {
         both.sum()
     }
 
-    /// The place from which the polynomial looks simplest, and the directions along which there is such a place.
+    /// The place from which the polynomial looks simplest, and the directions along which there is
+    /// such a place.
     ///
-    /// The terms of the highest degree are the same from everywhere; the place is that from which those of one degree less
-    /// are least. For a quadric, that is its centre. Directions along which the highest terms do not change are found by those
-    /// of lower degrees in the same way: of x = y², the tip.
+    /// The terms of the highest degree are the same from everywhere; the place is that from which
+    /// those of one degree less are least. For a quadric, that is its centre. Directions along
+    /// which the highest terms do not change are found by those of lower degrees in the same way:
+    /// of x = y², the tip.
     pub fn middle(&self) -> Pull {
         let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let (mut pull, mut place) = (Pull::default(), [0.0; 3]);
@@ -231,7 +237,8 @@ fn onto(along: Vector) -> Symmetric {
     along.map(|one| along.map(|other| one * other))
 }
 
-/// Sweeps over the three pairs of axes: each squares what is left beside the diagonal, so that few are enough.
+/// Sweeps over the three pairs of axes: each squares what is left beside the diagonal, so that few
+/// are enough.
 const SWEEPS: usize = 5;
 
 /// The principal directions of a symmetric matrix and its size along each, by Jacobi's rotations.

@@ -1,4 +1,5 @@
-//! What a function's graph shows at a glance: periods, axes that it does not depend on, and what it is a graph over.
+//! What a function's graph shows at a glance: periods, axes that it does not depend on, and what it
+//! is a graph over.
 //!
 //! Nothing here is a proof: it serves to choose where to look. Knows neither kernels nor boxes.
 
@@ -15,7 +16,8 @@ type Linear = [f64; 3];
 pub struct Shape {
     /// Whether it depends on each axis.
     pub depends: [bool; 3],
-    /// The period along each axis, where it depends on that only by sines, cosines and tangents of linear functions.
+    /// The period along each axis, where it depends on that only by sines, cosines and tangents of
+    /// linear functions.
     pub period: [Option<f64>; 3],
     /// Of what else that varies sines, cosines and tangents occur, the outer ones first.
     pub waves: Vec<NodeId>,
@@ -23,9 +25,11 @@ pub struct Shape {
     pub is_plane: bool,
     /// Whether its zeros are planes: it is linear, or a product of such functions.
     pub is_of_planes: bool,
-    /// The axis for which it can be solved, since it is that axis times a number and a function of the two others.
+    /// The axis for which it can be solved, since it is that axis times a number and a function of
+    /// the two others.
     pub height: Option<(usize, f64)>,
-    /// The same where one of the two others does not count: with the one that does. Not of polynomials, whose places are found.
+    /// The same where one of the two others does not count: with the one that does. Not of
+    /// polynomials, whose places are found.
     pub profile: Option<(usize, usize, f64)>,
     /// Whether all of it is sums, products and whole powers.
     pub is_polynomial: bool,
@@ -38,7 +42,8 @@ struct Known {
     linear: Option<Linear>,
     /// Whether it is a product of linear functions.
     is_of_planes: bool,
-    /// Per axis, the factor if the node is that axis times the factor and something that does not depend on it.
+    /// Per axis, the factor if the node is that axis times the factor and something that does not
+    /// depend on it.
     solved: [Option<f64>; 3],
     is_polynomial: bool,
     value: Option<f64>,

@@ -23,14 +23,16 @@ const ENDS: f64 = 0.75;
 /// Other sizes of a window differ from the plain one by factors of up to two to this power.
 const SCALES: i32 = 5;
 
-/// Half of a graph's heights lie within so many times its width, at least and at most, where it is neither flat nor steep.
+/// Half of a graph's heights lie within so many times its width, at least and at most, where it is
+/// neither flat nor steep.
 const LOW: f64 = 0.075;
 const HIGH: f64 = 3.0;
 
 /// Towards a pole heights grow by this factor at least when the window is halved.
 const GROWS: f64 = 1.2;
 
-/// Half the side of a window on the highest and lowest points of a graph; on some, if there are many.
+/// Half the side of a window on the highest and lowest points of a graph; on some, if there are
+/// many.
 pub fn around_tops(heights: &Heights<'_>) -> f64 {
     let near = Tops::find(heights, FAR);
     let all = if near.half.is_some() { near } else { Tops::find(heights, FARTHER) };
@@ -47,7 +49,8 @@ pub fn around_tops(heights: &Heights<'_>) -> f64 {
 struct Tops {
     /// Half the side of a window on them, if there are any.
     half: Option<f64>,
-    /// Whether others form a ridge or a plateau that goes on, as along an axis where a factor is 0: it has no place.
+    /// Whether others form a ridge or a plateau that goes on, as along an axis where a factor is 0:
+    /// it has no place.
     goes_on: bool,
 }
 
@@ -85,8 +88,8 @@ fn spread(grid: &Grid) -> f64 {
     high - low
 }
 
-/// Half the side of a window in which a graph is about as high as wide, the nearest to the plain one. Whether heights grow
-/// inward tells where to look for it.
+/// Half the side of a window in which a graph is about as high as wide, the nearest to the plain
+/// one. Whether heights grow inward tells where to look for it.
 fn in_scale(heights: &Heights<'_>, grows_inward: bool) -> f64 {
     let share = |half: f64| spread(&Grid::new(heights, half)) / (2.0 * half);
     let plain = share(PLAIN);

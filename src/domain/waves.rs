@@ -1,4 +1,5 @@
-//! The window on what waves with another than a linear function of place: as much as can be told apart.
+//! The window on what waves with another than a linear function of place: as much as can be told
+//! apart.
 //!
 //! All of it is sampled. Knows neither surfaces nor kernels.
 
@@ -16,12 +17,13 @@ const FIRST: i32 = -5;
 const LAST: i32 = 7;
 const STEPS: i32 = 8;
 
-/// What grows less than this, from an eighth of the last size to that, has no size of its own: an angle, a quotient, a
-/// logarithm. A cube root doubles.
+/// What grows less than this, from an eighth of the last size to that, has no size of its own: an
+/// angle, a quotient, a logarithm. A cube root doubles.
 const GROWS: f64 = 1.8;
 
-/// Half the side of the cube around a place in which a wave's argument stays small; of a square on the ground if not all axes
-/// count. The first argument that grows with the distance is taken; `None` if none does.
+/// Half the side of the cube around a place in which a wave's argument stays small; of a square on
+/// the ground if not all axes count. The first argument that grows with the distance is taken;
+/// `None` if none does.
 pub fn calm(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
     let counted = |along: [f64; 3]| [0, 1, 2].map(|k| if axes[k] { along[k] } else { 0.0 });
     let largest = |wave: &Wave<'_>, half: f64| {

@@ -1,7 +1,9 @@
-//! A window on a surface that has no end, chosen by what is particular of it: its centre, where it meets the lines through
-//! that along the axes and how near it comes, its critical points, its periods, the heights of a graph.
+//! A window on a surface that has no end, chosen by what is particular of it: its centre, where it
+//! meets the lines through that along the axes and how near it comes, its critical points, its
+//! periods, the heights of a graph.
 //!
-//! What is chosen is a matter of judgement, and nothing here is a proof. Knows neither cameras nor pictures.
+//! What is chosen is a matter of judgement, and nothing here is a proof. Knows neither cameras nor
+//! pictures.
 
 use super::FLAT;
 use super::cells::{BOX_DEPTH, Cell, PLAIN, Search};
@@ -18,12 +20,12 @@ use zeroset_eval::{Kernel, Sample};
 const ROOM: f64 = 2.5;
 const ROOM_OF_PLANE: f64 = 1.3;
 
-/// It reaches at least so many times farther than critical points that are not on the lines through the centre: the surface
-/// that is near them goes on.
+/// It reaches at least so many times farther than critical points that are not on the lines through
+/// the centre: the surface that is near them goes on.
 const ROOM_OF_CRITICAL: f64 = 1.45;
 
-/// A window whose centre is nearer to the origin on an axis than this share of its half side is one around the origin there;
-/// other centres have digits down to that share.
+/// A window whose centre is nearer to the origin on an axis than this share of its half side is one
+/// around the origin there; other centres have digits down to that share.
 const CENTRED: f64 = 0.05;
 const GRAIN: f64 = 0.01;
 
@@ -33,8 +35,8 @@ const GRAIN_OF_GROUND: f64 = 1e-3;
 /// A centre is known to within this share of its largest coordinate: what is nearer to it is at it.
 const KNOWN: f64 = 1e-9;
 
-/// A box is as good as a cube if its sides are no shorter than this share of the longest, and as good as about the origin if
-/// opposite faces differ in distance by no more than this share of it.
+/// A box is as good as a cube if its sides are no shorter than this share of the longest, and as
+/// good as about the origin if opposite faces differ in distance by no more than this share of it.
 const NEARLY_CUBE: f64 = 0.8;
 const OFF_CENTRE: f64 = 0.1;
 
@@ -47,7 +49,8 @@ const NEAR: f64 = 0.01;
 /// A surface along which nothing changes is so many times longer than wide.
 const ROD: f64 = 1.6;
 
-/// What is looked for lies between two to these powers; where functions grow exponentially, between the last two.
+/// What is looked for lies between two to these powers; where functions grow exponentially, between
+/// the last two.
 const SMALLEST: i32 = -40;
 const LARGEST: i32 = 41;
 const LARGEST_OF_ANY: i32 = 5;
@@ -67,7 +70,8 @@ pub struct Sight<'a> {
 impl Sight<'_> {
     /// The window on the surface, and whether it looks better cut by a ball.
     pub fn window(mut self) -> (Cell, bool) {
-        // Where there is nothing, or all is alike, the origin is as good a place as any, and easier to read.
+        // Where there is nothing, or all is alike, the origin is as good a place as any, and easier
+        // to read.
         let Shape { depends, period, is_plane, .. } = self.shape;
         let counts = |axis: usize| depends[axis] && period[axis].is_none() && !is_plane;
         self.centre = [0, 1, 2].map(|axis| if counts(axis) { self.centre[axis] } else { 0.0 });
@@ -83,8 +87,9 @@ impl Sight<'_> {
         (cell, self.is_round(&cell))
     }
 
-    /// Whether a surface that goes on alike in all directions is cut off there: edges that a box makes are then taken for its
-    /// own. What is flat, repeats, or is as high as a function of two axes is read against the box.
+    /// Whether a surface that goes on alike in all directions is cut off there: edges that a box
+    /// makes are then taken for its own. What is flat, repeats, or is as high as a function of two
+    /// axes is read against the box.
     fn is_round(&self, cell: &Cell) -> bool {
         let Shape { depends, period, ref waves, is_of_planes, height, .. } = self.shape;
         let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
@@ -163,7 +168,8 @@ impl Sight<'_> {
         }
     }
 
-    /// The window without what intervals cannot tell from heights of a function of one axis, as where 0 is divided by 0.
+    /// The window without what intervals cannot tell from heights of a function of one axis, as
+    /// where 0 is divided by 0.
     fn trimmed(&self, mut window: Cell, profile: (usize, usize, f64), half: f64) -> Cell {
         let up = profile.0;
         let heights = |places: &[[f64; 2]]| self.ridge(profile, places);
@@ -183,8 +189,8 @@ impl Sight<'_> {
         Cell::about(self.centre, half)
     }
 
-    /// Where critical points are that are about as far from the centre as the end of a window that is known, or as lengths are
-    /// that people type.
+    /// Where critical points are that are about as far from the centre as the end of a window that
+    /// is known, or as lengths are that people type.
     fn critical(&self, half: f64) -> Found {
         let sizes = [half, 4.0 * half, PLAIN, 4.0 * PLAIN];
         let is_new =
@@ -196,8 +202,8 @@ impl Sight<'_> {
         (0..sizes.len()).filter(is_new).map(find).fold(Found::default(), Found::and)
     }
 
-    /// The part of a window that may hold the surface, if there is any. Where nothing changes along an axis, as much of it as
-    /// fits the rest.
+    /// The part of a window that may hold the surface, if there is any. Where nothing changes along
+    /// an axis, as much of it as fits the rest.
     fn pruned(&self, window: Cell) -> Option<Cell> {
         let hull = self.search.tight(window, BOX_DEPTH)?;
         let Shape { depends, .. } = self.shape;
@@ -218,8 +224,8 @@ impl Sight<'_> {
         Some(super::thick(hull, FLAT))
     }
 
-    /// The heights of what is as high as a function of two axes, at places on the ground as seen from the centre: `factor`
-    /// times the height is minus the function where the height is 0.
+    /// The heights of what is as high as a function of two axes, at places on the ground as seen
+    /// from the centre: `factor` times the height is minus the function where the height is 0.
     fn heights(&self, up: usize, factor: f64, places: &[[f64; 2]]) -> Vec<f64> {
         let point = |place: &[f64; 2]| {
             let mut point = self.centre;
@@ -232,7 +238,8 @@ impl Sight<'_> {
         values.map(|value| self.centre[up] - value / factor).collect()
     }
 
-    /// The same of what is as high as a function of one axis: of a ridge that is as long as the window one place counts.
+    /// The same of what is as high as a function of one axis: of a ridge that is as long as the
+    /// window one place counts.
     fn ridge(&self, (up, along, factor): (usize, usize, f64), places: &[[f64; 2]]) -> Vec<f64> {
         let across = usize::from((up + 1) % 3 == along);
         let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
@@ -264,8 +271,8 @@ impl Sight<'_> {
         super::thick(window, FLAT)
     }
 
-    /// A box, as seen from the centre, around that, the places where the surface meets the lines through it along the axes, or
-    /// else a cube that it does not enter.
+    /// A box, as seen from the centre, around that, the places where the surface meets the lines
+    /// through it along the axes, or else a cube that it does not enter.
     fn landmarks(&self) -> Cell {
         let largest = if self.shape.is_polynomial { LARGEST } else { LARGEST_OF_ANY };
         let mut marks = Cell::cube(0.0);
@@ -288,7 +295,8 @@ impl Sight<'_> {
         KNOWN * self.centre.iter().fold(0.0_f64, |most, along| most.max(along.abs()))
     }
 
-    /// How far from the centre the surface may meet half a line along an axis, as far as that is narrowed down to places.
+    /// How far from the centre the surface may meet half a line along an axis, as far as that is
+    /// narrowed down to places.
     fn meets(&self, axis: usize, side: f64, largest: i32) -> Vec<f64> {
         let known = self.known();
         let stretch = |from: f64, to: f64| {
@@ -307,7 +315,8 @@ impl Sight<'_> {
             None => Some(Vec::new()),
         };
         let mut found: Vec<Option<Vec<f64>>> = all.iter().map(within).collect();
-        // Where nothing can be told any more, rounding has taken over, and before that it is what is found.
+        // Where nothing can be told any more, rounding has taken over, and before that it is what
+        // is found.
         let near = found.iter().take_while(|places| places.is_none()).count();
         let far = found.iter().rev().take_while(|places| places.is_none()).count();
         let last = found.len() - far;
@@ -320,7 +329,8 @@ impl Sight<'_> {
         found.into_iter().flatten().flatten().collect()
     }
 
-    /// How far from the centre the surface may meet a part of a line along an axis; `None` if that is not narrowed down.
+    /// How far from the centre the surface may meet a part of a line along an axis; `None` if that
+    /// is not narrowed down.
     fn places(&self, axis: usize, part: Cell) -> Option<Vec<f64>> {
         let mut open = vec![part];
         for _ in 0..HALVINGS {
@@ -338,7 +348,8 @@ impl Sight<'_> {
         Some(open.iter().map(|cell| (cell.centre()[axis] - self.centre[axis]).abs()).collect())
     }
 
-    /// About how far the surface stays away from the centre, in the largest coordinate; 0 if it does not.
+    /// About how far the surface stays away from the centre, in the largest coordinate; 0 if it
+    /// does not.
     fn nearest(&self, largest: i32) -> f64 {
         let known = self.known();
         if !self.search.open(&[self.cube(known)]).is_empty() {
@@ -354,8 +365,8 @@ impl Sight<'_> {
     }
 }
 
-/// Half an axis is looked through octave by octave, each halved so often; if more parts of one may meet the surface than that,
-/// it lies along the axis, or intervals do not tell.
+/// Half an axis is looked through octave by octave, each halved so often; if more parts of one may
+/// meet the surface than that, it lies along the axis, or intervals do not tell.
 const HALVINGS: usize = 9;
 const MOST_PLACES: usize = 16;
 

@@ -11,7 +11,8 @@ use zeroset_syntax::{Limits, parse, setting_word};
 /// name, a single value where that stands; a drawing replaces all others, or joins them if
 /// `adding`, and is seen whatever was hidden; a `domain`, `view` or `color` line replaces the one
 /// before. A number for a value with a range keeps the range, which is extended to hold it. Text or
-/// line may be wrong; reading the result tells where. A text that is wrong even with the line is given up.
+/// line may be wrong; reading the result tells where. A text that is wrong even with the line is
+/// given up.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
@@ -82,7 +83,8 @@ fn without_lines(text: &str, word: &str) -> String {
     kept.join("\n")
 }
 
-/// The text without its `number`-th drawing, counted from 1, or how many drawings there are instead.
+/// The text without its `number`-th drawing, counted from 1, or how many drawings there are
+/// instead.
 ///
 /// # Errors
 /// The number of drawings that were typed, where there is no such one; 0 of a text that is wrong.
@@ -103,7 +105,8 @@ fn drawings(text: &str) -> Vec<Range<usize>> {
     statements.iter().filter(draws).map(extent).collect()
 }
 
-/// Whether a line that is entered into a text replaces what it draws. Alone `x = r` may define `r`, which the text has.
+/// Whether a line that is entered into a text replaces what it draws. Alone `x = r` may define `r`,
+/// which the text has.
 pub(super) fn draws(text: &str, line: &str) -> bool {
     let joined = format!("{text}\n{line}");
     scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())

@@ -62,8 +62,8 @@ impl Live {
         Ok(unused.map_or(Reply::Done, |note| Reply::Say(format!("noted; {}", note.kind))))
     }
 
-    /// Gives a name a value in the document; a slider keeps its range, which is extended to hold the
-    /// value.
+    /// Gives a name a value in the document; a slider keeps its range, which is extended to hold
+    /// the value.
     pub(super) fn set(&self, name: &str, value: &str) -> Result<Reply, Refusal> {
         let document = self.edit(None, |request, readable| {
             let line = format!("{name} = {value}");
@@ -150,8 +150,8 @@ fn after(request: &Request, readable: &str, line: &str, adding: bool) -> (String
     }
 }
 
-/// What a line is entered into: a text that can be read, if only with the line. One that lacks a value which was given on
-/// the command line is completed by that.
+/// What a line is entered into: a text that can be read, if only with the line. One that lacks a
+/// value which was given on the command line is completed by that.
 pub(super) fn base<'a>(request: &'a Request, readable: &'a str, line: &str) -> Cow<'a, str> {
     let is_read = |text: &str| parse(text, &Limits::default()).is_ok();
     // What was taken away does not come back.

@@ -124,8 +124,8 @@ impl Orbit {
         }
     }
 
-    /// Shows the whole of the box of `shown` from the same side, with space around it for labels, in
-    /// a picture of so many pixels; lengths are in half extents of `region`.
+    /// Shows the whole of the box of `shown` from the same side, with space around it for labels,
+    /// in a picture of so many pixels; lengths are in half extents of `region`.
     pub fn fit(&mut self, shown: &Region, region: &Region, width: usize, height: usize) {
         let scale = region.half_extent();
         self.target = (shown.centre() - region.centre()) / scale;

@@ -109,13 +109,15 @@ pub struct Rendering {
     pub model: Arc<Model>,
     /// What was found if the domain was searched for.
     pub searched: Option<AutoDomain>,
-    /// What the view is relative to: the domain when the formula was first seen, however its parameters have moved since.
+    /// What the view is relative to: the domain when the formula was first seen, however its
+    /// parameters have moved since.
     pub seat: Region,
     /// From where it was taken.
     pub camera: Camera,
     /// Why nothing is seen, if nothing is.
     pub blank: Option<Blank>,
-    /// The picture; a coarse one has fewer pixels than were asked for, or all of them but some that are still open.
+    /// The picture; a coarse one has fewer pixels than were asked for, or all of them but some that
+    /// are still open.
     pub picture: Picture,
     /// Whether a finer one is still to come.
     pub coarse: bool,

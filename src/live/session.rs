@@ -125,8 +125,8 @@ impl Live {
         })
     }
 
-    /// Says that a hand or the clock moves values, until it no longer does: a view that nobody chose
-    /// stays meanwhile, and then glides to where what is seen fits.
+    /// Says that a hand or the clock moves values, until it no longer does: a view that nobody
+    /// chose stays meanwhile, and then glides to where what is seen fits.
     pub fn set_moving(&self, moving: bool) {
         if self.pipeline.set_moving(moving) {
             self.refresh();
@@ -165,7 +165,8 @@ impl Live {
     }
 
     /// Does `work`, which may take long, without the lock, and again if somebody has changed the
-    /// document meanwhile, the third time with the lock: values may move all the time. What it results in is then applied.
+    /// document meanwhile, the third time with the lock: values may move all the time. What it
+    /// results in is then applied.
     pub(super) fn change_after<W, R>(
         &self,
         work: impl Fn(&Request, &str) -> Result<W, Refusal>,
@@ -188,8 +189,8 @@ impl Live {
     }
 
     /// Takes `text` for the document. If `again`, the text is the same document in a newer version:
-    /// then the view stays, and so does a value that was dragged unless the text gives it another than
-    /// before.
+    /// then the view stays, and so does a value that was dragged unless the text gives it another
+    /// than before.
     pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
@@ -339,8 +340,8 @@ impl Live {
         true
     }
 
-    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step of
-    /// [`Live::undo`].
+    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step
+    /// of [`Live::undo`].
     pub fn hold(&self, held: bool) {
         self.lock().undo.hold(held);
     }

@@ -69,7 +69,8 @@ impl Slider {
         self.within(text.parse().unwrap_or(value))
     }
 
-    /// Digits after the point, or powers of ten before it if negative, that tell values `step` apart.
+    /// Digits after the point, or powers of ten before it if negative, that tell values `step`
+    /// apart.
     fn digits(&self, step: f64) -> i32 {
         let step = step.max((self.high - self.low) * 1e-12).max(f64::MIN_POSITIVE);
         (-step.log10().floor()).clamp(-300.0, 17.0) as i32
@@ -109,9 +110,9 @@ impl Rendering {
 }
 
 impl Live {
-    /// Gives a name a value within its slider's range, as a hand that drags it does, and returns the
-    /// number of the request for its picture. The text says so at once, and, if it gave no range, that
-    /// of the slider, so that code made for it serves for all that follow.
+    /// Gives a name a value within its slider's range, as a hand that drags it does, and returns
+    /// the number of the request for its picture. The text says so at once, and, if it gave no
+    /// range, that of the slider, so that code made for it serves for all that follow.
     ///
     /// Many calls are one step of [`Live::undo`].
     pub fn drag(&self, slider: &Slider, value: f64) -> u64 {
@@ -123,8 +124,8 @@ impl Live {
         self.put(slider, &written(slider.within(value)), false)
     }
 
-    /// Gives a name back the value that the document gave it before it was dragged, and tells whether
-    /// it was dragged at all.
+    /// Gives a name back the value that the document gave it before it was dragged, and tells
+    /// whether it was dragged at all.
     pub fn restore(&self, slider: &Slider) -> bool {
         let before = |one: &Dragged| (one.name == slider.name).then(|| one.value.clone());
         let Some(value) = self.lock().dragged.iter().find_map(before) else { return false };

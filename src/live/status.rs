@@ -106,7 +106,8 @@ impl Rendering {
         Some(self.blank?.describe(&|ends| format!(":domain {ends}")))
     }
 
-    /// One short line: why nothing is seen, or time, size, method and the options that it reads, undecided pixels, compile time.
+    /// One short line: why nothing is seen, or time, size, method and the options that it reads,
+    /// undecided pixels, compile time.
     pub fn summary(&self) -> String {
         if let Some(why) = self.why_blank() {
             return why;

@@ -278,8 +278,8 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     if look(&plain).is_none_or(|now| now == wanted) {
         return Ok(plain);
     }
-    // A line that stood above the last drawing would be taken for one behind those that are left: the one
-    // that goes is made the last, with no line of its own.
+    // A line that stood above the last drawing would be taken for one behind those that are left:
+    // the one that goes is made the last, with no line of its own.
     let last = changed(text, options, &WORDS, |drawn| {
         let one = drawn.remove(number - 1);
         let like = drawn.last().unwrap_or(&one).clone();

@@ -40,8 +40,8 @@ pub(super) struct Said {
 }
 
 impl Said {
-    /// Whether both say the same; how large a picture is, and whether there are axes around it, is no
-    /// step.
+    /// Whether both say the same; how large a picture is, and whether there are axes around it, is
+    /// no step.
     fn is_same(&self, other: &Self) -> bool {
         let mut framed = self.clone();
         framed.take_frame(other);

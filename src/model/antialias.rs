@@ -1,5 +1,5 @@
-//! Colours of pixels through which an edge goes: the mean over many rays, each followed and lit as the one through the
-//! centre was.
+//! Colours of pixels through which an edge goes: the mean over many rays, each followed and lit as
+//! the one through the centre was.
 
 use super::Aim;
 use super::paint::Finish;
@@ -17,8 +17,8 @@ use zeroset_trace::{
 /// Pixels that are cut up at a time: few enough for the nearer caches.
 const PART: usize = 64;
 
-/// What is seen by a pixel's rays may be so many pixels' widths nearer or farther than what is known of it and of those around
-/// it, and so many times as far as slopes there explain.
+/// What is seen by a pixel's rays may be so many pixels' widths nearer or farther than what is
+/// known of it and of those around it, and so many times as far as slopes there explain.
 const OFF: f64 = 4.0;
 const STEEPER: f64 = 2.0;
 
@@ -36,7 +36,8 @@ impl<T: KernelFloat> Shot<'_, T> {
         rgb: &mut [u8],
     ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, tolerance, .. } = *self.settings;
-        // Pixels of the finer picture are so much smaller. What is near a silhouette in depth is as near to the eye.
+        // Pixels of the finer picture are so much smaller. What is near a silhouette in depth is as
+        // near to the eye.
         let tolerance = tolerance * pattern.side as f64;
         let aim = Aim { tolerance, for_looks: true, ..Aim::of(self.settings) };
         let mut wanted = edges(picture, rays);
@@ -136,8 +137,9 @@ impl<T: KernelFloat> Edges<'_, T> {
         Ok(found)
     }
 
-    /// Takes back what was found for pixels all of whose rays meet what the one through the centre did, which has been lit:
-    /// those beside an edge that does not go through them. Tells which these are.
+    /// Takes back what was found for pixels all of whose rays meet what the one through the centre
+    /// did, which has been lit: those beside an edge that does not go through them. Tells which
+    /// these are.
     fn leave_smooth(&self, pixels: &[usize], rays: &RayGrid, finer: &mut GBuffer) -> Vec<bool> {
         let patches = rays.height() / pixels.len();
         let leave = |(n, &pixel): (usize, &usize)| {
@@ -181,8 +183,9 @@ impl<T: KernelFloat> Edges<'_, T> {
         self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, between })
     }
 
-    /// How much light is hidden from the points of some places of the finer picture: as much as from the nearest one of the
-    /// same surface that is known, in the pixel that they belong to or beside it.
+    /// How much light is hidden from the points of some places of the finer picture: as much as
+    /// from the nearest one of the same surface that is known, in the pixel that they belong to or
+    /// beside it.
     fn borrow(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
         let picture = self.picture;
         let (mut known, mut count) = ([0; 9], 0);

@@ -1,4 +1,5 @@
-//! What is seen through translucent surfaces: all points of each surface along a ray, and their light together.
+//! What is seen through translucent surfaces: all points of each surface along a ray, and their
+//! light together.
 //!
 //! What is claimed of pixels is about the nearest point, and nothing here changes that.
 
@@ -17,7 +18,8 @@ const MOST: usize = 8;
 /// What is left of the light from behind can no longer be seen.
 const DARK: f32 = 1.0 / 512.0;
 
-/// Of an undecided point nobody knows where it ends: what is so many pixels behind it is taken to be something else.
+/// Of an undecided point nobody knows where it ends: what is so many pixels behind it is taken to
+/// be something else.
 const PIXELS_BEHIND: f64 = 2.0;
 
 impl<T: KernelFloat> Shot<'_, T> {
@@ -26,8 +28,8 @@ impl<T: KernelFloat> Shot<'_, T> {
         self.model.seen().any(|surface| self.model.styles[surface].opacity < 1.0)
     }
 
-    /// All that is seen along the rays for which `only` says so, all if that is empty: for each surface the nearest points,
-    /// those behind them, and so on; empty if nothing is translucent.
+    /// All that is seen along the rays for which `only` says so, all if that is empty: for each
+    /// surface the nearest points, those behind them, and so on; empty if nothing is translucent.
     pub fn layers(
         &self,
         rays: &RayGrid,
@@ -60,7 +62,8 @@ impl<T: KernelFloat> Shot<'_, T> {
         Ok(layers)
     }
 
-    /// By pixel, from where on its ray goes on behind a translucent point, in world units; infinite if it does not.
+    /// By pixel, from where on its ray goes on behind a translucent point, in world units; infinite
+    /// if it does not.
     fn starts(&self, rays: &RayGrid, front: &GBuffer) -> Vec<f64> {
         let start = |pixel: usize| {
             let surface = usize::from(front.surface[pixel]);
@@ -80,7 +83,8 @@ impl<T: KernelFloat> Shot<'_, T> {
         (0..front.drawn.len()).into_par_iter().map(start).collect()
     }
 
-    /// The colours of a picture as sRGB bytes, with what is seen through it, of which `layers` are all points.
+    /// The colours of a picture as sRGB bytes, with what is seen through it, of which `layers` are
+    /// all points.
     pub fn coloured(
         &self,
         rays: &RayGrid,

@@ -65,7 +65,8 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own colours.
+    /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own
+    /// colours.
     pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
         let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();
@@ -243,10 +244,12 @@ struct Lines {
 }
 
 impl Lines {
-    /// How much of a pixel lines cover, given the value at each and those [beside](RayGrid::beside) it.
+    /// How much of a pixel lines cover, given the value at each and those [beside](RayGrid::beside)
+    /// it.
     fn ink(&self, field: &[f64], pixel: usize, beside: [Option<usize>; 4]) -> f64 {
         let value = field[pixel];
-        // The lesser change to the one or the other side: across an edge of what is seen values jump.
+        // The lesser change to the one or the other side: across an edge of what is seen values
+        // jump.
         let [left, right, above, below] =
             beside.map(|there| (there.map_or(f64::NAN, |there| field[there]) - value).abs());
         let (across, down) = (left.min(right), above.min(below));

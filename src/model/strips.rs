@@ -1,8 +1,8 @@
 //! Pictures too large to be held whole: strips of rows, one after another.
 //!
-//! A strip shows what the whole picture would, bit for bit, but for what surrounds each point at a distance: what is near to
-//! what, and which values colours stand for, is taken from an overview, a smaller picture of the whole. Where that is no
-//! smaller, nothing differs.
+//! A strip shows what the whole picture would, bit for bit, but for what surrounds each point at a
+//! distance: what is near to what, and which values colours stand for, is taken from an overview, a
+//! smaller picture of the whole. Where that is no smaller, nothing differs.
 
 use super::{Model, Progress};
 use crate::picture::{Picture, Settings};
@@ -10,8 +10,8 @@ use crate::program::ProgramError;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_trace::{Camera, Pattern, RayGrid};
 
-/// Strips begin at multiples of so many rows, and know as many beyond either end: what methods look at together, and more than
-/// smoothing reaches.
+/// Strips begin at multiples of so many rows, and know as many beyond either end: what methods look
+/// at together, and more than smoothing reaches.
 const ALIGNED: usize = 16;
 
 /// Pixels of a strip, about, and of a picture that is held whole: some hundred bytes each.
@@ -39,8 +39,9 @@ pub(super) struct Overview {
 }
 
 impl Model {
-    /// Takes a picture strip by strip, of as many rows as take little memory; one of a moderate size is a single strip.
-    /// Returns a picture without rows that tells of all of them: times, counts and remarks.
+    /// Takes a picture strip by strip, of as many rows as take little memory; one of a moderate
+    /// size is a single strip. Returns a picture without rows that tells of all of them: times,
+    /// counts and remarks.
     ///
     /// # Errors
     /// As [`Model::trace`], and those of `each`.
@@ -59,7 +60,8 @@ impl Model {
         self.strips_of(rows, camera, settings, progress, each)
     }
 
-    /// As [`Model::strips`], of so many rows each, which are a multiple of sixteen unless they are all.
+    /// As [`Model::strips`], of so many rows each, which are a multiple of sixteen unless they are
+    /// all.
     ///
     /// # Errors
     /// As [`Model::strips`].

@@ -24,13 +24,14 @@ pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 /// Reach of central differences, as a share of the domain's largest extent.
 const STEP: f64 = 1e-3;
 
-/// Where a region is farther from the origin than so many times its size, `f32` places points too coarsely for their normals.
+/// Where a region is farther from the origin than so many times its size, `f32` places points too
+/// coarsely for their normals.
 const FAR: f64 = 1024.0;
 
 impl Model {
-    /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since it was last called,
-    /// and ends the work early by returning `false`, as the end of the settings' budget does: what was not reached then is
-    /// undecided, and not painted.
+    /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since
+    /// it was last called, and ends the work early by returning `false`, as the end of the
+    /// settings' budget does: what was not reached then is undecided, and not painted.
     ///
     /// # Errors
     /// If a kernel is needed that cannot be made. What [`Model::new`] compiled is there already.
@@ -46,8 +47,8 @@ impl Model {
         self.along(&rays, settings, &advance, None, None)
     }
 
-    /// The picture along these rays: of a strip's, its `own` rows are kept, and what is near to what is what the `overview`
-    /// of the whole knows.
+    /// The picture along these rays: of a strip's, its `own` rows are kept, and what is near to
+    /// what is what the `overview` of the whole knows.
     pub(super) fn along(
         &self,
         rays: &RayGrid,
@@ -66,9 +67,10 @@ impl Model {
         }
     }
 
-    /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as `settings` say, which are
-    /// those of the picture but for that. One whose normals were not kept is taken anew, and what that takes is all that is
-    /// accounted for. `advance` is as for [`Model::trace`]; `None` if it ended the work: nothing is worth keeping then.
+    /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as
+    /// `settings` say, which are those of the picture but for that. One whose normals were not kept
+    /// is taken anew, and what that takes is all that is accounted for. `advance` is as for
+    /// [`Model::trace`]; `None` if it ended the work: nothing is worth keeping then.
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -88,8 +90,9 @@ impl Model {
         }
     }
 
-    /// The same picture in other light: what was found is not looked for again, if its normals were kept. `settings` are those
-    /// of the picture but for what lights it, and `advance` is as for [`Model::trace`].
+    /// The same picture in other light: what was found is not looked for again, if its normals were
+    /// kept. `settings` are those of the picture but for what lights it, and `advance` is as for
+    /// [`Model::trace`].
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -234,7 +237,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         Ok(lit)
     }
 
-    /// Whether each row of the picture can be coloured once it is traced, whatever is in the others.
+    /// Whether each row of the picture can be coloured once it is traced, whatever is in the
+    /// others.
     fn is_plain(&self) -> bool {
         self.settings.normals.is_some()
             && self.model.seen().count() == 1
@@ -244,8 +248,9 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             && !Painter::is_wanted(self.model)
     }
 
-    /// All surfaces along the rays for which `only` says so, all if that is empty; and the picture's colours, if there is a
-    /// shader for them, which needs normals. Rows go from nothing to colours while they are in the nearer caches.
+    /// All surfaces along the rays for which `only` says so, all if that is empty; and the
+    /// picture's colours, if there is a shader for them, which needs normals. Rows go from nothing
+    /// to colours while they are in the nearer caches.
     fn surfaces(
         &self,
         rays: &RayGrid,

@@ -1,5 +1,5 @@
-//! Surfaces that are hidden, seen through, moved and taken away: edits of the text, for which no code
-//! is made; and what a hidden surface is where a document says so.
+//! Surfaces that are hidden, seen through, moved and taken away: edits of the text, for which no
+//! code is made; and what a hidden surface is where a document says so.
 
 use crate::live_support::{settled, start};
 use zeroset::live::{Axes, Live, Rendering};

@@ -12,8 +12,9 @@ const SIZE: [usize; 2] = [96, 80];
 fn a_pixel_is_the_same_whichever_others_are_followed() {
     let affine = METHODS.iter().find(|method| method.name == "affine").expect("there is one");
     let mut compared = 0;
-    // Rays of the second are followed one by one: a zero of its numerator may be none of its own. So are those that the edge of
-    // a ball cuts. Seen from so near, pixels are as narrow as f32 can tell on some rays of a tile, and not on others.
+    // Rays of the second are followed one by one: a zero of its numerator may be none of its own.
+    // So are those that the edge of a ball cuts. Seen from so near, pixels are as narrow as f32 can
+    // tell on some rays of a tile, and not on others.
     let [inside, near, far] = [[1.02, 0.3, 0.4], [1.3, 0.3, 0.2], [2.4, 1.8, 3.6]];
     for (text, is_ball, eyes, tolerance) in [
         ("x^2+y^2+z^2=1", false, [inside, far], 0.02),

@@ -1,4 +1,5 @@
-//! Domains that are clipped to a ball: what is claimed there is what is claimed of the box, cut by the ball.
+//! Domains that are clipped to a ball: what is claimed there is what is claimed of the box, cut by
+//! the ball.
 
 use glam::DVec3;
 use zeroset::kernels::Evaluator;
@@ -40,7 +41,8 @@ fn camera(number: usize) -> Camera {
     Camera::new(eye[number], DVec3::new(0.1, 0.2, -0.3), DVec3::Z, projection).expect("a camera")
 }
 
-/// The part of a ray in the ball and the box, by samples: the outermost that are in both, as values of t.
+/// The part of a ray in the ball and the box, by samples: the outermost that are in both, as values
+/// of t.
 fn chord(rays: &RayGrid, pixel: usize, region: &Region) -> Option<[f64; 2]> {
     let ray = rays.ray_of(pixel);
     let ball = region.ball().expect("one");

@@ -1,5 +1,5 @@
-//! The methods that others are compared with: each finds what is there within its tolerance, proves what it says it proves,
-//! and fails where its idea fails.
+//! The methods that others are compared with: each finds what is there within its tolerance, proves
+//! what it says it proves, and fails where its idea fails.
 
 use glam::DVec3;
 use zeroset::model::render;

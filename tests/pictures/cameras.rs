@@ -1,4 +1,5 @@
-//! What pictures of the gallery claim, from random places: far, close, grazing and inside; against the certified tracer.
+//! What pictures of the gallery claim, from random places: far, close, grazing and inside; against
+//! the certified tracer.
 //!
 //! The full run: `ZEROSET_CASES=200 cargo test --release --test pictures cameras -- --nocapture`.
 
@@ -16,7 +17,8 @@ const SIZE: [usize; 2] = [84, 60];
 /// Rays of each picture that are followed by the certified tracer.
 const RAYS: u32 = 48;
 
-/// The surfaces of the gallery; several in one file are left out, since the certified tracer takes one.
+/// The surfaces of the gallery; several in one file are left out, since the certified tracer takes
+/// one.
 fn formulas() -> Vec<(&'static str, Formula)> {
     let mut formulas = Vec::new();
     for example in examples() {

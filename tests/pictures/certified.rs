@@ -1,5 +1,5 @@
-//! The certified tracer against the exact first roots of the gallery, and of formulas on which other methods fail: both
-//! were found without this project's kernels, by different methods.
+//! The certified tracer against the exact first roots of the gallery, and of formulas on which
+//! other methods fail: both were found without this project's kernels, by different methods.
 //!
 //! All rays: `ZEROSET_STRIDE=1 cargo test --release --test pictures certified -- --nocapture`.
 
@@ -12,8 +12,8 @@ use zeroset::gallery::example;
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_testkit::certified::{BUDGET, Certificate, Function, Line, Reason};
 
-/// The rays of the reference were rounded in another way; where a ray grazes a surface, that moves a root by more than
-/// the rounding itself.
+/// The rays of the reference were rounded in another way; where a ray grazes a surface, that moves
+/// a root by more than the rounding itself.
 const ROUNDING: f64 = 1e-9;
 
 /// Every so many-th ray is traced.
@@ -67,13 +67,15 @@ enum Outcome {
     Open,
     /// The same first root, or none.
     Agrees,
-    /// The certificate leaves it open whether there is a root before the crossing, for this reason first.
+    /// The certificate leaves it open whether there is a root before the crossing, for this reason
+    /// first.
     CannotKnow(Reason),
     /// One of them is wrong.
     Differs,
 }
 
-/// Every claim of the certificate is held against the reference, those about what lies behind an unresolved piece too.
+/// Every claim of the certificate is held against the reference, those about what lies behind an
+/// unresolved piece too.
 fn judge(certificate: &Certificate, pixel: &Pixel) -> Outcome {
     if pixel.open {
         return Outcome::Open;

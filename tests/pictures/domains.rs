@@ -1,4 +1,5 @@
-//! The automatic domain against the one that a mathematician would choose, for a hundred typed equations.
+//! The automatic domain against the one that a mathematician would choose, for a hundred typed
+//! equations.
 //!
 //! All rows, with what was found: `cargo test --release --test pictures domains -- --nocapture`.
 
@@ -15,7 +16,8 @@ const ROWS: &str = include_str!("../data/domains.txt");
 /// A box agrees with another if each, made larger by so much about its own centre, holds the other.
 const TOLERANCE: f64 = 1.3;
 
-/// Extents that were counted on a grid, or typed with few digits, may be off by this share of the largest.
+/// Extents that were counted on a grid, or typed with few digits, may be off by this share of the
+/// largest.
 const COUNTED: f64 = 0.01;
 
 pub struct Row {
@@ -38,7 +40,8 @@ pub fn rows() -> Vec<Row> {
     lines.map(row).collect()
 }
 
-/// Whether the interval, grown by [`TOLERANCE`] about its middle, holds the other; `spare` is allowed on each side.
+/// Whether the interval, grown by [`TOLERANCE`] about its middle, holds the other; `spare` is
+/// allowed on each side.
 fn holds([low, high]: [f64; 2], other: [f64; 2], spare: f64) -> bool {
     let (middle, half) = (low.midpoint(high), TOLERANCE * (high - low) / 2.0 + spare);
     middle - half <= other[0] && other[1] <= middle + half
@@ -179,7 +182,8 @@ fn what_is_moved_has_its_domain_moved() {
     assert!(report.is_empty(), "{report}of {count}");
 }
 
-/// A power of each axis and some other terms; terms of one axis alone are not repeated, so that none is taken away.
+/// A power of each axis and some other terms; terms of one axis alone are not repeated, so that
+/// none is taken away.
 fn polynomial(rng: &mut Rng) -> String {
     let factor = |rng: &mut Rng| {
         let sign = if rng.bool() { '+' } else { '-' };
@@ -216,7 +220,8 @@ fn random_polynomials_that_are_moved_have_their_domains_moved() {
     assert!(report.is_empty(), "{report}of {unbounded}, seed {seed}");
 }
 
-/// Reports where a surface that is moved has another domain than the one that is moved alike; `false` if it is bounded.
+/// Reports where a surface that is moved has another domain than the one that is moved alike;
+/// `false` if it is bounded.
 fn check_move(text: &str, place: [f64; 3], report: &mut String) -> bool {
     let find = |text: &str| {
         let document = read(text, &Options::default()).expect(text);

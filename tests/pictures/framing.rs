@@ -1,5 +1,5 @@
-//! How much of the picture is taken by what is visible, where nobody chose a camera: over the gallery and the hundred typed
-//! equations.
+//! How much of the picture is taken by what is visible, where nobody chose a camera: over the
+//! gallery and the hundred typed equations.
 //!
 //! All rows: `cargo test --release --test pictures framing -- --nocapture`.
 
@@ -23,7 +23,8 @@ const SHARES: [f64; 2] = [0.55, 0.95];
 /// So many of all pictures do.
 const LEAST: f64 = 0.95;
 
-/// The larger extent of what is painted, as a share of the picture's shorter side, and whether it touches the border.
+/// The larger extent of what is painted, as a share of the picture's shorter side, and whether it
+/// touches the border.
 fn share(model: &Model, camera: &Camera, width: usize, height: usize) -> (f64, bool) {
     let settings = Settings { width, height, normals: None, ..Settings::default() };
     let buffer = model.trace(camera, &settings, &|_| true).expect("kernels").buffer;

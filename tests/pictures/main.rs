@@ -1,4 +1,5 @@
-//! Pictures and the kernels behind them against what is known by other means: exact roots, certified ones, an oracle.
+//! Pictures and the kernels behind them against what is known by other means: exact roots,
+//! certified ones, an oracle.
 
 mod alone;
 mod antialias;

@@ -1,4 +1,5 @@
-//! Normals where `f32` has none to give: far from the origin, and where gradients or points are beyond its range.
+//! Normals where `f32` has none to give: far from the origin, and where gradients or points are
+//! beyond its range.
 
 use glam::DVec3;
 use zeroset::model::render;

@@ -1,4 +1,5 @@
-//! What documents say of colours, light and what can be seen through, against the same said otherwise.
+//! What documents say of colours, light and what can be seen through, against the same said
+//! otherwise.
 
 use glam::DVec3;
 use zeroset::model::render;

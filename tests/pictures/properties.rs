@@ -1,6 +1,8 @@
-//! The properties of whole pictures that fuzz targets attack, over random bytes and over the fuzzers' seeds.
+//! The properties of whole pictures that fuzz targets attack, over random bytes and over the
+//! fuzzers' seeds.
 //!
-//! A long run of one: `ZEROSET_CASES=100000 cargo test --release --test pictures properties::pictures`.
+//! A long run of one:
+//! `ZEROSET_CASES=100000 cargo test --release --test pictures properties::pictures`.
 
 use crate::property_support::{draw, zero_kernel};
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! From random text to native enclosures, by the steps of a picture: they hold what the oracle knows
-//! of the graph that the text was printed from. Parameters become sliders of the document.
+//! From random text to native enclosures, by the steps of a picture: they hold what the oracle
+//! knows of the graph that the text was printed from. Parameters become sliders of the document.
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release --test pictures soundness`.
 

@@ -1,5 +1,5 @@
-//! Formulas on which methods for implicit surfaces are known to fail: what is claimed of them is true, and what is
-//! painted without a root is counted.
+//! Formulas on which methods for implicit surfaces are known to fail: what is claimed of them is
+//! true, and what is painted without a root is counted.
 
 use crate::truth_support::{Pixel, SIDE, Truth, compare, path, read, rounding};
 use glam::DVec3;
@@ -121,8 +121,8 @@ impl Tally {
     }
 }
 
-/// What is claimed of a ray, if its roots contradict it: a miss that there is none, a distance that there is none before
-/// it, a hit that there is one there.
+/// What is claimed of a ray, if its roots contradict it: a miss that there is none, a distance that
+/// there is none before it, a hit that there is one there.
 fn contradiction(
     pixel: &Pixel,
     status: Status,
@@ -297,7 +297,8 @@ fn every_painted_point_has_a_normal() {
                 assert!((normal.length() - 1.0).abs() < 1e-5, "{formula}, {method:?}: {normal}");
                 painted += 1;
             }
-            // Samples see no root without a change of sign, and where no bound of the slope is known nothing is drawn.
+            // Samples see no root without a change of sign, and where no bound of the slope is
+            // known nothing is drawn.
             let touches = formula.contains("z^2-1)");
             let is_blind = touches && method.proves == Proves::Nothing
                 || buffer.reasons()[Reason::Steep as usize] > 0;
@@ -306,7 +307,8 @@ fn every_painted_point_has_a_normal() {
     }
 }
 
-/// In `f64` no claim is false either, and less is painted where only rounding keeps `f32` from proving a miss.
+/// In `f64` no claim is false either, and less is painted where only rounding keeps `f32` from
+/// proving a miss.
 #[test]
 fn no_claim_in_double_precision_is_false() {
     let mut false_claims = Vec::new();

@@ -1,4 +1,5 @@
-//! The default method on the formulas of `stability`: no proof is false, and no more is undecided than wanted.
+//! The default method on the formulas of `stability`: no proof is false, and no more is undecided
+//! than wanted.
 
 use crate::property_support::claims;
 use crate::stability::{Case, cases, check_zero_throughout, document, picture_with, region};

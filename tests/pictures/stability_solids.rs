@@ -1,4 +1,5 @@
-//! Solids with parts that have no value, with jumps and with poles: where they are, and that they have faces there.
+//! Solids with parts that have no value, with jumps and with poles: where they are, and that they
+//! have faces there.
 
 use glam::DVec3;
 use zeroset::model::render;
@@ -22,8 +23,8 @@ fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Pi
     (camera.rays(SIDE, SIDE), picture)
 }
 
-/// Checks each ray along `along`: `expected` says, from where it passes the plane through the origin, how far along the
-/// axis the first face lies, `None` for no face; NaN for either.
+/// Checks each ray along `along`: `expected` says, from where it passes the plane through the
+/// origin, how far along the axis the first face lies, `None` for no face; NaN for either.
 fn check(formula: &str, along: DVec3, expected: impl Fn(DVec3) -> Option<f64>) {
     for method in &METHODS {
         check_with(method, formula, along, &expected);
@@ -98,7 +99,8 @@ fn neither_a_comparison_nor_its_opposite_holds_where_there_is_no_value() {
 fn a_solid_has_faces_where_it_jumps() {
     check("floor(x) > 1/2 and y < 1/3", DVec3::X, |foot| (foot.y < 1.0 / 3.0).then_some(1.0));
     check("z < floor(x) and y < 1/3", DVec3::X, |foot| {
-        // Risers at each integer; what happens along a tread and on the last face of the box is left open.
+        // Risers at each integer; what happens along a tread and on the last face of the box is
+        // left open.
         let height = foot.z.ceil();
         let riser = if height < 2.0 && height > foot.z { height } else { f64::NAN };
         (foot.y < 1.0 / 3.0).then_some(riser)

@@ -82,7 +82,8 @@ fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
     ]
 }
 
-/// Several surfaces, seen through each other; colours and lines by values; cut solids; what stays undecided.
+/// Several surfaces, seen through each other; colours and lines by values; cut solids; what stays
+/// undecided.
 const TEXTS: [&str; 5] = [
     "domain 1.3\nx^2+y^2+z^2=1",
     "domain 2\nx^4-5x^2+y^4-5y^2+z^4-5z^2+11.8; color steelblue 50%\nz=0.4; (x-1)^2+y^2<=0.1",

@@ -1,4 +1,5 @@
-//! Pictures of the whole gallery against exact first roots: no claim is false, and how far off the paint is.
+//! Pictures of the whole gallery against exact first roots: no claim is false, and how far off the
+//! paint is.
 
 use crate::truth_support::table::{Row, Table};
 use crate::truth_support::{SIDE, Truth, compare, read, rounding};
@@ -52,7 +53,8 @@ fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     (camera.rays(SIDE, SIDE), picture.buffer)
 }
 
-/// Whether what is drawn is a function with the same zeros, none of them multiple because of a square: then all are crossings.
+/// Whether what is drawn is a function with the same zeros, none of them multiple because of a
+/// square: then all are crossings.
 fn is_simple(truth: &Truth) -> bool {
     let document =
         read_document(example(&truth.view.slug).expect("there").text, &Options::default());
@@ -63,8 +65,9 @@ fn is_simple(truth: &Truth) -> bool {
 
 /// Every claim about a ray that its first root contradicts.
 ///
-/// A miss claims that there is no root, a distance that there is none before it. Both must hold for roots of any
-/// multiplicity, hence for crossings. The painted point claims nothing, but lies nowhere that is proven empty.
+/// A miss claims that there is no root, a distance that there is none before it. Both must hold for
+/// roots of any multiplicity, hence for crossings. The painted point claims nothing, but lies
+/// nowhere that is proven empty.
 fn contradictions(
     truth: &Truth,
     precision: Precision,
@@ -154,9 +157,11 @@ fn false_claims_are_noticed() {
     assert_eq!(noticed(&early), right.counts().undecided);
 }
 
-/// The tolerances at which the method `affine` is held against the truth, in pixels: a fine one, and the default.
+/// The tolerances at which the method `affine` is held against the truth, in pixels: a fine one,
+/// and the default.
 const TOLERANCES: [f64; 2] = [5e-4, 0.5];
-/// How far a hit that is proven to the fine tolerance may be from its root, as a share of the domain's diagonal.
+/// How far a hit that is proven to the fine tolerance may be from its root, as a share of the
+/// domain's diagonal.
 const DISTANCE: f64 = 1e-5;
 
 /// What the method `affine` made of one surface, or of all.
@@ -264,7 +269,8 @@ fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
                 println!("{slug} within {tolerance} pixels: {proofs}");
             }
             wrong.extend(found);
-            // Half a percent, but for surfaces in faces of the domain, beyond which no sign is known.
+            // Half a percent, but for surfaces in faces of the domain, beyond which no sign is
+            // known.
             if proofs.needless > SIDE * SIDE / 200 && slug != "floor-steps" {
                 wrong.push(format!("{slug}: {} undecided", proofs.needless));
             }

@@ -1,5 +1,5 @@
-//! What choices, coordinates, sums and vectors draw: a jump is no wall, a gap stays a gap, and what is drawn is where the
-//! function typed has a zero.
+//! What choices, coordinates, sums and vectors draw: a jump is no wall, a gap stays a gap, and what
+//! is drawn is where the function typed has a zero.
 
 use glam::DVec3;
 use zeroset::model::render;
@@ -12,7 +12,8 @@ const SIDE: usize = 64;
 /// The height of a surface over x and y.
 type Height = Box<dyn Fn(f64, f64) -> f64>;
 
-/// Points drawn of a formula within ±2, seen from above a corner, and how many pixels are undecided.
+/// Points drawn of a formula within ±2, seen from above a corner, and how many pixels are
+/// undecided.
 fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
     let document = read(formula, &Options::default()).expect(formula);
     let projection = Projection::Orthographic { height: 6.0 };
@@ -27,7 +28,8 @@ fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
     (points, picture.buffer.counts().undecided)
 }
 
-/// Where numerator and denominator vanish together the function is undefined and stays what it was: nothing is there.
+/// Where numerator and denominator vanish together the function is undefined and stays what it was:
+/// nothing is there.
 #[test]
 fn a_gap_in_a_function_is_no_wall() {
     let cases: [(&str, Height); 4] = [
@@ -77,7 +79,8 @@ fn what_is_drawn_is_a_zero_and_no_wall() {
         assert!(points.len() > 100, "{formula}: {}", points.len());
         assert_eq!(undecided, 0, "{formula}");
         for point in points {
-            // Painted points are within half a pixel of the root: both sides of a jump may be there.
+            // Painted points are within half a pixel of the root: both sides of a jump may be
+            // there.
             let near = [-0.05, -0.02, 0.0, 0.02, 0.05];
             let heights = near.iter().flat_map(|a| near.iter().map(move |b| (a, b)));
             let is_near =

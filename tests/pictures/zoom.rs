@@ -73,7 +73,8 @@ fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
     }
 }
 
-/// A tile that is a billion times as deep as wide is not cut along its depth until its parts are as long as wide.
+/// A tile that is a billion times as deep as wide is not cut along its depth until its parts are as
+/// long as wide.
 #[test]
 fn pixels_far_smaller_than_the_domain_take_no_longer() {
     for (formula, extent) in [("asinh(y) > 0", 1e14), ("y^10 < ceil(y)", 1e18), ("z^x = y", 1e6)] {

@@ -9,7 +9,8 @@ fn picture(place: &Place, name: &str) -> RgbImage {
     image::open(place.path(name)).expect("a picture").to_rgb8()
 }
 
-/// Just above what is held whole: files are as those of a smaller picture, and tell the same numbers.
+/// Just above what is held whole: files are as those of a smaller picture, and tell the same
+/// numbers.
 #[test]
 fn a_large_picture_is_written_in_strips() {
     let place = Place::new();
@@ -32,7 +33,8 @@ fn a_large_picture_is_written_in_strips() {
     }
     let bytes = std::fs::read(place.path("normal.npy")).expect("written");
     assert_eq!(npyz::NpyFile::new(&bytes[..]).expect("an array").shape(), [2560, 1680, 3]);
-    // Scaled down it is the small picture: surface, legend and axes are in their places, no strip is off.
+    // Scaled down it is the small picture: surface, legend and axes are in their places, no strip
+    // is off.
     let (large, small) = (picture(&place, "large.png"), picture(&place, "small.png"));
     assert_eq!(large.dimensions(), (1680, 2560));
     let mean = |x: u32, y: u32, part: usize| {

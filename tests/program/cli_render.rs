@@ -29,7 +29,8 @@ fn a_formula_becomes_a_picture() {
     assert_eq!(sphere.get_pixel(0, 0).0, [244, 244, 246]);
 }
 
-/// Cameras at the ends of what floats hold: what their rays certainly meet is not called a miss, or they are refused.
+/// Cameras at the ends of what floats hold: what their rays certainly meet is not called a miss, or
+/// they are refused.
 #[test]
 fn no_extreme_camera_hides_what_its_rays_meet() {
     let place = Place::new();
@@ -62,7 +63,8 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
             }
         }
     }
-    // The middle ray passes through the origin exactly, from where the way's numbers overflow in f32.
+    // The middle ray passes through the origin exactly, from where the way's numbers overflow in
+    // f32.
     for eye in ["1e60,1e60,1e60", "-9e99,9e99,-9e99"] {
         let camera = format!("--eye={eye} --target 0,0,0 --up 0,0,1 --fov 40 --size 17");
         assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");

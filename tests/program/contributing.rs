@@ -1,4 +1,5 @@
-//! Keeps the worked example of CONTRIBUTING.md true: the files it names are those that name a like operation.
+//! Keeps the worked example of CONTRIBUTING.md true: the files it names are those that name a like
+//! operation.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -28,7 +29,8 @@ fn native_section() -> (String, String) {
     (format!("{before}{after}"), row.to_owned())
 }
 
-/// The paths in backquotes in the section on a native function; a bare file name continues the directory before it.
+/// The paths in backquotes in the section on a native function; a bare file name continues the
+/// directory before it.
 fn named() -> BTreeSet<String> {
     let (section, _) = native_section();
     let mut directory = String::new();
@@ -57,8 +59,8 @@ fn the_worked_example_names_every_place_and_no_other() {
         .into_iter()
         .filter(|path| {
             let text = std::fs::read_to_string(path).expect("readable");
-            // An arm, a row or a variant for `atan`, which like `sinh` is odd, increasing and elementary; what only
-            // one test is about does not count.
+            // An arm, a row or a variant for `atan`, which like `sinh` is odd, increasing and
+            // elementary; what only one test is about does not count.
             let is_place = |line: &str| {
                 let line = line.trim();
                 let arm =
@@ -74,7 +76,8 @@ fn the_worked_example_names_every_place_and_no_other() {
     assert_eq!(named(), arms);
 }
 
-/// A file beside a `main.rs` that it does not name would not be compiled, and its tests would not run.
+/// A file beside a `main.rs` that it does not name would not be compiled, and its tests would not
+/// run.
 #[test]
 fn every_file_of_a_test_binary_is_a_part_of_it() {
     let mut files = Vec::new();

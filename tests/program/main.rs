@@ -1,4 +1,5 @@
-//! The real program as its user meets it: the command line, a terminal, a window. The documents that a contributor meets too.
+//! The real program as its user meets it: the command line, a terminal, a window. The documents
+//! that a contributor meets too.
 
 mod cli_axes;
 mod cli_errors;

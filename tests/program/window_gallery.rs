@@ -18,7 +18,8 @@ fn colours(scene: &Scene, [x, y, width, height]: [u32; 4]) -> usize {
     all.len()
 }
 
-/// Where the second picture is in a window 400 pixels wide, whose pictures are 96 wide with 8 between.
+/// Where the second picture is in a window 400 pixels wide, whose pictures are 96 wide with 8
+/// between.
 const SECOND: [u32; 4] = [152, 28, 96, 96];
 
 #[test]

@@ -297,8 +297,9 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     let exact = image::load_from_memory(&file).expect("a picture").to_rgb8();
     // 90 columns and 26 rows of the characters of a small font.
     assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
-    // 256 colours: every dot is near, and most are nearer. A mixture along an edge is on a few dots only, too few for a
-    // colour of its own; a picture without smooth edges would be off by more than 100 there.
+    // 256 colours: every dot is near, and most are nearer. A mixture along an edge is on a few dots
+    // only, too few for a colour of its own; a picture without smooth edges would be off by more
+    // than 100 there.
     let mut apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
     apart.sort_unstable();
     let (most, worst) = (apart[apart.len() * 999 / 1000], apart[apart.len() - 1]);

@@ -8,7 +8,8 @@ use anyhow::{Result, ensure};
 use rayon::prelude::*;
 use std::ffi::{CString, c_char, c_int, c_long, c_uchar};
 
-/// `(name, size, top, bottom, depth, eye, repeats, rgb, distance, drawn, boxes)`: see the end of `cpp/knoll2007.cpp`.
+/// `(name, size, top, bottom, depth, eye, repeats, rgb, distance, drawn, boxes)`: see the end of
+/// `cpp/knoll2007.cpp`.
 type Draw = unsafe extern "C" fn(
     *const c_char,
     c_int,
@@ -98,8 +99,8 @@ impl Knoll2007 {
         Ok(known.then_some(this))
     }
 
-    /// Draws the rows from `top` on that the buffers have room for, and returns how often boxes were evaluated; `None` if
-    /// there is no such surface.
+    /// Draws the rows from `top` on that the buffers have room for, and returns how often boxes
+    /// were evaluated; `None` if there is no such surface.
     #[allow(unsafe_code)] // the only call
     fn band(&self, top: usize, rgb: &mut [u8], distance: &mut [f32]) -> Option<u64> {
         let rows = distance.len() / self.size;
@@ -108,11 +109,12 @@ impl Knoll2007 {
         let (mut drawn, mut boxes) = (0, 0);
         let depth = self.depth as c_int;
         let eye = EYE.as_vec3().to_array();
-        // SAFETY: the name ends with 0, the eye has three numbers, and of the counts there is one each. Of the buffers,
-        // pixels of columns below `size` and rows from `first` to before `last` are written, counted from `first`: the
-        // assertion says that the slices have these. `new` keeps the depth within the C++'s arrays and indices within
-        // `int`. The function keeps no pointer, has no state but its thread's own, and restores the register of rounding
-        // modes.
+        // SAFETY: the name ends with 0, the eye has three numbers, and of the counts there is one
+        // each. Of the buffers, pixels of columns below `size` and rows from `first` to before
+        // `last` are written, counted from `first`: the assertion says that the slices have these.
+        // `new` keeps the depth within the C++'s arrays and indices within `int`. The function
+        // keeps no pointer, has no state but its thread's own, and restores the register of
+        // rounding modes.
         let known = unsafe {
             (self.width.draw)(
                 self.name.as_ptr(),

@@ -46,7 +46,8 @@ struct Arguments {
     /// Threads
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
-    /// Draw with methods alone: on one thread, on N, and N pictures at once, each on a thread of its own
+    /// Draw with methods alone: on one thread, on N, and N pictures at once, each on a thread of
+    /// its own
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1024))]
     scaling: Option<u32>,
     /// How often the domain is halved along a ray, by the C++ and by methods that read it

@@ -1,4 +1,5 @@
-//! What is certain of some pixels of a picture, by the certified tracer; and how far pictures are from that.
+//! What is certain of some pixels of a picture, by the certified tracer; and how far pictures are
+//! from that.
 //!
 //! The tracer shares no code with kernels, methods or rivals.
 
@@ -30,7 +31,8 @@ pub struct Errors {
     pub rootless: usize,
     /// Pixels that have a root and are not drawn.
     pub missed: usize,
-    /// The median distance of what is drawn from the first root, in half extents of the domain, if any pixel has both.
+    /// The median distance of what is drawn from the first root, in half extents of the domain, if
+    /// any pixel has both.
     pub distance: Option<f64>,
 }
 

@@ -5,8 +5,8 @@ use crate::side::Side;
 use anyhow::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Pictures that are drawn one after another each time, as while a view is turned: where each is waited for alone, threads
-/// are measured that wake one another, on the one side as on the other.
+/// Pictures that are drawn one after another each time, as while a view is turned: where each is
+/// waited for alone, threads are measured that wake one another, on the one side as on the other.
 const IN_A_ROW: usize = 8;
 
 /// Some threads for each of some pictures, which are drawn at once.

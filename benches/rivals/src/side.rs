@@ -21,11 +21,12 @@ pub trait Side {
     /// If it cannot.
     fn draw(&mut self) -> Result<()>;
 
-    /// Of the last picture, per pixel, row by row from the top: how far from the eye it was drawn, in world units; infinite for
-    /// the background.
+    /// Of the last picture, per pixel, row by row from the top: how far from the eye it was drawn,
+    /// in world units; infinite for the background.
     fn distances(&self) -> Vec<f64>;
 
-    /// How often it asked for bounds of f in the last picture, and of how many boxes at a time; `None` if it does not say.
+    /// How often it asked for bounds of f in the last picture, and of how many boxes at a time;
+    /// `None` if it does not say.
     fn asked(&self) -> Option<Asked> {
         None
     }

@@ -58,8 +58,9 @@ impl Voxels {
     }
 }
 
-/// From fidget's world, which is all within ±1, to space: our own rays, along which z is linear in the inverse of depth. Also
-/// the inverse depth where z is 0, and how much it grows up to z = 1, which is in front of the domain.
+/// From fidget's world, which is all within ±1, to space: our own rays, along which z is linear in
+/// the inverse of depth. Also the inverse depth where z is 0, and how much it grows up to z = 1,
+/// which is in front of the domain.
 fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
     let (eye, forward) = (rays.eye(), rays.forward());
     let reach = (FOV / 2.0).to_radians().tan();
@@ -68,7 +69,8 @@ fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
     let middle = f64::midpoint(1.0 / near, 1.0 / far);
     let growth = (1.0 / near - 1.0 / far) / 2.0;
     let [right, up] = [rays.right() * reach, rays.up() * reach];
-    // Where fidget has a pixel is half a pixel from its centre, towards the picture's left lower corner.
+    // Where fidget has a pixel is half a pixel from its centre, towards the picture's left lower
+    // corner.
     let centre = (right + up) / rays.width() as f64;
     let column = |v: DVec3, w: f64| Vector4::from([v.x, v.y, v.z, w].map(|x| x as f32));
     let matrix = Matrix4::from_columns(&[
@@ -146,7 +148,8 @@ impl Side for Voxels {
             if depth == 0 {
                 return f64::INFINITY;
             }
-            // The first place inside was one less, and the one before it, on the near side, outside.
+            // The first place inside was one less, and the one before it, on the near side,
+            // outside.
             let z = (f64::from(depth) - 0.5 - size / 2.0) * 2.0 / size;
             self.rays.ray_of(pixel).distance(1.0 / (middle + growth * z))
         };

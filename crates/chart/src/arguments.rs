@@ -31,20 +31,25 @@ pub enum Command {
     Stability(StabilityArguments),
     /// Follow given rays, or random ones, by each method and by the certified tracer
     ///
-    /// So that other programs can be held against the same rays. Writes, as .npy files of float64: `rays`, of which a row is
-    /// an origin and a direction of any length; `domain`, the ends of x, y and z; for each method a file of its name, of
-    /// which a row is 0 for a proven miss, 1 for a proven hit or 2 for undecided, the two distances between which the hit is
-    /// proven, and the distance at which the ray is painted; and `certified`, of which a row is 0 for no root, 1 for one or 2
-    /// for open, and the distances between which the first root lies. Distances are from the origin in units of the world;
-    /// they are NaN where there are none.
+    /// So that other programs can be held against the same rays. Writes, as .npy files of float64:
+    /// `rays`, of which a row is an origin and a direction of any length; `domain`, the ends of x,
+    /// y and z; for each method a file of its name, of which a row is 0 for a proven miss, 1 for a
+    /// proven hit or 2 for undecided, the two distances between which the hit is proven, and the
+    /// distance at which the ray is painted; and `certified`, of which a row is 0 for no root, 1
+    /// for one or 2 for open, and the distances between which the first root lies. Distances are
+    /// from the origin in units of the world; they are NaN where there are none.
     Rays(RaysArguments),
-    /// Time kernels and pictures without rigour, widened operation by operation, and rounded up as they are
+    /// Time kernels and pictures without rigour, widened operation by operation, and rounded up as
+    /// they are
     ///
-    /// In the directory: `rigour.csv`, of which a row is a surface's kernel or picture in one arithmetic, and `rigour.svg`.
+    /// In the directory: `rigour.csv`, of which a row is a surface's kernel or picture in one
+    /// arithmetic, and `rigour.svg`.
     Rigour(RigourArguments),
-    /// Time text to kernels against the size of formulas: those of the gallery, and sums and products that are made
+    /// Time text to kernels against the size of formulas: those of the gallery, and sums and
+    /// products that are made
     ///
-    /// In the directory: `compile.csv`, of which a row is a formula, `compile-time.svg` and `compile-code.svg`.
+    /// In the directory: `compile.csv`, of which a row is a formula, `compile-time.svg` and
+    /// `compile-code.svg`.
     Compile(CompileArguments),
     /// Draw the charts of a directory's rows once more, as `run` does at its end
     Draw {
@@ -100,7 +105,8 @@ pub struct RunArguments {
     #[arg(long, value_delimiter = ',', default_value = "f32,f64,auto", value_name = "NAMES",
         value_parser = precision_name)]
     precision: Vec<String>,
-    /// Rows of a picture, and pixels in a row; several, with commas between, chart time against resolution
+    /// Rows of a picture, and pixels in a row; several, with commas between, chart time against
+    /// resolution
     #[arg(long, visible_alias = "size", value_delimiter = ',', default_value = "256", value_name = "PIXELS",
         value_parser = number(8..=8192))]
     sizes: Vec<usize>,
@@ -130,7 +136,8 @@ pub struct RunArguments {
 /// Which rays to follow.
 #[derive(Args, Debug)]
 pub struct RaysArguments {
-    /// A surface: a name of `zeroset gallery --list`, or one of the ten that are measured by default
+    /// A surface: a name of `zeroset gallery --list`, or one of the ten that are measured by
+    /// default
     pub surface: String,
     /// Rays from an .npy file: float64, a row of six numbers each, an origin and a direction
     #[arg(long, value_name = "FILE", conflicts_with = "random")]

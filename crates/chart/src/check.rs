@@ -12,7 +12,8 @@ use crate::surfaces::Surface;
 use crate::views::View;
 use std::path::Path;
 
-/// Times may differ by so much, as a ratio: those of two runs of a machine that does nothing else do so by less.
+/// Times may differ by so much, as a ratio: those of two runs of a machine that does nothing else
+/// do so by less.
 pub const ROOM: f64 = 0.15;
 
 /// How results differ from those of another run.
@@ -22,7 +23,8 @@ pub struct Differences {
     pub rows: usize,
     /// Work, pixels or hashes that are not the same: a line each.
     pub counts: Vec<String>,
-    /// Rows of which the time relative to that of the others in their view changed by more than [`ROOM`]: a line each.
+    /// Rows of which the time relative to that of the others in their view changed by more than
+    /// [`ROOM`]: a line each.
     pub times: Vec<String>,
 }
 

@@ -21,7 +21,8 @@ const OPEN: Rgb<u8> = Rgb([140, 140, 140]);
 const RIGHT: Rgb<u8> = Rgb([220, 220, 220]);
 const NOTHING: Rgb<u8> = Rgb([255, 255, 255]);
 
-/// Each pixel of a picture in the colour of what is wrong with it; white where the reference has none.
+/// Each pixel of a picture in the colour of what is wrong with it; white where the reference has
+/// none.
 pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
     let (width, height) = (buffer.width as u32, buffer.height as u32);
     let mut image = RgbImage::from_pixel(width, height, NOTHING);

@@ -7,8 +7,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use zeroset_trace::{GBuffer, RayGrid, Status};
 
-/// How the painted points of some pixels are wrong, and what is claimed of them. Pixels that the reference leaves open count in
-/// `open` and nowhere else.
+/// How the painted points of some pixels are wrong, and what is claimed of them. Pixels that the
+/// reference leaves open count in `open` and nowhere else.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Pixels that were looked at.
@@ -25,15 +25,18 @@ pub struct Errors {
     pub wrong_root: usize,
     /// Pixels of which the method leaves open what they show.
     pub undecided: usize,
-    /// Pixels of which the method claims what is not true: a miss that has a root, a hit that has none, or has another first.
+    /// Pixels of which the method claims what is not true: a miss that has a root, a hit that has
+    /// none, or has another first.
     pub false_claims: usize,
-    /// Pixels with a root that are painted at their first root: distances and normals are about these.
+    /// Pixels with a root that are painted at their first root: distances and normals are about
+    /// these.
     pub painted: usize,
     /// How far from the root, in pixels' footprints there: median, 99.9 % and maximum.
     pub off_pixels: Option<[f64; 3]>,
     /// The same in world units.
     pub off: Option<[f64; 3]>,
-    /// Angle between what is drawn as the normal and the normal at the root, in degrees: the same three.
+    /// Angle between what is drawn as the normal and the normal at the root, in degrees: the same
+    /// three.
     pub normal_degrees: Option<[f64; 3]>,
 }
 
@@ -58,8 +61,8 @@ fn is_next(root: &Root, drawn: f64) -> bool {
     root.next.is_some_and(|next| outside(&[next], drawn) < outside(&root.pieces, drawn))
 }
 
-/// What is wrong with a pixel painted at this distance, which is infinite where nothing is painted; `None` if nothing is, or it
-/// is not known.
+/// What is wrong with a pixel painted at this distance, which is infinite where nothing is painted;
+/// `None` if nothing is, or it is not known.
 pub fn mistake(truth: &Truth, drawn: f64) -> Option<Mistake> {
     match truth {
         Truth::Open => None,

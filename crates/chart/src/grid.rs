@@ -47,8 +47,8 @@ pub fn precision(name: &str) -> Option<Precision> {
     [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
 }
 
-/// The options of a method that are varied: all that it reads; but where depth or steps say how finely it looks, the tolerance
-/// only ends the refinement of what it found, and stays as it is.
+/// The options of a method that are varied: all that it reads; but where depth or steps say how
+/// finely it looks, the tolerance only ends the refinement of what it found, and stays as it is.
 fn varied(method: &Method) -> impl Iterator<Item = MethodOption> {
     let looks = |option: &MethodOption| matches!(option, MethodOption::Depth | MethodOption::Steps);
     let has_other = method.reads.iter().any(looks);

@@ -1,5 +1,6 @@
-//! Compile time against the size of an expression: from text to the kernels that the method `affine` asks for, of the gallery's
-//! surfaces and of formulas that are made as large as one likes.
+//! Compile time against the size of an expression: from text to the kernels that the method
+//! `affine` asks for, of the gallery's surfaces and of formulas that are made as large as one
+//! likes.
 
 mod chart;
 mod formulas;
@@ -24,8 +25,9 @@ use zeroset_eval::{ContractTiles, Question};
 use zeroset_syntax::{Options as Reading, read};
 use zeroset_trace::{Method, Options};
 
-/// A formula's line of results. Times are in milliseconds, on one thread: the least of all rounds, as the same work is done
-/// in each and whatever else the processor does only adds to it, the more the longer it takes.
+/// A formula's line of results. Times are in milliseconds, on one thread: the least of all rounds,
+/// as the same work is done in each and whatever else the processor does only adds to it, the more
+/// the longer it takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns
 pub struct Row {
@@ -68,7 +70,8 @@ pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
     let mut order: Vec<usize> = (0..formulas.len()).collect();
     let mut rounds: Vec<Vec<Row>> = vec![Vec::new(); formulas.len()];
     let mut rows = Vec::new();
-    // The first round warms up. A disturbance falls on one round of many formulas, and not on one formula.
+    // The first round warms up. A disturbance falls on one round of many formulas, and not on one
+    // formula.
     for round in 0..=repeats {
         random.shuffle(&mut order);
         for &number in &order {
@@ -154,7 +157,8 @@ fn together(rounds: &[Row]) -> Row {
     }
 }
 
-/// What was found, in few lines: how times and code grow with nodes, and what the largest formula takes.
+/// What was found, in few lines: how times and code grow with nodes, and what the largest formula
+/// takes.
 fn table(rows: &[Row]) -> String {
     let Some(largest) = rows.iter().max_by_key(|row| row.nodes) else { return String::new() };
     let (formulas, nodes) = (rows.len(), largest.nodes);

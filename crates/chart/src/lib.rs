@@ -1,8 +1,9 @@
 //! Speed against accuracy of every method of `zeroset`, measured and charted.
 //!
-//! [`grid`] says what is measured: surfaces, [`views`], and each method with the options that it reads. [`measure`] takes
-//! the times, [`errors`] holds pictures against a [`mod@reference`] that is proven by the certified tracer, and both become a
-//! [`row`] of a [`store`]. Charts and pages are made of rows alone.
+//! [`grid`] says what is measured: surfaces, [`views`], and each method with the options that it
+//! reads. [`measure`] takes the times, [`errors`] holds pictures against a [`mod@reference`] that
+//! is proven by the certified tracer, and both become a [`row`] of a [`store`]. Charts and pages
+//! are made of rows alone.
 //!
 //! Methods are known here by their rows in [`METHODS`](zeroset_trace::METHODS) only.
 

@@ -1,4 +1,5 @@
-//! Times of pictures, taken in turn: in each round every configuration draws once, in an order that a seed draws.
+//! Times of pictures, taken in turn: in each round every configuration draws once, in an order that
+//! a seed draws.
 
 use crate::error::ChartError;
 use crate::grid::Configuration;
@@ -38,8 +39,8 @@ pub fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
 }
 
-/// Measures all `configurations` from one view, each `repeats` times after a cold and a warm picture; `advance` is told after
-/// each round.
+/// Measures all `configurations` from one view, each `repeats` times after a cold and a warm
+/// picture; `advance` is told after each round.
 ///
 /// # Errors
 /// If a kernel cannot be made.

@@ -1,4 +1,5 @@
-//! One page that needs nothing else: charts, tables, pictures and what is wrong with them, the machine and the commands.
+//! One page that needs nothing else: charts, tables, pictures and what is wrong with them, the
+//! machine and the commands.
 
 mod pictures;
 mod table;

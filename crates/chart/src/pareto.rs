@@ -1,7 +1,7 @@
 //! The Pareto front: what nothing else is better than in both ways at once.
 
-/// The points that no other one is below in one coordinate without being above in the other, from left to right, by their
-/// index. Of equal points there is the first.
+/// The points that no other one is below in one coordinate without being above in the other, from
+/// left to right, by their index. Of equal points there is the first.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {

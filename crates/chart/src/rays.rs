@@ -1,4 +1,5 @@
-//! Rays that are given, or random, followed by methods and by the certified tracer, for other programs to compare with.
+//! Rays that are given, or random, followed by methods and by the certified tracer, for other
+//! programs to compare with.
 
 use crate::arguments::RaysArguments;
 use crate::error::ChartError;
@@ -23,7 +24,8 @@ const BUDGET: u32 = 20_000;
 /// A file of rays is read as rows of so many numbers.
 const COLUMNS: usize = 6;
 
-/// Follows the rays, writes what was found, and says in a line for each method how long it took and whether it is right.
+/// Follows the rays, writes what was found, and says in a line for each method how long it took and
+/// whether it is right.
 ///
 /// # Errors
 /// If the surface or the file is none, or something cannot be written.

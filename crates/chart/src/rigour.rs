@@ -1,5 +1,6 @@
-//! The price of rigour: the same kernels while results are rounded to nearest and left so, which is not sound; while each is
-//! moved up by further operations, as is done where no rounding mode can be set; and rounded up, as the product does.
+//! The price of rigour: the same kernels while results are rounded to nearest and left so, which is
+//! not sound; while each is moved up by further operations, as is done where no rounding mode can
+//! be set; and rounded up, as the product does.
 //!
 //! Kernels are asked what a picture asks them; whole pictures are traced in each arithmetic, too.
 
@@ -68,7 +69,8 @@ fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
     chart::figure(rows).save(directory)
 }
 
-/// What was found, in few lines: times over those without rigour, and widths over those of rounding up.
+/// What was found, in few lines: times over those without rigour, and widths over those of rounding
+/// up.
 fn table(rows: &[Row]) -> String {
     let mean = |rows: &[&Row], value: fn(&Row) -> Option<f64>| {
         let values: Vec<f64> = rows.iter().filter_map(|row| value(row)).collect();

@@ -1,4 +1,5 @@
-//! One line of results: a surface from a view by a configuration, and all that it takes to repeat it.
+//! One line of results: a surface from a view by a configuration, and all that it takes to repeat
+//! it.
 
 use crate::error::ChartError;
 use crate::errors::Errors;
@@ -26,7 +27,8 @@ pub struct Frame {
     pub samples: usize,
 }
 
-/// A line of results. Times are in milliseconds, distances in world units unless they are in pixels.
+/// A line of results. Times are in milliseconds, distances in world units unless they are in
+/// pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns; the README tells what is measured
 pub struct Row {

@@ -1,7 +1,9 @@
-//! Formulas on which methods for implicit surfaces are known to fail, by every method, and what becomes of them.
+//! Formulas on which methods for implicit surfaces are known to fail, by every method, and what
+//! becomes of them.
 //!
-//! Cases are those of `tests/data/stability`. What is certain of a ray is said by the certified tracer, and where that leaves
-//! it open, as where f touches 0, by the roots that are stored beside the cases.
+//! Cases are those of `tests/data/stability`. What is certain of a ray is said by the certified
+//! tracer, and where that leaves it open, as where f touches 0, by the roots that are stored beside
+//! the cases.
 
 mod case;
 mod outcome;

@@ -1,7 +1,7 @@
 //! What is certain of rays, by the certified tracer.
 //!
-//! It knows no methods: the tracer shares no code with kernels or traversers. Normals are the exception: they are exact
-//! derivatives, taken by a kernel of 64 bits at the certified root.
+//! It knows no methods: the tracer shares no code with kernels or traversers. Normals are the
+//! exception: they are exact derivatives, taken by a kernel of 64 bits at the certified root.
 
 use crate::error::ChartError;
 use crate::surfaces::Surface;
@@ -110,7 +110,8 @@ impl<'a> Certifier<'a> {
         Truth::Root(Root { pieces, next: self.next(ray, &crossing), normal })
     }
 
-    /// The next crossing, on a ray that starts behind the first: within rounding it is the same ray.
+    /// The next crossing, on a ray that starts behind the first: within rounding it is the same
+    /// ray.
     fn next(&self, ray: &Ray, first: &Crossing) -> Option<[f64; 2]> {
         let behind = Ray { origin: ray.at(first.far), direction: ray.direction };
         let next = self.trace(&behind).crossing?;

@@ -1,6 +1,7 @@
 //! Where surfaces are seen from: a standard view, and others that a seed draws.
 //!
-//! Points on surfaces are found by the certified tracer, so that a view does not change with the methods that it judges.
+//! Points on surfaces are found by the certified tracer, so that a view does not change with the
+//! methods that it judges.
 
 use crate::error::ChartError;
 use crate::surfaces::Surface;
@@ -12,11 +13,13 @@ use zeroset_trace::{Camera, Projection, Ray};
 
 /// Degrees, in every view.
 const FOV: f64 = 40.0;
-/// From the middle of the domain to the eye of the standard view, in half extents: that of Knoll et al. 2007.
+/// From the middle of the domain to the eye of the standard view, in half extents: that of Knoll et
+/// al. 2007.
 const STANDARD: DVec3 = DVec3::new(2.0, 1.5, 3.0);
 /// Rays that are tried for a point on a surface.
 const TRIES: usize = 400;
-/// Parts of a half extent that coordinates are rounded to, so that they are short where they are printed.
+/// Parts of a half extent that coordinates are rounded to, so that they are short where they are
+/// printed.
 const STEPS: f64 = 65536.0;
 
 /// What kinds of views there are; the next after the last is the first but the standard one.
@@ -55,11 +58,12 @@ pub struct View {
     pub camera: Camera,
 }
 
-/// The first `count` views of a surface; each depends on the seed, the surface's name and its own number only.
+/// The first `count` views of a surface; each depends on the seed, the surface's name and its own
+/// number only.
 ///
 /// # Errors
-/// If the function has no code. Where the surface was not met by any of many rays, views from all around take the place of
-/// those near it.
+/// If the function has no code. Where the surface was not met by any of many rays, views from all
+/// around take the place of those near it.
 pub fn views(surface: &Surface, count: usize, seed: u64) -> Result<Vec<View>, ChartError> {
     (0..count).map(|number| view(surface, number, seed)).collect()
 }
@@ -119,7 +123,8 @@ pub fn direction(rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// A point where the function crosses 0, seen from outside, and its normal towards where it is seen from.
+/// A point where the function crosses 0, seen from outside, and its normal towards where it is seen
+/// from.
 fn point(surface: &Surface, rng: &mut Rng) -> Result<Option<(DVec3, DVec3)>, ChartError> {
     let certifier = Certifier::new(surface, BUDGET)?;
     let (centre, half) = (surface.region.centre(), surface.region.half_extent());

@@ -136,7 +136,8 @@ fn rigour_has_a_price() {
             _ => assert!(row.width.is_none_or(|width| width >= 1.0), "{row:?}"),
         }
     }
-    // At a point there is nothing but rounding: none is an error, and by more operations it is more.
+    // At a point there is nothing but rounding: none is an error, and by more operations it is
+    // more.
     let of = |arithmetic: &'static str| rows.iter().filter(move |row| row.arithmetic == arithmetic);
     for ((unsound, widened), upward) in of("unsound").zip(of("widened")).zip(of("upward")) {
         if unsound.asked == Asked::Boxes {

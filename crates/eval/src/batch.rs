@@ -1,7 +1,8 @@
-//! The data that kernels read and write: batches of sixteen lanes, whatever the width of a register.
+//! The data that kernels read and write: batches of sixteen lanes, whatever the width of a
+//! register.
 //!
-//! In a batch each quantity is contiguous and aligned to 64 bytes. A kernel takes it a register at a time, up to the
-//! lanes in use; what it leaves in other lanes has no meaning.
+//! In a batch each quantity is contiguous and aligned to 64 bytes. A kernel takes it a register at
+//! a time, up to the lanes in use; what it leaves in other lanes has no meaning.
 
 use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
@@ -9,8 +10,8 @@ use zeroset_interval::{Facts, Interval};
 
 /// Memory that a kernel reads or writes: quantities first.
 ///
-/// Only the types of this module are such; they are `repr(C)`, so that quantity k starts `k` times the size of
-/// [`Lanes`] after the beginning.
+/// Only the types of this module are such; they are `repr(C)`, so that quantity k starts `k` times
+/// the size of [`Lanes`] after the beginning.
 pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'static {
     /// How many quantities there are.
     const QUANTITIES: usize;
@@ -32,8 +33,9 @@ pub trait Input<T: Real>: Batch<T> {
     fn is_within(&self, domain: &[Interval; 3]) -> bool;
 }
 
-/// A batch that a kernel writes. Up to four masks of [`LANES`] bits follow the quantities, the lowest bit of each for the
-/// first lane; where there are any, 64 bits are written at once, so that none of them is waited for when it is read.
+/// A batch that a kernel writes. Up to four masks of [`LANES`] bits follow the quantities, the
+/// lowest bit of each for the first lane; where there are any, 64 bits are written at once, so that
+/// none of them is waited for when it is read.
 pub trait Output<T: Real>: Batch<T> {
     /// How many masks there are.
     const MASKS: usize;
@@ -129,9 +131,10 @@ batch! {
 }
 
 batch! {
-    /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. Each coordinate of the real point is
-    /// within `error` of that for the real numbers that these floats are; and `error` has room for what a kernel rounds on
-    /// its way to the point ([`Segments::allow_rounding`]).
+    /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. Each
+    /// coordinate of the real point is within `error` of that for the real numbers that these
+    /// floats are; and `error` has room for what a kernel rounds on its way to the point
+    /// ([`Segments::allow_rounding`]).
     Segments {
         /// Per axis, where t is 0.
         origin: [Lanes<T>; 3] = 3,
@@ -150,8 +153,9 @@ batch! {
 }
 
 batch! {
-    /// Tiles of rays, each a segment deep: the points `o + a·o₁ + b·o₂ + t·(d + a·d₁ + b·d₂)`, for screen coordinates (a, b)
-    /// within `half` of `centre`, and t from `near` to `far`. As in [`Segments`], within `error`.
+    /// Tiles of rays, each a segment deep: the points `o + a·o₁ + b·o₂ + t·(d + a·d₁ + b·d₂)`, for
+    /// screen coordinates (a, b) within `half` of `centre`, and t from `near` to `far`. As in
+    /// [`Segments`], within `error`.
     ///
     /// The frame of the picture is the same in all lanes.
     Tiles {
@@ -183,18 +187,19 @@ batch! {
         /// Its upper end.
         far: Lanes<T> = 1,
         ;
-        /// Lanes that may have a zero: where the bit is clear, there is none in the part of the segment that lies in the
-        /// domain.
+        /// Lanes that may have a zero: where the bit is clear, there is none in the part of the
+        /// segment that lies in the domain.
         possible: u16,
-        /// Lanes in which, if all of the segment lies in the domain, the function is continuous on it, and its values at
-        /// the two ends have opposite signs, neither of them 0.
+        /// Lanes in which, if all of the segment lies in the domain, the function is continuous on
+        /// it, and its values at the two ends have opposite signs, neither of them 0.
         crossing: u16,
     }
 }
 
 batch! {
-    /// Where zeros may lie in tiles, and by what linear function: with symbols `εₐ`, `ε_b` and `ε` from −1 to 1 for the two screen
-    /// axes and for t = `middle` + `half`·ε, the function's value is within `error` of `value` + Σ `slope`·ε.
+    /// Where zeros may lie in tiles, and by what linear function: with symbols `εₐ`, `ε_b` and `ε`
+    /// from −1 to 1 for the two screen axes and for t = `middle` + `half`·ε, the function's value
+    /// is within `error` of `value` + Σ `slope`·ε.
     Planes {
         /// The lower end of the part of t that may hold zeros, on any ray of the tile.
         near: Lanes<T> = 1,
@@ -221,7 +226,8 @@ batch! {
 batch! {
     /// What is known of a function over boxes. Masks have a bit per lane, the lowest for the first.
     Enclosures {
-        /// The negated lower ends; never NaN, never −∞ (where the function is defined nowhere, they say nothing).
+        /// The negated lower ends; never NaN, never −∞ (where the function is defined nowhere, they
+        /// say nothing).
         neg_lo: Lanes<T> = 1,
         /// The upper ends; never NaN, never −∞.
         hi: Lanes<T> = 1,
@@ -239,7 +245,8 @@ batch! {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Zeros {
-    /// Lanes in which it may have a zero: where the bit is clear, it is proven to have none in the box.
+    /// Lanes in which it may have a zero: where the bit is clear, it is proven to have none in the
+    /// box.
     pub possible: u16,
     /// Lanes in which no finite bounds of it are known: perhaps an asymptote, and no zero.
     pub unbounded: u16,
@@ -273,10 +280,11 @@ batch! {
         /// Per axis, their upper ends.
         gradient_hi: [Lanes<T>; 3] = 3,
         ;
-        /// Lanes in which the function is Lipschitz continuous in the box. Only there do the bounds of the gradient
-        /// mean anything: it is within them wherever it exists.
+        /// Lanes in which the function is Lipschitz continuous in the box. Only there do the bounds
+        /// of the gradient mean anything: it is within them wherever it exists.
         lipschitz: u16,
-        /// Lanes in which it is differentiable at each point of the box, towards points of the box at least.
+        /// Lanes in which it is differentiable at each point of the box, towards points of the box
+        /// at least.
         differentiable: u16,
     }
 }
@@ -301,12 +309,12 @@ batch! {
     }
 }
 
-/// Units of the sum of the magnitudes of all terms of a coordinate that a kernel may round it by: each term is rounded up to
-/// six times, by up to a unit of itself.
+/// Units of the sum of the magnitudes of all terms of a coordinate that a kernel may round it by:
+/// each term is rounded up to six times, by up to a unit of itself.
 pub const PATH_UNITS: f64 = 8.0;
 
-/// `error` and what a kernel rounds a coordinate by: its terms have magnitudes of this sum, what is met on the way to it is at
-/// most `met`, and what underflows is multiplied by up to `scale`.
+/// `error` and what a kernel rounds a coordinate by: its terms have magnitudes of this sum, what is
+/// met on the way to it is at most `met`, and what underflows is multiplied by up to `scale`.
 #[inline]
 fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
     let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);
@@ -445,7 +453,8 @@ macro_rules! input_anywhere {
                 self.count as usize
             }
 
-            /// Samples bound nothing, and what is answered of rays holds for those points that lie in the domain.
+            /// Samples bound nothing, and what is answered of rays holds for those points that lie
+            /// in the domain.
             fn is_within(&self, _: &[Interval; 3]) -> bool {
                 true
             }

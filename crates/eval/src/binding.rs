@@ -8,7 +8,8 @@ use zeroset_interval::Interval;
 
 /// Values of all parameters for one picture: what turns code into a function of x, y and z.
 ///
-/// A parameter is a real number known by bounds, because what was typed need not be a float. Clones share the values.
+/// A parameter is a real number known by bounds, because what was typed need not be a float. Clones
+/// share the values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding<T: Real = f32> {
     quantities: Arc<[Lanes<T>]>,
@@ -31,7 +32,8 @@ impl<T: Real> Binding<T> {
         Self::new(&[])
     }
 
-    /// What kernels read: per parameter −lo, hi and a value near the middle of its bounds, each in all lanes.
+    /// What kernels read: per parameter −lo, hi and a value near the middle of its bounds, each in
+    /// all lanes.
     pub fn quantities(&self) -> &[Lanes<T>] {
         &self.quantities
     }
@@ -41,7 +43,8 @@ impl<T: Real> Binding<T> {
         &self.bounds
     }
 
-    /// Whether each parameter lies within its range. Code that was made for these ranges holds for this binding.
+    /// Whether each parameter lies within its range. Code that was made for these ranges holds for
+    /// this binding.
     pub fn is_within(&self, ranges: &[Interval]) -> bool {
         let inside = |(b, range): (&Interval, &Interval)| range.lo <= b.lo && b.hi <= range.hi;
         self.bounds.len() == ranges.len() && self.bounds.iter().zip(ranges).all(inside)

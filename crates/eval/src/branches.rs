@@ -1,7 +1,8 @@
 //! Where a function that jumps may vanish: its enclosures over parts of a box, one part at a time.
 //!
-//! At a jump, the enclosure of a function is the hull of both branches, and holds 0 though neither does. A box is free of
-//! zeros if it is so over each of some parts that cover it. Which operations split a box, and how, the rules say.
+//! At a jump, the enclosure of a function is the hull of both branches, and holds 0 though neither
+//! does. A box is free of zeros if it is so over each of some parts that cover it. Which operations
+//! split a box, and how, the rules say.
 
 use crate::domain::ValueDomain;
 use crate::real::Real;
@@ -29,8 +30,8 @@ pub(crate) struct Branches {
     operations: usize,
 }
 
-/// A choice between parts. Several steps may make the same: then it counts for the first of them that does jump in a
-/// box, and the others keep their whole boxes.
+/// A choice between parts. Several steps may make the same: then it counts for the first of them
+/// that does jump in a box, and the others keep their whole boxes.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
     parting: Split,
@@ -44,7 +45,8 @@ impl Choice {
 }
 
 impl Branches {
-    /// `None` if the last output depends on no step that splits boxes, or code for two branches would be too long.
+    /// `None` if the last output depends on no step that splits boxes, or code for two branches
+    /// would be too long.
     pub fn new<T: Real>(tape: &Tape<T>) -> Option<Self> {
         let mut combinations = COMBINATIONS;
         while combinations > 1 {
@@ -67,7 +69,8 @@ impl Branches {
         let mut choices: Vec<Choice> = Vec::new();
         let mut makes = vec![None; partings.len()];
         let mut left = combinations;
-        // Jumps before poles: most poles have been cleared away already, or are no jumps of the whole function.
+        // Jumps before poles: most poles have been cleared away already, or are no jumps of the
+        // whole function.
         for poles in [false, true] {
             let first = choices.len();
             let mut next = first;
@@ -175,8 +178,8 @@ impl<V: Copy> Combination<V> {
 }
 
 impl<T: Real> Tape<T> {
-    /// Writes in which lanes all outputs may vanish together: not where in each combination of parts some output has no
-    /// zero.
+    /// Writes in which lanes all outputs may vanish together: not where in each combination of
+    /// parts some output has no zero.
     pub(crate) fn possible_branches<M: Machine, D>(
         &self,
         m: &mut M,
@@ -324,8 +327,9 @@ mod tests {
         }
     }
 
-    /// Seven jumps for three choices. The fourth jumps in one branch of the second only, and then the seventh, which
-    /// makes the same choice, must not: whether it does depends on the second as well.
+    /// Seven jumps for three choices. The fourth jumps in one branch of the second only, and then
+    /// the seventh, which makes the same choice, must not: whether it does depends on the second as
+    /// well.
     #[test]
     fn a_choice_already_made_by_another_jump_is_not_made_again() {
         let mut sheet = Sheet::default();

@@ -1,7 +1,8 @@
-//! Where a function is Lipschitz continuous or differentiable over a box: intervals, and two facts more.
+//! Where a function is Lipschitz continuous or differentiable over a box: intervals, and two facts
+//! more.
 //!
-//! Together with enclosures of the derivatives these make slopes rigorous: over a segment within a box in which the
-//! function is Lipschitz continuous, it changes by what its slopes allow.
+//! Together with enclosures of the derivatives these make slopes rigorous: over a segment within a
+//! box in which the function is Lipschitz continuous, it changes by what its slopes allow.
 
 use crate::domain::{Bounds, Loader, ValueDomain};
 use crate::real::Real;
@@ -90,7 +91,8 @@ fn smooth<T: Real, M: Machine>(
                 let differs = differs::<T, M>(m, a, f64::from(corner));
                 away = away.and(m, differs);
             }
-            // The slopes at the corner of a magnitude are 1 and −1; at other corners they are infinite.
+            // The slopes at the corner of a magnitude are 1 and −1; at other corners they are
+            // infinite.
             let is_magnitude = row.class == Class::Function(Law::Magnitude);
             (if is_magnitude { continuous } else { away }, away)
         }

@@ -1,6 +1,7 @@
 //! What a tape computes with: a domain of values, such as intervals or points.
 //!
-//! A tape is walked in one place; what a step means is said here, by one implementation for each domain.
+//! A tape is walked in one place; what a step means is said here, by one implementation for each
+//! domain.
 
 use crate::real::{Real, middle};
 use zeroset_interval::{
@@ -22,7 +23,8 @@ pub trait ValueDomain<T: Real, M: Machine> {
     fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value;
     /// An operation on earlier values.
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value;
-    /// An operation and its [twin](zeroset_ops::Row::twin) on the same value, if they share work there.
+    /// An operation and its [twin](zeroset_ops::Row::twin) on the same value, if they share work
+    /// there.
     fn apply_twins(
         &mut self,
         m: &mut M,

@@ -38,7 +38,8 @@ struct Forms<'a, I, V, P, const N: usize> {
     path: PhantomData<P>,
 }
 
-/// How far along a ray: t is within `middle` ± `half` for t from the one end of a segment to the other.
+/// How far along a ray: t is within `middle` ± `half` for t from the one end of a segment to the
+/// other.
 #[derive(Clone, Copy)]
 pub(crate) struct Depth<V> {
     pub middle: V,

@@ -1,7 +1,7 @@
 //! What may be asked of a function, each question with a contract of its own, and what answers.
 //!
-//! All but samples are proofs about boxes, and hold wherever the function is asked as its code was made for: boxes within
-//! the domain, parameters within their ranges. Debug builds assert that.
+//! All but samples are proofs about boxes, and hold wherever the function is asked as its code was
+//! made for: boxes within the domain, parameters within their ranges. Debug builds assert that.
 
 use crate::batch::{
     Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output, Planes, Points,
@@ -30,8 +30,8 @@ pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Holds a tape and a binding against what this question needs.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions, or assumes another number of parameters than are bound, or, in
-    /// debug builds, other values.
+    /// If the tape computes another number of expressions, or assumes another number of parameters
+    /// than are bound, or, in debug builds, other values.
     fn check<T: Real>(tape: &Tape<T>, binding: &Binding<T>) {
         assert_eq!(tape.outputs(), Self::OUTPUTS, "expressions that answer for {}", Self::NAME);
         assert_eq!(tape.parameters(), binding.bounds().len(), "parameters");
@@ -46,7 +46,8 @@ pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Holds what is asked about against what a tape is.
     ///
     /// # Panics
-    /// If no lane is in use or more than there are, or, in debug builds, if one is beyond the domain that the tape assumes.
+    /// If no lane is in use or more than there are, or, in debug builds, if one is beyond the
+    /// domain that the tape assumes.
     #[inline]
     fn check_input<T: Real>(tape: &Tape<T>, input: &Self::Input<T>) {
         assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
@@ -59,7 +60,8 @@ pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Writes the answer on `m`: its quantities and its masks.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions, or only finds zeros and this asks for more.
+    /// If the tape computes another number of expressions, or only finds zeros and this asks for
+    /// more.
     fn answer<T: Real, M: Machine>(
         tape: &Tape<T>,
         m: &mut M,
@@ -80,8 +82,8 @@ pub trait Kernel<Q: Question, T: Real = f32>: Send + Sync {
     /// Answers for the lanes in use.
     ///
     /// # Panics
-    /// If no lane is in use, or more than there are. In debug builds also if a box reaches out of the domain that this was
-    /// made for.
+    /// If no lane is in use, or more than there are. In debug builds also if a box reaches out of
+    /// the domain that this was made for.
     fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>);
 
     /// The answers to all of `inputs`, in order.
@@ -98,22 +100,23 @@ pub trait Kernel<Q: Question, T: Real = f32>: Send + Sync {
     }
 }
 
-/// Which values does the function take over a box? At each real point of the box where it is defined, its value is within
-/// the bounds; the facts say where it is defined and continuous.
+/// Which values does the function take over a box? At each real point of the box where it is
+/// defined, its value is within the bounds; the facts say where it is defined and continuous.
 #[derive(Clone, Copy, Debug)]
 pub struct Enclose;
 
-/// May a box hold a zero of the function? A lane whose bit in [`Zeros::possible`] is clear has none; nothing is claimed of
-/// other lanes, nor of the function's values.
+/// May a box hold a zero of the function? A lane whose bit in [`Zeros::possible`] is clear has
+/// none; nothing is claimed of other lanes, nor of the function's values.
 #[derive(Clone, Copy, Debug)]
 pub struct FindZeros;
 
-/// Which gradients does the function have over a box, and is it differentiable there? The tape computes the function and
-/// its three partial derivatives.
+/// Which gradients does the function have over a box, and is it differentiable there? The tape
+/// computes the function and its three partial derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct EncloseGradient;
 
-/// Between which ends of a segment of a ray do all zeros lie that it has in the domain, and do its ends prove one?
+/// Between which ends of a segment of a ray do all zeros lie that it has in the domain, and do its
+/// ends prove one?
 #[derive(Clone, Copy, Debug)]
 pub struct ContractSegments;
 
@@ -121,12 +124,13 @@ pub struct ContractSegments;
 #[derive(Clone, Copy, Debug)]
 pub struct ContractTiles;
 
-/// About what is the function's value at a point? Computed in `T` rounded up; no error bound is claimed.
+/// About what is the function's value at a point? Computed in `T` rounded up; no error bound is
+/// claimed.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample;
 
-/// About what are value and gradient at a point? As [`Sample`]; the tape computes the function and its three partial
-/// derivatives.
+/// About what are value and gradient at a point? As [`Sample`]; the tape computes the function and
+/// its three partial derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleGradient;
 

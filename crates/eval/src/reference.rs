@@ -23,8 +23,8 @@ impl<Q: Question, T: Real> Reference<Q, T> {
     /// A reference for `tape` under `binding`.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the question needs, or assumes another number of
-    /// parameters than are bound, or, in debug builds, other values.
+    /// If the tape computes another number of expressions than the question needs, or assumes
+    /// another number of parameters than are bound, or, in debug builds, other values.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Self {
         Q::check(&tape, &binding);
         Self { tape, binding, question: PhantomData }

@@ -18,8 +18,8 @@ pub type Asked<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
 
 /// What may be asked of one function, in either precision.
 ///
-/// A kernel is made when it is first asked for, so only what a picture needs should be. What an implementation leaves out
-/// is not answered.
+/// A kernel is made when it is first asked for, so only what a picture needs should be. What an
+/// implementation leaves out is not answered.
 pub trait Surface: Sync {
     /// Kernels that compute in `f32`.
     fn single(&self) -> &dyn Kernels<f32> {
@@ -31,7 +31,8 @@ pub trait Surface: Sync {
     }
 }
 
-/// The kernels of one function in one precision; each may be impossible to make, for a reason that is told.
+/// The kernels of one function in one precision; each may be impossible to make, for a reason that
+/// is told.
 #[allow(clippy::missing_errors_doc, reason = "the same for each, and said above")]
 pub trait Kernels<T: Real>: Sync {
     /// May a box hold a zero?
@@ -42,13 +43,14 @@ pub trait Kernels<T: Real>: Sync {
     fn bounds(&self) -> Asked<'_, Enclose, T> {
         Err(Arc::new(Unanswered))
     }
-    /// Bounds of the numerator and of the denominator of the function's cleared form, if it has one: where the function
-    /// is defined, it vanishes where the numerator does and the denominator does not, and it has its poles where the
-    /// denominator vanishes.
+    /// Bounds of the numerator and of the denominator of the function's cleared form, if it has
+    /// one: where the function is defined, it vanishes where the numerator does and the denominator
+    /// does not, and it has its poles where the denominator vanishes.
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Err(Arc::new(Unanswered))
     }
-    /// Contractions of segments of rays: of the numerator of the function's cleared form, if it has one, else of the function.
+    /// Contractions of segments of rays: of the numerator of the function's cleared form, if it has
+    /// one, else of the function.
     fn segments(&self) -> Asked<'_, ContractSegments, T> {
         Err(Arc::new(Unanswered))
     }
@@ -101,14 +103,16 @@ impl fmt::Display for Unanswered {
 impl Error for Unanswered {}
 impl<T: Real> Kernels<T> for Unanswered {}
 
-/// Where a function may vanish, by up to three forms of it, each asked only where the one before leaves lanes open.
+/// Where a function may vanish, by up to three forms of it, each asked only where the one before
+/// leaves lanes open.
 pub struct ZeroTest<T: Real> {
     /// The function.
     pub function: Box<dyn Kernel<FindZeros, T>>,
-    /// The numerator of its cleared form, which vanishes at the same points of the function's domain: poles are proven
-    /// empty by it, and a root near a pole has bounds.
+    /// The numerator of its cleared form, which vanishes at the same points of the function's
+    /// domain: poles are proven empty by it, and a root near a pole has bounds.
     pub numerator: Option<Box<dyn Kernel<FindZeros, T>>>,
-    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)), asked where it may jump.
+    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)), asked where it
+    /// may jump.
     pub branches: Option<Box<dyn Kernel<FindZeros, T>>>,
 }
 
@@ -116,7 +120,8 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     #[inline]
     fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
         self.function.ask(boxes, zeros);
-        // What a kernel leaves in lanes that are not in use has no meaning, and is asked no further.
+        // What a kernel leaves in lanes that are not in use has no meaning, and is asked no
+        // further.
         zeros.possible &= u16::MAX >> (u16::BITS - boxes.count);
         if let Some(numerator) = &self.numerator
             && zeros.possible != 0
@@ -134,7 +139,8 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     }
 }
 
-/// Asks about some lanes of a batch: gathered, if that leaves at most half of it. Of other lanes nothing is known.
+/// Asks about some lanes of a batch: gathered, if that leaves at most half of it. Of other lanes
+/// nothing is known.
 fn ask_some<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
     let mut zeros = Zeros::default();
     if 2 * lanes.count_ones() > boxes.count {
@@ -159,7 +165,8 @@ mod tests {
     use zeroset_ir::{Axis, Graph};
     use zeroset_ops::Op;
 
-    /// Lanes not in use hold zeros here, which are out of the domain: asking about them would be refused.
+    /// Lanes not in use hold zeros here, which are out of the domain: asking about them would be
+    /// refused.
     #[test]
     fn lanes_that_are_not_in_use_are_asked_no_further() {
         let mut graph = Graph::new();

@@ -1,4 +1,5 @@
-//! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for every sample.
+//! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for
+//! every sample.
 
 use crate::branches::Branches;
 use crate::domain::{Bounds, Loader, ValueDomain};
@@ -14,7 +15,8 @@ use zeroset_interval::{
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// What code may take for granted: it is only ever asked about boxes and parameters within these bounds.
+/// What code may take for granted: it is only ever asked about boxes and parameters within these
+/// bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assumptions {
     /// Bounds of x, y and z.
@@ -114,7 +116,8 @@ impl<T: Real> Tape<T> {
     /// Steps that tell where `roots` may all vanish, branch by branch where they jump: they answer
     /// [`FindZeros`](crate::FindZeros), and nothing else.
     ///
-    /// `None` if the last root does not jump, or the steps are too many to be written for two branches.
+    /// `None` if the last root does not jump, or the steps are too many to be written for two
+    /// branches.
     ///
     /// # Panics
     /// If there is no root, or a parameter's number has no bounds in `assumptions`.
@@ -159,8 +162,8 @@ impl<T: Real> Tape<T> {
         self.assumptions.parameters.len()
     }
 
-    /// The number of operations: steps that are neither coordinates, parameters nor constants, and each as often as it
-    /// is written for another branch.
+    /// The number of operations: steps that are neither coordinates, parameters nor constants, and
+    /// each as often as it is written for another branch.
     pub fn operations(&self) -> usize {
         if let Some(branches) = &self.branches {
             return branches.operations();
@@ -207,8 +210,8 @@ impl<T: Real> Tape<T> {
         self.outputs.iter().map(|&output| terms[output].value).collect()
     }
 
-    /// Writes in which lanes all outputs may vanish together, branch by branch; `None` if this tape is not one of
-    /// [`Tape::branches`].
+    /// Writes in which lanes all outputs may vanish together, branch by branch; `None` if this tape
+    /// is not one of [`Tape::branches`].
     pub(crate) fn vanishing_together<M: Machine>(
         &self,
         m: &mut M,
@@ -232,11 +235,13 @@ pub(crate) fn may_vanish<M: Machine>(
     holds_zero.and(m, somewhere)
 }
 
-/// Values computed together with their twins and not yet asked for, by operation and the step of its operand.
+/// Values computed together with their twins and not yet asked for, by operation and the step of
+/// its operand.
 struct Twins<V>(HashMap<(Op, usize), V>);
 
 impl<V> Twins<V> {
-    /// The value of `op` at a step: kept, or from `both`, which gives it before its twin's; `None` if it has no twin.
+    /// The value of `op` at a step: kept, or from `both`, which gives it before its twin's; `None`
+    /// if it has no twin.
     fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
         let twin = op.row().twin?;
         if let Some(value) = self.0.remove(&(op, operand)) {
@@ -248,11 +253,12 @@ impl<V> Twins<V> {
     }
 }
 
-/// How far, relatively, bounds of an elementary function over a part may stick out of those over the whole: its
-/// approximation is not exactly monotone. Far above twice the error of any text.
+/// How far, relatively, bounds of an elementary function over a part may stick out of those over
+/// the whole: its approximation is not exactly monotone. Far above twice the error of any text.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 
-/// A step's value over everything that `assumptions` allow: since rules are isotone, it bounds every later value.
+/// A step's value over everything that `assumptions` allow: since rules are isotone, it bounds
+/// every later value.
 fn range_of<T: Real>(
     step: &Step,
     values: &[Operand<Vector>],
@@ -297,8 +303,8 @@ fn first<T: Real>(vector: Vector) -> f64 {
 }
 
 /// The range, widened by as much as bounds over a branch may stick out of it: relatively, and below
-/// the normal numbers by `excess`, the most that an enclosure of the operation is too wide by there.
-/// An end at 0 stays, as no approximation changes the sign of a value.
+/// the normal numbers by `excess`, the most that an enclosure of the operation is too wide by
+/// there. An end at 0 stays, as no approximation changes the sign of a value.
 fn inflate(range: Interval, excess: f64) -> Interval {
     let out = |end: f64, sign: f64| match end {
         0.0 => end,

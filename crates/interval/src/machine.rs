@@ -19,8 +19,8 @@ impl Format {
     }
 }
 
-/// Whether this processor has an instruction for a·b + c that rounds once, and code that is made for it uses that. All machines
-/// do as it does, so that they agree.
+/// Whether this processor has an instruction for a·b + c that rounds once, and code that is made
+/// for it uses that. All machines do as it does, so that they agree.
 #[must_use]
 pub fn has_fma() -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -29,13 +29,14 @@ pub fn has_fma() -> bool {
     cfg!(target_arch = "aarch64")
 }
 
-/// A machine with vectors that rounds up. Rules are written for 128 bits; since they do the same to each lane, code may run on
-/// wider ones.
+/// A machine with vectors that rounds up. Rules are written for 128 bits; since they do the same to
+/// each lane, code may run on wider ones.
 ///
 /// Rules are written once over this trait. One implementation emits native code, the other
 /// ([`Software`](crate::Software)) computes; both give the same bits (NaN apart, which no rule lets
-/// through). Arithmetic rounds to +∞, subnormals are kept, nothing is fused but [`Machine::mul_add`].
-/// Operands of one call share a [`Format`]. A mask is a vector whose lanes are all ones or all zeros.
+/// through). Arithmetic rounds to +∞, subnormals are kept, nothing is fused but
+/// [`Machine::mul_add`]. Operands of one call share a [`Format`]. A mask is a vector whose lanes
+/// are all ones or all zeros.
 pub trait Machine {
     /// A vector.
     type V: Copy;
@@ -51,9 +52,10 @@ pub trait Machine {
     fn sub(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// a · b.
     fn mul(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// a · b + c: rounded once where the processor [can](crate::has_fma), else after each step. A product too large is then no
-    /// ∞ before c is added: together with a c of −∞ it makes −∞, not NaN. On x86-64 the instruction overwrites a, which is
-    /// best a value that is not needed any more.
+    /// a · b + c: rounded once where the processor [can](crate::has_fma), else after each step. A
+    /// product too large is then no ∞ before c is added: together with a c of −∞ it makes −∞, not
+    /// NaN. On x86-64 the instruction overwrites a, which is best a value that is not needed any
+    /// more.
     fn mul_add(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
     /// a · b − c, rounded as [`Machine::mul_add`].
     fn mul_sub(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
@@ -108,7 +110,8 @@ pub trait Machine {
     /// Lane bits shifted right, zeros entering.
     fn shift_right(&mut self, a: Self::V, by: u8) -> Self::V;
 
-    /// All `f32` lanes as two vectors of `f64`: those of the lower half, then those of the upper. Exact.
+    /// All `f32` lanes as two vectors of `f64`: those of the lower half, then those of the upper.
+    /// Exact.
     fn widen(&mut self, a: Self::V) -> [Self::V; 2];
     /// The inverse of [`Machine::widen`], rounded up.
     fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;
@@ -141,7 +144,8 @@ pub trait Machine {
     fn outward(&mut self, bound: Self::V) -> Self::V {
         bound
     }
-    /// A bound that no rounding up takes beyond `most`, as rules rely on; `most` is exact in `format`.
+    /// A bound that no rounding up takes beyond `most`, as rules rely on; `most` is exact in
+    /// `format`.
     fn held(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
         bound
     }

@@ -38,7 +38,8 @@ pub fn evaluate<M: Machine>(
         }
         Op::Sqr => rule.m.mul(a, a),
         Op::Sqrt => {
-            // That of −0, as which a difference may come out, is −0, and the reciprocal of that on the wrong side.
+            // That of −0, as which a difference may come out, is −0, and the reciprocal of that on
+            // the wrong side.
             let root = rule.m.sqrt(a);
             rule.m.abs(root)
         }

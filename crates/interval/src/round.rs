@@ -106,7 +106,8 @@ pub mod f64_up {
         if c == 0.0 {
             return mul(a, b);
         }
-        // Both terms as whole numbers: the product of 105 or 106 bits, c of 53, each with an exponent.
+        // Both terms as whole numbers: the product of 105 or 106 bits, c of 53, each with an
+        // exponent.
         let whole = |a: f64| {
             let (a, exponent) = split(a);
             ((a * power(52)) as i128, exponent - 52)
@@ -114,7 +115,8 @@ pub mod f64_up {
         let ((a, i), (b, j), (c, k)) = (whole(a), whole(b), whole(c));
         let (product, places) = (a * b, k - (i + j));
         match places {
-            // What of c lies below the product's last place is no more than a sign that there is something.
+            // What of c lies below the product's last place is no more than a sign that there is
+            // something.
             ..0 => {
                 let below = places.unsigned_abs().min(64);
                 round_up(product + (c >> below), c % (1 << below) != 0, i + j)
@@ -127,8 +129,8 @@ pub mod f64_up {
         }
     }
 
-    /// (`whole` + δ) · 2^`exponent` rounded up, where δ is between 0 and 1 if there is `more`, else 0; then `whole` has more than
-    /// 54 bits.
+    /// (`whole` + δ) · 2^`exponent` rounded up, where δ is between 0 and 1 if there is `more`, else
+    /// 0; then `whole` has more than 54 bits.
     fn round_up(whole: i128, more: bool, exponent: i32) -> f64 {
         // Below 0 the size goes down, by what is more, too.
         let down = whole < 0;

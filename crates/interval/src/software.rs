@@ -70,7 +70,8 @@ pub struct Software {
 }
 
 impl Software {
-    /// As on this processor and on one of the other kind, which has an instruction for a·b + c, or has none.
+    /// As on this processor and on one of the other kind, which has an instruction for a·b + c, or
+    /// has none.
     pub const BOTH: [Self; 2] = [Self { fuses: true }, Self { fuses: false }];
 
     /// As on this processor.

@@ -1,8 +1,9 @@
 //! The same zeros, each simple: squares and other powers are left away where only zeros matter.
 //!
-//! At a double root a function touches 0 without a change of sign, so that no evaluation can prove that it gets there. Where
-//! it is a square or has one for a factor, its zeros are those of what is squared. A sum of even powers vanishes where all of
-//! them do, as the sum of squares does, which is less flat there.
+//! At a double root a function touches 0 without a change of sign, so that no evaluation can prove
+//! that it gets there. Where it is a square or has one for a factor, its zeros are those of what is
+//! squared. A sum of even powers vanishes where all of them do, as the sum of squares does, which
+//! is less flat there.
 
 mod sum;
 
@@ -14,8 +15,8 @@ use zeroset_ops::Op;
 /// Functions with more factors than this stay as they are.
 const FACTOR_LIMIT: usize = 256;
 
-/// Vanish where their operand does and nowhere else, and touch 0, bend or are steep there where that does not. A power does,
-/// too, with a whole positive exponent.
+/// Vanish where their operand does and nowhere else, and touch 0, bend or are steep there where
+/// that does not. A power does, too, with a whole positive exponent.
 const LIKE_THEIR_OPERAND: [Op; 7] =
     [Op::Abs, Op::Sqr, Op::Cbrt, Op::Sinh, Op::Tanh, Op::Asinh, Op::Atan];
 
@@ -23,8 +24,9 @@ const LIKE_THEIR_OPERAND: [Op; 7] =
 const LIKE_THEIR_FIRST: [Op; 5] =
     [Op::Div, Op::WhereNonneg, Op::WherePositive, Op::WhereNonzero, Op::WhereDefined];
 
-/// A function that is defined where `root` is and has the same zeros, but none that is multiple because a factor is a power,
-/// or because a polynomial in one variable is: added to `graph`, or `root` itself where there is nothing to be made simple.
+/// A function that is defined where `root` is and has the same zeros, but none that is multiple
+/// because a factor is a power, or because a polynomial in one variable is: added to `graph`, or
+/// `root` itself where there is nothing to be made simple.
 ///
 /// Its sign may be another one: that of a product in which squares count once.
 pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
@@ -68,9 +70,9 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
 }
 
-/// Adds the factors of `root` to `found`, each once. Operations of `same` and `simpler`, and whole powers, give way to their
-/// operands. Whether the product of the factors is simpler: without one of `simpler`, a power, or a factor that is there
-/// again. `None` where there are too many.
+/// Adds the factors of `root` to `found`, each once. Operations of `same` and `simpler`, and whole
+/// powers, give way to their operands. Whether the product of the factors is simpler: without one
+/// of `simpler`, a power, or a factor that is there again. `None` where there are too many.
 fn factors(
     graph: &Graph,
     root: NodeId,

@@ -14,14 +14,16 @@ const DEGREE_LIMIT: usize = 64;
 const BITS_LIMIT: u64 = 4096;
 /// Nor expressions of more operations.
 const NODE_LIMIT: usize = 2048;
-/// What exact arithmetic may take for all factors of one function, in products of two words: some tenths of a second.
+/// What exact arithmetic may take for all factors of one function, in products of two words: some
+/// tenths of a second.
 pub(crate) const WORK_LIMIT: u64 = 2_500_000;
 
 /// Coefficients from the constant on; the last is not 0.
 type Polynomial = Vec<BigRational>;
 
-/// A polynomial with the zeros of `root`, each simple, if `root` is a polynomial in one variable with a multiple root:
-/// added to `graph`. Takes what it does from `work`, and gives up when that is used up.
+/// A polynomial with the zeros of `root`, each simple, if `root` is a polynomial in one variable
+/// with a multiple root: added to `graph`. Takes what it does from `work`, and gives up when that
+/// is used up.
 pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Option<NodeId> {
     let (axis, polynomial) = expanded(graph, root, work)?;
     let common = gcd(polynomial.clone(), derivative(&polynomial), work)?;
@@ -40,7 +42,8 @@ pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Opt
     Some(value)
 }
 
-/// The coefficients of `root` and the axis that they belong to, if it is a polynomial in one variable of degree 2 or more.
+/// The coefficients of `root` and the axis that they belong to, if it is a polynomial in one
+/// variable of degree 2 or more.
 fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polynomial)> {
     let ids = graph.needed_by(root);
     if ids.len() > NODE_LIMIT {
@@ -130,7 +133,8 @@ fn product(a: &Polynomial, b: &Polynomial, work: &mut u64) -> Option<Polynomial>
     is_moderate(&product).then_some(product)
 }
 
-/// Takes a product of two numbers, and the common divisor that its sum with another asks for, from `work`.
+/// Takes a product of two numbers, and the common divisor that its sum with another asks for, from
+/// `work`.
 fn spend(work: &mut u64, a: &BigRational, b: &BigRational) -> Option<()> {
     let words = |value: &BigRational| 1 + bits(value) / 64;
     *work = work.checked_sub((words(a) + words(b)).pow(2))?;
@@ -171,7 +175,8 @@ fn divided(
     Some((quotient, rest))
 }
 
-/// The common divisor with leading coefficient 1 (Euclid); `None` if numbers grow too large, or it takes too long.
+/// The common divisor with leading coefficient 1 (Euclid); `None` if numbers grow too large, or it
+/// takes too long.
 fn gcd(mut a: Polynomial, mut b: Polynomial, work: &mut u64) -> Option<Polynomial> {
     while let Some(last) = b.last() {
         let monic = scaled(&b, &last.recip());

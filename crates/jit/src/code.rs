@@ -20,8 +20,8 @@ impl Memory {
 
 impl Drop for Memory {
     fn drop(&mut self) {
-        // SAFETY: the module is taken once, here. No use of its memory outlives this value: an entry is copied only for
-        // the duration of a call that borrows its `Code`.
+        // SAFETY: the module is taken once, here. No use of its memory outlives this value: an
+        // entry is copied only for the duration of a call that borrows its `Code`.
         unsafe {
             ManuallyDrop::take(&mut self.0).free_memory();
         }
@@ -52,8 +52,10 @@ impl Code {
     }
 }
 
-// SAFETY: after it is finished the code is read-only. `JITModule` has interior mutability, but nothing reaches it through
-// `&Code`: the module is only touched again by `drop`, which has exclusive access.
+// SAFETY: after it is finished the code is read-only. `JITModule` has interior mutability, but
+// nothing reaches it through `&Code`: the module is only touched again by `drop`, which has
+// exclusive access.
 unsafe impl Send for Code {}
-// SAFETY: see above; `entry` may run on many threads at once since kernels write only to their outputs.
+// SAFETY: see above; `entry` may run on many threads at once since kernels write only to their
+// outputs.
 unsafe impl Sync for Code {}

@@ -1,7 +1,8 @@
 //! The same kernels in other arithmetics, to measure what rigour costs.
 //!
-//! Nothing that is shown may come of these: it is why they are left out unless a feature asks for them, and why they are no
-//! [`Native`](crate::Native). The texts of all rules are those of the product, over a [`Machine`] that moves results.
+//! Nothing that is shown may come of these: it is why they are left out unless a feature asks for
+//! them, and why they are no [`Native`](crate::Native). The texts of all rules are those of the
+//! product, over a [`Machine`] that moves results.
 
 use crate::code::Code;
 use crate::compiler::{Cursor, compile_for_comparison};
@@ -15,10 +16,11 @@ use zeroset_interval::{Format, Machine, has_fma};
 /// How results are rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Arithmetic {
-    /// To nearest, and what rounding adds to forms is left out. **Not sound**: bounds may miss values.
+    /// To nearest, and what rounding adds to forms is left out. **Not sound**: bounds may miss
+    /// values.
     Unsound,
-    /// To nearest, and every result that has to be a bound is moved up to the next float by further operations, as is
-    /// done where no rounding mode can be set. Sound.
+    /// To nearest, and every result that has to be a bound is moved up to the next float by further
+    /// operations, as is done where no rounding mode can be set. Sound.
     Widened,
     /// Up, by the processor's rounding mode, as the product does.
     Upward,
@@ -29,7 +31,8 @@ impl Arithmetic {
     pub const ALL: [Self; 3] = [Self::Unsound, Self::Widened, Self::Upward];
 }
 
-/// A kernel in some arithmetic. All are made by the same tier of the compiler, so that only arithmetic differs.
+/// A kernel in some arithmetic. All are made by the same tier of the compiler, so that only
+/// arithmetic differs.
 pub struct Compared<Q: Question, T: Real = f32> {
     code: Code,
     arithmetic: Arithmetic,

@@ -25,13 +25,15 @@ use zeroset_interval::Fact;
 
 /// Operations in one kernel, at most: beyond this even the fast tier takes too long.
 const LIMIT: usize = 20_000;
-/// Instructions in one kernel, at most: some operations are a hundred of them and more. So many become 2 MB of code.
+/// Instructions in one kernel, at most: some operations are a hundred of them and more. So many
+/// become 2 MB of code.
 const INSTRUCTIONS: usize = 200_000;
 /// Bytes of stack that a kernel uses, at most: a quarter of what a thread has by default.
 const STACK: u32 = 512 << 10;
-/// Instructions from which on code is made fast rather than made to be fast: backtracking register allocation takes
-/// about 1.2 µs an instruction, so that larger kernels would come near 2 ms. Its code then runs up to 1.2 times as long (up to
-/// 1.7 times for polynomials, which have to be huge to get here).
+/// Instructions from which on code is made fast rather than made to be fast: backtracking register
+/// allocation takes about 1.2 µs an instruction, so that larger kernels would come near 2 ms. Its
+/// code then runs up to 1.2 times as long (up to 1.7 times for polynomials, which have to be huge
+/// to get here).
 const FAST_TIER_FROM: usize = 1_200;
 
 /// How much work code generation spends.
@@ -43,7 +45,8 @@ enum Tier {
     Fast,
 }
 
-/// Who looks whether there is room on the stack before it is used, so that large frames do not reach past the guard page unseen.
+/// Who looks whether there is room on the stack before it is used, so that large frames do not
+/// reach past the guard page unseen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Looks {
     /// The code, as Cranelift writes it.
@@ -66,8 +69,9 @@ fn target(tier: Tier, looks: Looks) -> Result<OwnedTargetIsa, Error> {
             };
             let flag = |is_set: bool| if is_set { "true" } else { "false" };
             for (name, value) in [
-                // The graph has no common sub-expressions left, and the optimiser moves constants out of the loop and
-                // then spills them: compiling takes 1.3 times as long for code that is 2 % slower over the gallery.
+                // The graph has no common sub-expressions left, and the optimiser moves constants
+                // out of the loop and then spills them: compiling takes 1.3 times as long for code
+                // that is 2 % slower over the gallery.
                 ("opt_level", "none"),
                 ("regalloc_algorithm", allocator),
                 ("enable_verifier", flag(cfg!(debug_assertions))),
@@ -98,8 +102,8 @@ fn check_processor() -> Result<(), Error> {
     }
 }
 
-/// Bytes of the vectors that kernels can compute with on this processor, the widest first, which they do. One that would use
-/// too much of the stack for them computes with narrower ones.
+/// Bytes of the vectors that kernels can compute with on this processor, the widest first, which
+/// they do. One that would use too much of the stack for them computes with narrower ones.
 pub fn vector_widths() -> impl Iterator<Item = usize> {
     #[cfg(target_arch = "x86_64")]
     let wider = Width::ALL.into_iter().filter(|width| width.is_possible()).map(Width::bytes);
@@ -116,7 +120,8 @@ pub fn compile<Q: Question, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Co
     generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
-/// As [`compile`], written on the machine that `other` puts around the one that emits, by the slower tier whatever its size.
+/// As [`compile`], written on the machine that `other` puts around the one that emits, by the
+/// slower tier whatever its size.
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Question, T: Real>(
     tape: &Tape<T>,
@@ -126,8 +131,8 @@ pub fn compile_for_comparison<Q: Question, T: Real>(
     generate(write, Some(Tier::Optimised), usize::MAX)
 }
 
-/// From intermediate code to memory. It is written for vectors of so many bytes, as many as the processor has of up to the
-/// `widest`; by a tier that its size tells, if none is given.
+/// From intermediate code to memory. It is written for vectors of so many bytes, as many as the
+/// processor has of up to the `widest`; by a tier that its size tells, if none is given.
 fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,
@@ -151,8 +156,8 @@ fn generate(
     place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)
 }
 
-/// The same for vectors that are wider than Cranelift's; `None` if the code would use too much of the stack, or cannot be
-/// made so wide.
+/// The same for vectors that are wider than Cranelift's; `None` if the code would use too much of
+/// the stack, or cannot be made so wide.
 #[cfg(target_arch = "x86_64")]
 fn generate_wide(
     function: Function,
@@ -293,7 +298,8 @@ fn build_with<Q: Question, T: Real>(
         unreachable!("the signature has five parameters");
     };
     let (body, end) = (builder.create_block(), builder.create_block());
-    // As parameters of the block: the batches from the lanes on that are next, the first of these lanes, and the masks.
+    // As parameters of the block: the batches from the lanes on that are next, the first of these
+    // lanes, and the masks.
     let [input, output, lane, masks] = [(); 4].map(|()| builder.append_block_param(body, I64));
     let zero = builder.ins().iconst(I64, 0);
     builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));

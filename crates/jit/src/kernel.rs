@@ -9,8 +9,8 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{Binding, Input, Kernel, Question, Real, Tape};
 
-/// Native code that answers a question, for any parameter values that it assumes. Clones share the code; it is freed with
-/// the last of them.
+/// Native code that answers a question, for any parameter values that it assumes. Clones share the
+/// code; it is freed with the last of them.
 #[derive(Clone)]
 pub struct Compiled<Q: Question, T: Real = f32> {
     code: Arc<Code>,
@@ -30,7 +30,8 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
         Self::of_width(tape, usize::MAX)
     }
 
-    /// As [`Compiled::new`] for vectors of so many bytes at most, as processors run it that have no wider ones: to be compared.
+    /// As [`Compiled::new`] for vectors of so many bytes at most, as processors run it that have no
+    /// wider ones: to be compared.
     ///
     /// # Errors
     /// As [`Compiled::new`].
@@ -50,7 +51,8 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
     /// The code with values for its parameters.
     ///
     /// # Panics
-    /// If the number of parameters differs, or, in debug builds, if a value is not within what the tape assumes.
+    /// If the number of parameters differs, or, in debug builds, if a value is not within what the
+    /// tape assumes.
     pub fn bind(&self, binding: Binding<T>) -> Native<Q, T> {
         Q::check(&self.tape, &binding);
         Native { compiled: self.clone(), binding }
@@ -69,8 +71,9 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
 
 /// A kernel in native code.
 ///
-/// It runs with the rounding mode set to +∞ and leaves the default one, to nearest, whatever the caller had set, and no
-/// exception flags of the caller. That is what Rust code assumes everywhere; who has set another mode must set it again.
+/// It runs with the rounding mode set to +∞ and leaves the default one, to nearest, whatever the
+/// caller had set, and no exception flags of the caller. That is what Rust code assumes everywhere;
+/// who has set another mode must set it again.
 #[derive(Clone)]
 pub struct Native<Q: Question, T: Real = f32> {
     compiled: Compiled<Q, T>,
@@ -84,7 +87,8 @@ impl<Q: Question, T: Real> Native<Q, T> {
     /// If the processor is not supported or the formula too large.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the question needs, or as [`Compiled::bind`].
+    /// If the tape computes another number of expressions than the question needs, or as
+    /// [`Compiled::bind`].
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Result<Self, Error> {
         Ok(Compiled::new(tape)?.bind(binding))
     }
@@ -106,9 +110,10 @@ impl<Q: Question, T: Real> Kernel<Q, T> for Native<Q, T> {
     fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         let Compiled { code, tape, .. } = &self.compiled;
         Q::check_input(tape, input);
-        // SAFETY: the code was compiled for this question and format, and reads and writes batches as the sealed trait
-        // `Batch` lays them out, at most as many lanes as were checked to be there; the binding has as many parameters as
-        // the tape, checked when they were bound. Batches are aligned by their type. Kernels do not unwind.
+        // SAFETY: the code was compiled for this question and format, and reads and writes batches
+        // as the sealed trait `Batch` lays them out, at most as many lanes as were checked to be
+        // there; the binding has as many parameters as the tape, checked when they were bound.
+        // Batches are aligned by their type. Kernels do not unwind.
         unsafe {
             call_rounding_up(
                 code.entry(),

@@ -27,19 +27,21 @@ pub enum Vector {
 
 /// Emits each operation into the current block of a function.
 ///
-/// Vectors are always of a float type; integer operations reinterpret them. Nothing here is a library call on
-/// x86-64 with SSE4.1 or on `AArch64`: sums with products are fused where [`has_fma`] only.
+/// Vectors are always of a float type; integer operations reinterpret them. Nothing here is a
+/// library call on x86-64 with SSE4.1 or on `AArch64`: sums with products are fused where
+/// [`has_fma`] only.
 ///
-/// A constant is one value wherever it is used. A load of its own for each use would not become that instruction's operand
-/// where its result is used twice, as nearly all of a form's are (frames take 3 % more instructions on Barth's sextic, 7 % on
-/// the gyroid, with loads).
+/// A constant is one value wherever it is used. A load of its own for each use would not become
+/// that instruction's operand where its result is used twice, as nearly all of a form's are (frames
+/// take 3 % more instructions on Barth's sextic, 7 % on the gyroid, with loads).
 pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
     /// Bytes of a vector when the code runs: a multiple of [`VECTOR`].
     width: usize,
     /// Constants in use.
     constants: HashMap<(Type, u128), Value>,
-    /// Products that were added to something: the error of a form is asked for by everything that is made of it.
+    /// Products that were added to something: the error of a form is asked for by everything that
+    /// is made of it.
     fused: HashMap<[Value; 3], Value>,
 }
 
@@ -89,7 +91,8 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder.ins().bitcast(to, flags, value)
     }
 
-    /// A vector of two parts of 64 bits of two others, each given by its first byte among those of both.
+    /// A vector of two parts of 64 bits of two others, each given by its first byte among those of
+    /// both.
     fn shuffle(&mut self, a: Value, b: Value, parts: [u8; 2]) -> Value {
         let is_one = a == b;
         let a = self.cast(I8X16, a);
@@ -128,7 +131,8 @@ impl<'a, 'b> Emitter<'a, 'b> {
     }
 }
 
-/// A loop that is being written over the rows of a table on the stack: per row, the inputs and then the outputs.
+/// A loop that is being written over the rows of a table on the stack: per row, the inputs and then
+/// the outputs.
 pub struct Rows {
     slot: StackSlot,
     body: Block,
@@ -145,7 +149,8 @@ impl Emitter<'_, '_> {
         (self.width * column) as i32
     }
 
-    /// Begins a loop over rows of inputs, all `F64`, each with room for `outputs`; the inputs of the row that is next.
+    /// Begins a loop over rows of inputs, all `F64`, each with room for `outputs`; the inputs of
+    /// the row that is next.
     pub fn begin_rows<const ROWS: usize, const IN: usize>(
         &mut self,
         inputs: [[Vector; IN]; ROWS],
@@ -310,7 +315,8 @@ impl Machine for Emitter<'_, '_> {
     integer! { int_add => iadd, int_sub => isub }
     shift! { shift_left => ishl_imm_u, shift_right => ushr_imm_u }
 
-    // By a mask that stays in a register, since most formulas negate often: the instructions fneg and fabs would build theirs each time.
+    // By a mask that stays in a register, since most formulas negate often: the instructions fneg
+    // and fabs would build theirs each time.
     fn neg(&mut self, a: Vector) -> Vector {
         let format = self.format(a);
         let sign = sign_bits(format);
@@ -326,7 +332,8 @@ impl Machine for Emitter<'_, '_> {
         let format = self.format(a);
         self.and(a, Vector::Constant(format, !sign_bits(format)))
     }
-    // This pattern becomes one minps or maxps on x86-64; fmin and fmax would take seven instructions.
+    // This pattern becomes one minps or maxps on x86-64; fmin and fmax would take seven
+    // instructions.
     fn min(&mut self, a: Vector, b: Vector) -> Vector {
         let (a, b) = self.values(a, b);
         let less = self.compare(FloatCC::LessThan, a, b);
@@ -347,7 +354,8 @@ impl Machine for Emitter<'_, '_> {
     fn eq(&mut self, a: Vector, b: Vector) -> Vector {
         self.comparison(FloatCC::Equal, a, b)
     }
-    // A mask has its sign bit set where it is set, and one blend by sign bits beats what bitselect becomes.
+    // A mask has its sign bit set where it is set, and one blend by sign bits beats what bitselect
+    // becomes.
     fn select(&mut self, mask: Vector, a: Vector, b: Vector) -> Vector {
         self.select_signed(mask, a, b)
     }

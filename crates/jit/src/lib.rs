@@ -1,7 +1,9 @@
-//! Native kernels: a tape becomes Cranelift code, runs with the rounding mode set to +∞, and is freed when dropped.
+//! Native kernels: a tape becomes Cranelift code, runs with the rounding mode set to +∞, and is
+//! freed when dropped.
 //!
-//! The only crate with unsafe code, in three files: `rounding` (the call), `code` (the memory), `kernel` (the safe
-//! handles); and, only to be measured, `comparison`. It knows nothing of rays or text.
+//! The only crate with unsafe code, in three files: `rounding` (the call), `code` (the memory),
+//! `kernel` (the safe handles); and, only to be measured, `comparison`. It knows nothing of rays or
+//! text.
 
 mod code;
 #[cfg(feature = "comparison")]

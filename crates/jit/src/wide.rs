@@ -1,10 +1,11 @@
 //! From code for vectors of 128 bits, all that Cranelift has, to code for 256 and 512.
 //!
-//! A kernel does the same to each lane of a vector, so an instruction for more lanes is the same instruction in its
-//! wider encoding. What it reads and writes of batches lies beside that anyway; constants are repeated, and what is kept on
-//! the stack is put farther apart. Only halves of vectors have to be moved otherwise: the [emitter](crate::lanes) does so
-//! in two ways, which are known here. Of 512 bits a comparison gives a bit a lane, which is made a vector again. Code with any
-//! instruction that is not known stays as it is.
+//! A kernel does the same to each lane of a vector, so an instruction for more lanes is the same
+//! instruction in its wider encoding. What it reads and writes of batches lies beside that anyway;
+//! constants are repeated, and what is kept on the stack is put farther apart. Only halves of
+//! vectors have to be moved otherwise: the [emitter](crate::lanes) does so in two ways, which are
+//! known here. Of 512 bits a comparison gives a bit a lane, which is made a vector again. Code with
+//! any instruction that is not known stays as it is.
 
 mod encodings;
 mod masks;
@@ -48,8 +49,8 @@ impl Width {
         }
     }
 
-    /// Whether this processor has instructions for such vectors, and does not lower its clock for them: the first ones with
-    /// 512 bits, before Ice Lake, do.
+    /// Whether this processor has instructions for such vectors, and does not lower its clock for
+    /// them: the first ones with 512 bits, before Ice Lake, do.
     pub fn is_possible(self) -> bool {
         match self {
             Self::Zmm => {
@@ -86,9 +87,10 @@ impl Width {
     }
 }
 
-/// The same function for vectors of such a width. It was written for them, but for its instructions: where quantities are,
-/// and how large what it keeps in its first `slots` bytes of the stack. It does not look whether there is room on the stack; the
-/// new one does. `None` if it does what is not known here, or the new one would take more than `stack` bytes.
+/// The same function for vectors of such a width. It was written for them, but for its
+/// instructions: where quantities are, and how large what it keeps in its first `slots` bytes of
+/// the stack. It does not look whether there is room on the stack; the new one does. `None` if it
+/// does what is not known here, or the new one would take more than `stack` bytes.
 pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<u8>> {
     if !slots.is_multiple_of(width.bytes() as u32) {
         // They were laid out with gaps, of which nothing is known.
@@ -167,7 +169,8 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
     Some(bytes)
 }
 
-/// The instructions of a function, without the constants behind them. Each branch leads to one of them.
+/// The instructions of a function, without the constants behind them. Each branch leads to one of
+/// them.
 fn instructions(code: &[u8]) -> Option<Vec<Instruction>> {
     let mut decoder = Decoder::with_ip(64, code, ORIGIN, DecoderOptions::NONE);
     let (mut all, mut farthest) = (Vec::new(), ORIGIN);
@@ -251,7 +254,8 @@ impl Frame {
         if offset < self.slots { offset } else { self.slots + self.times * (offset - self.slots) }
     }
 
-    /// Takes the place of an instruction that makes room on the stack or gives it up; returns whether this is one.
+    /// Takes the place of an instruction that makes room on the stack or gives it up; returns
+    /// whether this is one.
     fn takes(&self, instruction: &Instruction, written: &mut Vec<Instruction>) -> Option<bool> {
         if instruction.op0_register() != Register::RSP {
             return Some(false);
@@ -273,7 +277,8 @@ impl Frame {
         Some(true)
     }
 
-    /// Makes room, page by page, so that a page that guards the end of the stack is not passed over.
+    /// Makes room, page by page, so that a page that guards the end of the stack is not passed
+    /// over.
     fn make(&self, mut bytes: i64, written: &mut Vec<Instruction>) -> Option<()> {
         if !(self.slots..=self.most).contains(&bytes) {
             return None;

@@ -1,4 +1,5 @@
-//! Words of the language that look like functions and are none: what they take is not a row of numbers.
+//! Words of the language that look like functions and are none: what they take is not a row of
+//! numbers.
 
 /// What a form stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

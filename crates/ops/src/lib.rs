@@ -1,10 +1,10 @@
 //! The table of operations: what `zeroset` can compute, one row each.
 //!
-//! Two kinds of function share one name space, with a few forms that look like them. A native [`Op`] is a node of the expression graph
-//! with its own interval rule; a [`Composed`] function is a formula over other functions, written
-//! in the language itself. Parser look-up, completion, help, suggestions, random generators and
-//! table-walking tests are all derived from [`TABLE`] and [`COMPOSED`]. This crate knows neither
-//! numbers nor text: only names and properties.
+//! Two kinds of function share one name space, with a few forms that look like them. A native
+//! [`Op`] is a node of the expression graph with its own interval rule; a [`Composed`] function is
+//! a formula over other functions, written in the language itself. Parser look-up, completion,
+//! help, suggestions, random generators and table-walking tests are all derived from [`TABLE`] and
+//! [`COMPOSED`]. This crate knows neither numbers nor text: only names and properties.
 
 mod class;
 mod composed;

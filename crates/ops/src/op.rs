@@ -82,8 +82,9 @@ pub struct Row {
     pub domain: Domain,
     /// Where it is continuous, within its domain.
     pub continuity: Continuity,
-    /// Where a function is continuous and has no derivative: integers at which an operand may be; at
-    /// all others of its domain, where it is continuous, it has one. `None` if that is not known.
+    /// Where a function is continuous and has no derivative: integers at which an operand may be;
+    /// at all others of its domain, where it is continuous, it has one. `None` if that is not
+    /// known.
     pub corners: Option<&'static [i32]>,
     /// Which laws of algebra it obeys.
     pub class: Class,

@@ -62,7 +62,8 @@ impl Builder<'_> {
         })
     }
 
-    /// The second pair of brackets in `root(3)(x)` of `AsciiMath` and in `sqrt[3](x)`, which Mathematica has as a product.
+    /// The second pair of brackets in `root(3)(x)` of `AsciiMath` and in `sqrt[3](x)`, which
+    /// Mathematica has as a product.
     #[inline(never)] // keeps the stack frames of nested calls small
     fn with_radicand(
         &mut self,

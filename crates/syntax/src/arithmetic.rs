@@ -1,5 +1,5 @@
-//! Arithmetic that other systems write as functions, `Plus[a, b]`, and functions that stand for a formula of ours:
-//! `Boole[c]`, `ChebyshevT[n, x]`.
+//! Arithmetic that other systems write as functions, `Plus[a, b]`, and functions that stand for a
+//! formula of ours: `Boole[c]`, `ChebyshevT[n, x]`.
 
 use crate::ast::{Expr, ExprKind, Function, ProductSign, SumSign};
 use crate::build::{Builder, product_of, sum_of};
@@ -124,7 +124,8 @@ fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
     Ok(sum_of(a, vec![(SumSign::Minus, multiple)], span))
 }
 
-/// The Chebyshev polynomial of the first kind of that degree, written out: T(n + 1) = 2a T(n) − T(n − 1).
+/// The Chebyshev polynomial of the first kind of that degree, written out: T(n + 1) = 2a T(n) − T(n
+/// − 1).
 fn chebyshev(degree: u32, a: &Expr, span: Span) -> Expr {
     let (mut before, mut now): (Vec<i64>, Vec<i64>) = (vec![1], vec![0, 1]);
     for _ in 0..degree {

@@ -106,7 +106,8 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
     }
 }
 
-/// Takes away the sign that a cell begins with, and what only cells have: semicolons in brackets, `PI()`.
+/// Takes away the sign that a cell begins with, and what only cells have: semicolons in brackets,
+/// `PI()`.
 fn spreadsheet(text: &str, tokens: &mut Vec<Token>) {
     if tokens.len() < 2 || tokens[0].symbol != '=' {
         return;
@@ -351,12 +352,15 @@ impl Arranger<'_> {
         nodes.push(Node::Group(open, inner, Token::new('}', Span::at(end))));
     }
 
-    /// `a mod b` as `a % b`: behind what is divided, and not before brackets with arguments of its own.
+    /// `a mod b` as `a % b`: behind what is divided or a bar, which may close it, and not before
+    /// brackets with arguments of its own.
     fn infix(&self, nodes: &mut [Node]) {
         for index in 1..nodes.len() {
             let is_call = |next: &Node| matches!(next, Node::Group(_, inner, _) if inner.iter().any(|token| token.symbol == ','));
             let ends = match &nodes[index - 1] {
-                Node::Leaf(token) => ends_operand(token.symbol),
+                Node::Leaf(token) => {
+                    ends_operand(token.symbol) || matches!(token.symbol, '|' | '¦')
+                }
                 Node::Group(..) => true,
             };
             let is_infix = ends

@@ -1,4 +1,5 @@
-//! Names that a program sets: each time that one is set it is another name, which stands for it below.
+//! Names that a program sets: each time that one is set it is another name, which stands for it
+//! below.
 
 use crate::aliases::Aliases;
 use crate::ast::Name;

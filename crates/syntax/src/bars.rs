@@ -18,7 +18,8 @@ enum Role {
 
 const ROLES: [Role; 3] = [Role::Opens, Role::Closes, Role::Joins];
 
-/// The best reading of all bars up to one, which has a role, and behind which as many are open as its place in a list says.
+/// The best reading of all bars up to one, which has a role, and behind which as many are open as
+/// its place in a list says.
 #[derive(Clone, Copy)]
 struct Reading {
     /// How much in it is unusual; the least counts.
@@ -57,12 +58,14 @@ impl Level {
     }
 }
 
-/// What it costs to have a comparison in bars, which is no number, or to join what is no comparison.
+/// What it costs to have a comparison in bars, which is no number, or to join what is no
+/// comparison.
 const UNLIKELY: u32 = 1000;
 
-/// Tells closing bars from opening ones within each pair of brackets. Of all pairings that are possible the one with the
-/// fewest products without a sign beside a bar is meant; it is an error if there are several such, or none. Two bars side by
-/// side between operands, where none is open, join conditions.
+/// Tells closing bars from opening ones within each pair of brackets. Of all pairings that are
+/// possible the one with the fewest products without a sign beside a bar is meant; it is an error
+/// if there are several such, or none. Two bars side by side between operands, where none is open,
+/// join conditions.
 pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     if !tokens.iter().any(|token| matches!(token.symbol, '|' | '❘' | '¦')) {
         return Ok(());

@@ -156,8 +156,9 @@ impl<'a> Builder<'a> {
         })
     }
 
-    // What nests does so through the functions from here on to those that read brackets: of each, what is not on that
-    // way is a function by itself, or the stack would have room for it at every level.
+    // What nests does so through the functions from here on to those that read brackets: of each,
+    // what is not on that way is a function by itself, or the stack would have room for it at every
+    // level.
 
     #[inline(never)]
     fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
@@ -263,7 +264,8 @@ impl<'a> Builder<'a> {
         negated(self.deeper(*first, minus.count(), build)?, signs)
     }
 
-    /// A product; `before` are signs before it that are part of what the first remainder is taken of.
+    /// A product; `before` are signs before it that are part of what the first remainder is taken
+    /// of.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let mut joint = Joint { sign: ProductSign::Times, function: None };
@@ -294,7 +296,10 @@ impl<'a> Builder<'a> {
             "/" => (ProductSign::Over, None),
             "⊙" => (ProductSign::Times, Some(Function::OfVectors(VectorFunction::Dot))),
             "٪" => {
-                self.note(self.span(&operator), NoteKind::Remainder);
+                // Nobody takes the word for another remainder.
+                if self.typed(&operator).contains('%') {
+                    self.note(self.span(&operator), NoteKind::Remainder);
+                }
                 let remainder = self.scope.forms(&Callee::BuiltIn("mod".to_owned()));
                 (ProductSign::Times, remainder.function(2))
             }

@@ -1,4 +1,5 @@
-//! Functions of programs that change what they are given, and macros: both are written out where they are called.
+//! Functions of programs that change what they are given, and macros: both are written out where
+//! they are called.
 
 use crate::ast::ExprKind;
 use crate::control::RESULT;

@@ -1,5 +1,5 @@
-//! Choices between values by conditions, sums and products over whole numbers, and functions applied
-//! again and again: what is unrolled where it is used.
+//! Choices between values by conditions, sums and products over whole numbers, and functions
+//! applied again and again: what is unrolled where it is used.
 //!
 //! A choice becomes selections by the sign of a margin, which kernels prove branch by branch: where
 //! it jumps there is no zero. As everywhere, a comparison does not hold where a side of it has no
@@ -111,8 +111,8 @@ impl<'a> Lowering<'a> {
 
     /// `yes` where a margin is positive, or if not `strict` 0, else `no`.
     fn by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
-        // Whether a program has left a loop is itself a choice, between numbers: with that in between, bounds would hold
-        // both of what is chosen.
+        // Whether a program has left a loop is itself a choice, between numbers: with that in
+        // between, bounds would hold both of what is chosen.
         if let Some(node) = self.by_numbers(margin, strict, (yes, no), &mut MOST_LEAVES.clone()) {
             return node;
         }
@@ -124,7 +124,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// What a margin decides that is a choice between numbers: the same choice between `values`. `None` for others.
+    /// What a margin decides that is a choice between numbers: the same choice between `values`.
+    /// `None` for others.
     fn by_numbers(
         &mut self,
         margin: NodeId,

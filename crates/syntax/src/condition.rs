@@ -10,7 +10,8 @@ use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
 impl<'a> Lowering<'a> {
-    /// The function that is ≤ 0 inside the solid that a condition describes, and above 0 elsewhere; defined everywhere.
+    /// The function that is ≤ 0 inside the solid that a condition describes, and above 0 elsewhere;
+    /// defined everywhere.
     pub(crate) fn solid(&mut self, condition: &'a Expr) -> Fallible<NodeId> {
         // What is positive where the opposite holds.
         let (node, _) = self.margin(condition, true, Purpose::Face, &[])?;
@@ -196,8 +197,8 @@ fn restriction(strict: bool) -> Op {
     if strict { Op::WherePositive } else { Op::WhereNonneg }
 }
 
-/// Whether each inequality that a condition, or with `negated` its opposite, is made of is strict; `None` for a condition
-/// that is made of others, too.
+/// Whether each inequality that a condition, or with `negated` its opposite, is made of is strict;
+/// `None` for a condition that is made of others, too.
 fn strictness(condition: &Expr, negated: bool) -> Option<Vec<bool>> {
     match &condition.kind {
         ExprKind::And(items) | ExprKind::Or(items) => {

@@ -1,8 +1,8 @@
-//! Branches and loops of programs, written out: a loop's rounds one after the other, and of a branch both sides, between
-//! which each name that they set is chosen.
+//! Branches and loops of programs, written out: a loop's rounds one after the other, and of a
+//! branch both sides, between which each name that they set is chosen.
 //!
-//! What leaves a loop or a function early is a number, 0 as long as nothing has: where it is not known, what follows is one
-//! more branch.
+//! What leaves a loop or a function early is a number, 0 as long as nothing has: where it is not
+//! known, what follows is one more branch.
 
 use crate::ast::{Expr, ExprKind, Name, Relation};
 use crate::counting::{count, number_of, written};
@@ -16,7 +16,8 @@ use crate::token::{Token, closing, split};
 /// The most statements that a program runs.
 pub(crate) const MOST_STEPS: usize = 1000;
 
-/// The name of what says whether a loop or the function was left; a word of programs, so that none is called so.
+/// The name of what says whether a loop or the function was left; a word of programs, so that none
+/// is called so.
 pub(crate) const LEFT: &str = "break";
 /// The name of what is returned.
 pub(crate) const RESULT: &str = "return";
@@ -93,7 +94,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Runs what follows where `left` is 0: one side of a branch, unless it is known that something has left.
+    /// Runs what follows where `left` is 0: one side of a branch, unless it is known that something
+    /// has left.
     fn unless_left(
         &mut self,
         left: ExprKind,

@@ -72,8 +72,8 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
     uses
 }
 
-/// Makes `r = 1 + cos(theta)` an equation: a left side that is one of the names and equal to another
-/// that has no definition, and that nothing else uses.
+/// Makes `r = 1 + cos(theta)` an equation: a left side that is one of the names and equal to
+/// another that has no definition, and that nothing else uses.
 pub(crate) fn settle(text: &str, lines: &mut [Line<'_>], scope: &Scope) {
     let defined: FxHashSet<String> = lines
         .iter()

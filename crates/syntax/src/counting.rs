@@ -8,8 +8,8 @@ use crate::spelling::decimal;
 use crate::token::Token;
 use rustc_hash::FxHashMap;
 
-/// The number that `tokens` are, or 1 for what holds and 0 for what does not; `None` if that is not known. A name stands for
-/// what its alias is, else for one of the `constants`.
+/// The number that `tokens` are, or 1 for what holds and 0 for what does not; `None` if that is not
+/// known. A name stands for what its alias is, else for one of the `constants`.
 pub(crate) fn count(
     words: Words<'_>,
     tokens: &[Token],

@@ -1,4 +1,5 @@
-//! Statements as the grammar recognises them, and what is wrong with one that it refuses, inferred from where it stopped.
+//! Statements as the grammar recognises them, and what is wrong with one that it refuses, inferred
+//! from where it stopped.
 
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule, Zeroset};
@@ -125,8 +126,8 @@ fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
     Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
 }
 
-/// A comma outside brackets: directly between two numbers it is a decimal comma. Behind a formula there may be values, behind
-/// an equation what restricts it, and behind a condition others.
+/// A comma outside brackets: directly between two numbers it is a decimal comma. Behind a formula
+/// there may be values, behind an equation what restricts it, and behind a condition others.
 fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
     let Token { span, .. } = piece.tokens[index];
     let before = piece.tokens[index - 1].span;

@@ -75,11 +75,11 @@ pub struct Surface {
     pub span: Span,
     /// How it was read.
     pub echo: String,
-    /// The color of the last `color` line above it, if there is one; of the first below it where the last such line of the
-    /// document follows all drawings.
+    /// The color of the last `color` line above it, if there is one; of the first below it where
+    /// the last such line of the document follows all drawings.
     pub color: Option<SurfaceColor>,
-    /// How much of the light from behind it stops, within [0, 1]: what its `color` line says, or else the
-    /// `opacity` line that is in the same place; else 1.
+    /// How much of the light from behind it stops, within [0, 1]: what its `color` line says, or
+    /// else the `opacity` line that is in the same place; else 1.
     pub opacity: f64,
     /// Whether it is not to be seen: what the `hidden` line in the same place says.
     pub hidden: bool,

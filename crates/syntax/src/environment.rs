@@ -1,4 +1,5 @@
-//! LaTeX environments: pieces of a choice, lines, or the rows of a matrix; and the rows as lists, which matrices are elsewhere.
+//! LaTeX environments: pieces of a choice, lines, or the rows of a matrix; and the rows as lists,
+//! which matrices are elsewhere.
 
 use crate::span::Span;
 use crate::spelling::{is_name, start};
@@ -44,8 +45,8 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<char>) -> (char
     (symbol, end)
 }
 
-/// Whether an environment whose inside `rest` begins with is a formula in each row: there is nothing behind it, and no
-/// columns, but those of an array around its relations.
+/// Whether an environment whose inside `rest` begins with is a formula in each row: there is
+/// nothing behind it, and no columns, but those of an array around its relations.
 fn holds_lines(rest: &str, name: &str) -> bool {
     let close = format!(r"\end{{{name}}}");
     let Some((inner, behind)) = start(rest, LONGEST).split_once(&close) else { return false };
@@ -65,8 +66,8 @@ fn holds_lines(rest: &str, name: &str) -> bool {
         })
 }
 
-/// The elements of a matrix, with commas between them and `␤` between rows, as a list of lists; as one list if there is one
-/// row or one column. In brackets, or in bars if it was typed with some.
+/// The elements of a matrix, with commas between them and `␤` between rows, as a list of lists; as
+/// one list if there is one row or one column. In brackets, or in bars if it was typed with some.
 pub(crate) fn matrix(
     typed: &str,
     (open, close): (Token, Token),
@@ -92,8 +93,8 @@ pub(crate) fn matrix(
     (at(open.span, before), all, at(close.span, behind))
 }
 
-/// `row matrix column` as the scalar product of `(row matrix)` and the column: elsewhere a row is a vector like any other. A
-/// column with the sign of a transposed one is a row.
+/// `row matrix column` as the scalar product of `(row matrix)` and the column: elsewhere a row is a
+/// vector like any other. A column with the sign of a transposed one is a row.
 pub(crate) fn scalar_products(text: &str, tokens: Vec<Token>) -> Vec<Token> {
     if !tokens.iter().any(|token| begins_matrix(text, *token)) {
         return tokens;

@@ -78,7 +78,8 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
     }
 }
 
-/// Whether a text begins with a divisor: a number, brackets, or a short name that is no word of a comment; with a minus or not.
+/// Whether a text begins with a divisor: a number, brackets, or a short name that is no word of a
+/// comment; with a minus or not.
 fn divides(rest: &str) -> bool {
     let rest = rest.trim_start_matches(' ');
     let rest = rest.strip_prefix('-').unwrap_or(rest);

@@ -1,4 +1,5 @@
-//! Functions of programs, and what governs other statements: where their bodies are, and what they return.
+//! Functions of programs, and what governs other statements: where their bodies are, and what they
+//! return.
 
 use crate::aliases::Aliases;
 use crate::ast::{ExprKind, Name, NamedValue};
@@ -228,8 +229,8 @@ impl Reader<'_> {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
     }
 
-    /// Remembers a function of a point as what is drawn, unless one that is called like a scene's is before it: what
-    /// follows that asks for light or shadow.
+    /// Remembers a function of a point as what is drawn, unless one that is called like a scene's
+    /// is before it: what follows that asks for light or shadow.
     fn draws(&mut self, name: &Name) {
         let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
         let known = self.program.last_function.as_ref();

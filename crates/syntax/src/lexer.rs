@@ -1,4 +1,5 @@
-//! The symbol that a text starts with: one pass, no look at what it means, little at what is before.
+//! The symbol that a text starts with: one pass, no look at what it means, little at what is
+//! before.
 //!
 //! What people paste is brought to the same symbols here: LaTeX environments, comments of other
 //! languages, names of modules before functions, components of vectors.
@@ -87,7 +88,8 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
             let end = prefix(rest, in_name);
             let below = rest[..end].find(is_below);
             let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
-            // Between conditions these are the words that they are in small letters; before brackets they may be functions.
+            // Between conditions these are the words that they are in small letters; before
+            // brackets they may be functions.
             let is_joint = context.last.is_some_and(ends_operand);
             match &rest[..end] {
                 "AND" if is_joint => return ('∧', end),

@@ -1,8 +1,8 @@
 //! From trees to the expression graph: definitions expanded, nothing simplified.
 //!
 //! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose
-//! sum is bounded here, and which take a further piece of stack where little is left. Every expansion
-//! is remembered by its arguments, so repeated use costs nothing.
+//! sum is bounded here, and which take a further piece of stack where little is left. Every
+//! expansion is remembered by its arguments, so repeated use costs nothing.
 
 use crate::ast::{
     Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, SumSign,
@@ -23,10 +23,11 @@ const LEVELS: usize = 5;
 /// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
 const VISITS: usize = 16;
 
-/// Stack that must be left at each level, in bytes: a level itself takes a kilobyte, and the choices between numbers in it
-/// a hundred.
+/// Stack that must be left at each level, in bytes: a level itself takes a kilobyte, and the
+/// choices between numbers in it a hundred.
 const RED_ZONE: usize = 1 << 18;
-/// The stack that is added where less is left: definitions nest deeper than brackets, by a thousand levels.
+/// The stack that is added where less is left: definitions nest deeper than brackets, by a thousand
+/// levels.
 const SEGMENT: usize = 1 << 21;
 
 /// What a defined name lowers to.
@@ -405,8 +406,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Errors of size inside a definition are shown where it is used: that is what can be changed. So are all errors where the
-/// definition is not typed, whose places are those of another text.
+/// Errors of size inside a definition are shown where it is used: that is what can be changed. So
+/// are all errors where the definition is not typed, whose places are those of another text.
 fn at_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
     if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;

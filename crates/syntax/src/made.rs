@@ -1,4 +1,5 @@
-//! Statements with their trees, and those that a text does not spell out: what branches, loops and calls are written out to.
+//! Statements with their trees, and those that a text does not spell out: what branches, loops and
+//! calls are written out to.
 
 use crate::ast::{Definition, Expr, ExprKind, Function, LETTERS, NamedValue, Statement};
 use crate::note::Note;

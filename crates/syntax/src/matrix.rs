@@ -1,7 +1,8 @@
-//! Matrices of two to four rows, which are expanded to their elements as vectors are to their components.
+//! Matrices of two to four rows, which are expanded to their elements as vectors are to their
+//! components.
 //!
-//! Elements are in the order of shaders: column by column. A matrix times a vector is a vector, and so is a vector times a
-//! matrix, which is what `p.xz *= m` means there.
+//! Elements are in the order of shaders: column by column. A matrix times a vector is a vector, and
+//! so is a vector times a matrix, which is what `p.xz *= m` means there.
 
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::Lowering;
@@ -67,7 +68,8 @@ impl Lowering<'_> {
         self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
-    /// The product of two matrices, or of a matrix and a vector; `None` where the sizes differ, and for other values.
+    /// The product of two matrices, or of a matrix and a vector; `None` where the sizes differ, and
+    /// for other values.
     fn product(&mut self, left: &Value, right: &Value) -> Option<Value> {
         let n = match (left, right) {
             (Value::Matrix(a), Value::Matrix(b)) if a.len() == b.len() => a.len().isqrt(),

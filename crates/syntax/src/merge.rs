@@ -1,5 +1,5 @@
-//! What both sides of a branch make of a name, and what a function returns that leaves early: choices that no statement
-//! spells out.
+//! What both sides of a branch make of a name, and what a function returns that leaves early:
+//! choices that no statement spells out.
 
 use crate::aliases::Aliases;
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Statement};

@@ -17,8 +17,8 @@ use crate::spelling::COLOR_MAPS;
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 
-/// Names that a value at each point of a surface may depend on beside x, y and z: the unit normal, and the distance from the
-/// eye. Their numbers as parameters follow those of the document.
+/// Names that a value at each point of a surface may depend on beside x, y and z: the unit normal,
+/// and the distance from the eye. Their numbers as parameters follow those of the document.
 pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 
 /// Lines on a surface along which a value stays the same.
@@ -47,7 +47,8 @@ pub struct MappedColor<V = PointValue> {
     pub map: &'static str,
     /// The value.
     pub value: V,
-    /// The values that have the first and the last color; `None` for the least and the greatest that are seen.
+    /// The values that have the first and the last color; `None` for the least and the greatest
+    /// that are seen.
     pub range: Option<[Constant; 2]>,
 }
 

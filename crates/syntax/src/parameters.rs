@@ -40,8 +40,8 @@ impl<'a> Reader<'a> {
         values
     }
 
-    /// What every defined name means, and the parameters among them, with time if the picture depends on it by more than what
-    /// is drawn; errors are kept.
+    /// What every defined name means, and the parameters among them, with time if the picture
+    /// depends on it by more than what is drawn; errors are kept.
     pub(crate) fn parameters<'d>(
         &mut self,
         definitions: &[(&'d Definition, &Built)],

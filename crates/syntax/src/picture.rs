@@ -1,5 +1,5 @@
-//! What the lines about the picture say: each is read as its row of the table of settings tells, and kept until names have
-//! values.
+//! What the lines about the picture say: each is read as its row of the table of settings tells,
+//! and kept until names have values.
 //!
 //! What they mean for a picture is not decided here.
 
@@ -19,7 +19,8 @@ use crate::statement::Line;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Constant;
 
-/// What a document says of the picture beside where and from where to look. What is `None` is not said.
+/// What a document says of the picture beside where and from where to look. What is `None` is not
+/// said.
 #[derive(Clone, Debug, Default)]
 pub struct PictureLines {
     /// a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is kept.
@@ -128,8 +129,8 @@ impl Collected {
     }
 }
 
-/// What holds for a drawing at `place`: what the last line above it says; but where no drawing is below the last line (that
-/// at `last` is the last drawing), the first line below it.
+/// What holds for a drawing at `place`: what the last line above it says; but where no drawing is
+/// below the last line (that at `last` is the last drawing), the first line below it.
 pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
     let follow = lines.last().is_some_and(|(at, _)| *at > last);
     let found = if follow {

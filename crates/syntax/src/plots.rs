@@ -1,4 +1,5 @@
-//! Commands of other systems that plot: what of their arguments is drawn, and the ranges over which it is.
+//! Commands of other systems that plot: what of their arguments is drawn, and the ranges over which
+//! it is.
 //!
 //! Ranges become a `domain` line, whose symbols keep the places where they were typed.
 
@@ -125,7 +126,8 @@ impl Words<'_> {
         Ok(Some(Plot { formulas, is_height, domain, note }))
     }
 
-    /// `isosurface { function { … } threshold 1 contained_by { box { -2, 2 } } }` of POV-Ray, behind its first word.
+    /// `isosurface { function { … } threshold 1 contained_by { box { -2, 2 } } }` of POV-Ray,
+    /// behind its first word.
     fn isosurface(self, tokens: &[Token], place: Span) -> Option<Plot> {
         let (inner, _) = bracketed(tokens)?;
         let behind = |word: &str| {

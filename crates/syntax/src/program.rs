@@ -2,8 +2,8 @@
 //! typed declarations, names that are set again, `return`.
 //!
 //! A name that a function sets becomes a function of the same parameters, so that nothing is left
-//! that runs in steps: `vec2 q = p.xz;` in `f(p)` is `f_q(p) = p.xz`, and `q` below it `f_q(p)`. Each
-//! time that a name is set again it is another one. What a formula means is not known here.
+//! that runs in steps: `vec2 q = p.xz;` in `f(p)` is `f_q(p) = p.xz`, and `q` below it `f_q(p)`.
+//! Each time that a name is set again it is another one. What a formula means is not known here.
 
 use crate::aliases::Aliases;
 use crate::ast::{ExprKind, Name};

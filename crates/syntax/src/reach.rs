@@ -17,8 +17,8 @@ impl Builder<'_> {
         before.is_some_and(|token| signs.contains(token.symbol))
     }
 
-    /// Notes what touches an exponent without being part of it: in `e^2x`, and in `a^xy`, where it looks like one name.
-    /// `x^2y` is what everyone writes.
+    /// Notes what touches an exponent without being part of it: in `e^2x`, and in `a^xy`, where it
+    /// looks like one name. `x^2y` is what everyone writes.
     pub(crate) fn note_powers(&mut self, factors: &[Expr]) {
         for (index, pair) in factors.windows(2).enumerate() {
             let ExprKind::Power(base, exponent) = &pair[0].kind else { continue };

@@ -53,7 +53,8 @@ fn draw<'a>(
 ) -> String {
     let place = span.start.min(text.len());
     let line = 1 + text[..place].matches('\n').count();
-    // Whole lines are shown, or less of the last where it is very long; columns are counted from the start of the first.
+    // Whole lines are shown, or less of the last where it is very long; columns are counted from
+    // the start of the first.
     let start = text[..place].rfind('\n').map_or(0, |at| at + 1);
     let end = span.end.clamp(place, text.len());
     let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);

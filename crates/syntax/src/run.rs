@@ -160,7 +160,8 @@ impl Builder<'_> {
                 items.push_back(Item::Function(callee, span));
             }
             Meaning::Product => {
-                // Of an exponent and a divisor only the first letter is one, which a note on these says.
+                // Of an exponent and a divisor only the first letter is one, which a note on these
+                // says.
                 let is_exponent = matches!(items.back(), Some(Item::Caret(..)))
                     && !matches!(items.iter().nth_back(1), Some(Item::Function(..)));
                 let is_noted = is_exponent || items.is_empty() && self.follows(span, "/");

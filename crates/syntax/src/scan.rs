@@ -195,8 +195,8 @@ fn continues(rest: &str) -> bool {
     is_operand && !defines && !symbol(&line[..name]).is_some_and(is_setting)
 }
 
-/// Whether a line is the rest of the formula above it, since no other starts as it does: with a plus or a relation, or, if it
-/// is indented, a minus. Not if both have a relation.
+/// Whether a line is the rest of the formula above it, since no other starts as it does: with a
+/// plus or a relation, or, if it is indented, a minus. Not if both have a relation.
 fn goes_back(rest: &str, above: &[Token]) -> bool {
     let is_relation = |c: char| "=≠<≤>≥≔".contains(c);
     let line = start(&rest[..line_length(rest)], 300);

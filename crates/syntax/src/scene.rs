@@ -1,5 +1,5 @@
-//! `domain`, `view`, `look` and `background` lines and plain colors, as data: what they mean for a picture is not decided
-//! here.
+//! `domain`, `view`, `look` and `background` lines and plain colors, as data: what they mean for a
+//! picture is not decided here.
 
 use crate::ast::Expr;
 use crate::build::Builder;

@@ -106,8 +106,8 @@ pub(crate) fn setting(word: &str) -> Option<&'static Setting> {
     SETTINGS.iter().find(|setting| setting.word == word)
 }
 
-/// What a line about the picture sets that begins with `word`: the word itself, or its first spelling; `None` if there is no
-/// such line.
+/// What a line about the picture sets that begins with `word`: the word itself, or its first
+/// spelling; `None` if there is no such line.
 pub fn setting_word(word: &str) -> Option<&'static str> {
     let found = setting(word)?;
     let first = SETTINGS.iter().find(|other| other.kind == found.kind);

@@ -17,7 +17,8 @@ pub const COLOR_MAPS: [&str; 12] = [
 /// The symbol of a fixed spelling: the character that the grammar knows it by. A blank only
 /// separates, a line break ends a statement.
 ///
-/// This is the only list of the words, operators and LaTeX names of the language, but for [`SETTINGS`].
+/// This is the only list of the words, operators and LaTeX names of the language, but for
+/// [`SETTINGS`].
 pub(crate) fn symbol(spelling: &str) -> Option<char> {
     Some(match spelling {
         " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
@@ -196,7 +197,8 @@ pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
     })
 }
 
-/// The letter, digit or sign that a character is another form of: of full width, or set for mathematics.
+/// The letter, digit or sign that a character is another form of: of full width, or set for
+/// mathematics.
 pub(crate) fn plain(character: char) -> Option<char> {
     let code = u32::from(character);
     if (0xFF01..=0xFF5E).contains(&code) {

@@ -154,8 +154,8 @@ pub(crate) fn settle_heads(
     }
 }
 
-/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels, and `f(x, y) = z` below `f(x, y) = x^2` an
-/// equation.
+/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels, and `f(x, y) = z`
+/// below `f(x, y) = x^2` an equation.
 fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     let numbers = numbers(text, lines);
@@ -196,8 +196,8 @@ fn right_side(piece: &Piece) -> impl Iterator<Item = &Token> {
     right.take_while(|token| !matches!(token.symbol, '{' | '∈'))
 }
 
-/// Whether a right side is a number, or z where a function of x and y is given: no body of a function of coordinates, which
-/// takes the place of an earlier one.
+/// Whether a right side is a number, or z where a function of x and y is given: no body of a
+/// function of coordinates, which takes the place of an earlier one.
 fn is_value(text: &str, piece: &Piece, parameters: usize, numbers: &FxHashSet<String>) -> bool {
     right_side(piece).filter(|token| is_name(token.symbol)).all(|token| {
         let name = &text[token.span.range()];
@@ -382,8 +382,8 @@ fn set(
     Ok(Definition { name, parameters, body, range: None })
 }
 
-/// Fails on a left side with too many parameters, or two alike, or with a name that cannot be defined: its own is one if it
-/// is that of a function or a keyword of the language.
+/// Fails on a left side with too many parameters, or two alike, or with a name that cannot be
+/// defined: its own is one if it is that of a function or a keyword of the language.
 fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MOST_PARAMETERS {

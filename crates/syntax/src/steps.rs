@@ -1,4 +1,5 @@
-//! What a program does, statement by statement: blocks in braces, or indented. No statement is looked into.
+//! What a program does, statement by statement: blocks in braces, or indented. No statement is
+//! looked into.
 
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::program_words::Words;
@@ -17,7 +18,8 @@ pub(crate) enum Step {
         yes: Vec<Step>,
         no: Vec<Step>,
     },
-    /// What is repeated while a condition holds; `for` has a start, and what is done between two rounds.
+    /// What is repeated while a condition holds; `for` has a start, and what is done between two
+    /// rounds.
     Loop {
         word: Token,
         start: Vec<Token>,
@@ -82,7 +84,8 @@ impl Words<'_> {
         }
     }
 
-    /// Whether the last statement that `tokens` hold is whole: something stands behind what governs it.
+    /// Whether the last statement that `tokens` hold is whole: something stands behind what governs
+    /// it.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
         let mut is_whole = true;
         let mut rest = skip(tokens);

@@ -66,7 +66,8 @@ impl Builder<'_> {
             .then(|| Error::new(statement, ErrorKind::InWords))
     }
 
-    /// The brackets around `place` if they end the statement and hold words only, as in `x = 1 (a plane)`.
+    /// The brackets around `place` if they end the statement and hold words only, as in
+    /// `x = 1 (a plane)`.
     fn remark(&self, place: Span) -> Option<Span> {
         let tokens = &self.piece.tokens;
         let close = tokens.last().filter(|last| last.symbol == ')')?;
@@ -263,8 +264,8 @@ impl Scope {
         Some(text)
     }
 
-    /// The functions, values and numbers that a name is made of, the longest first, if it says more than its letters do. A
-    /// number follows a function.
+    /// The functions, values and numbers that a name is made of, the longest first, if it says more
+    /// than its letters do. A number follows a function.
     fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(Part, &'n str)>> {
         // The parts of what begins at each place, from the last on.
         let mut found: Vec<Option<Vec<(Part, &str)>>> = vec![None; name.len() + 1];

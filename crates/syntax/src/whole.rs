@@ -1,4 +1,5 @@
-//! Whole numbers that must be known before a formula is written out: factorials, and what says how many terms there are.
+//! Whole numbers that must be known before a formula is written out: factorials, and what says how
+//! many terms there are.
 
 use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Series};
 use crate::build::{Builder, number_only};
@@ -8,7 +9,8 @@ use crate::span::Span;
 use rustc_hash::FxHashSet;
 
 impl Builder<'_> {
-    /// `n!` as `product(k = 1..n, k)`, which is exact, and refused where n is no constant whole number.
+    /// `n!` as `product(k = 1..n, k)`, which is exact, and refused where n is no constant whole
+    /// number.
     #[inline(never)] // keeps its text out of the stack frames of nested factors
     pub(crate) fn factorial(&mut self, base: Expr, sign: Span) -> Fallible<Expr> {
         number_only(&base)?;
@@ -38,7 +40,8 @@ impl Builder<'_> {
     }
 }
 
-/// The names that say how many terms or repetitions there are, by themselves or through definitions.
+/// The names that say how many terms or repetitions there are, by themselves or through
+/// definitions.
 pub(crate) fn counting<'d>(
     definitions: &[(&'d Definition, &'d Built)],
     drawings: &[&'d Built],

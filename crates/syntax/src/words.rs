@@ -1,5 +1,5 @@
-//! Every word of the language and what kind it is, for help, completion and colours: drawn from the tables that reading
-//! uses. What is done with them is not known here.
+//! Every word of the language and what kind it is, for help, completion and colours: drawn from the
+//! tables that reading uses. What is done with them is not known here.
 
 use crate::paint::POINT_NAMES;
 use crate::scope::{ROOT_NAMES, meaning};

@@ -1,5 +1,5 @@
-//! What other systems put around a formula: commands that plot it, declarations of names, braces of print. No formula is
-//! looked into.
+//! What other systems put around a formula: commands that plot it, declarations of names, braces of
+//! print. No formula is looked into.
 
 use crate::program_words::Words;
 use crate::span::Span;
@@ -118,8 +118,8 @@ impl Words<'_> {
         self.of_maple(tokens)
     }
 
-    /// What stands behind a command that sets up, `with(plots):`, or behind the mark of a session, `In[1]:=`, `(%i1)`,
-    /// `>>>`.
+    /// What stands behind a command that sets up, `with(plots):`, or behind the mark of a session,
+    /// `In[1]:=`, `(%i1)`, `>>>`.
     fn behind_mark(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let rest = match tokens {
             [first, open, ..]

@@ -2,8 +2,8 @@
 
 use std::fs::read_to_string;
 
-/// The processor's name with its family and model, which a name may not tell; "unknown processor" where there is no
-/// `/proc/cpuinfo`.
+/// The processor's name with its family and model, which a name may not tell; "unknown processor"
+/// where there is no `/proc/cpuinfo`.
 pub fn processor() -> String {
     let text = read_to_string("/proc/cpuinfo").unwrap_or_default();
     let field = |name: &str| {

@@ -23,8 +23,8 @@ pub struct Band<'a> {
 }
 
 impl Band<'_> {
-    /// Whether what is still to be found is wanted. To be asked every now and then; after a `false`, columns that were not
-    /// reached are to be [given up](Band::give_up).
+    /// Whether what is still to be found is wanted. To be asked every now and then; after a
+    /// `false`, columns that were not reached are to be [given up](Band::give_up).
     pub fn is_wanted(&self) -> bool {
         (self.wanted)()
     }
@@ -52,8 +52,8 @@ impl Band<'_> {
         self.only.is_empty()
     }
 
-    /// Calls all pixels from this column on undecided from the eye on, for lack of time: to leave them misses would be a
-    /// claim.
+    /// Calls all pixels from this column on undecided from the eye on, for lack of time: to leave
+    /// them misses would be a claim.
     pub fn give_up(&mut self, from: usize) {
         for row in 0..self.height {
             for column in from..self.width {
@@ -62,14 +62,16 @@ impl Band<'_> {
         }
     }
 
-    /// The same of one pixel. What was found on its ray was found behind nothing but what is proven empty, and stays.
+    /// The same of one pixel. What was found on its ray was found behind nothing but what is proven
+    /// empty, and stays.
     pub fn give_up_pixel(&mut self, column: usize, row: usize) {
         if self.status[row * self.width + column] == Status::Miss {
             self.set(column, row, &Found::GIVEN_UP);
         }
     }
 
-    /// Writes what became of the ray through a pixel, given by its column and its row in the band; distances in world units.
+    /// Writes what became of the ray through a pixel, given by its column and its row in the band;
+    /// distances in world units.
     #[inline]
     pub fn set(&mut self, column: usize, row: usize, found: &Found) {
         let pixel = row * self.width + column;
@@ -85,8 +87,8 @@ impl Band<'_> {
         }
     }
 
-    /// Writes what was found on a ray behind all that was found before: what is proven stays as it is where something was,
-    /// and only what is painted may be new.
+    /// Writes what was found on a ray behind all that was found before: what is proven stays as it
+    /// is where something was, and only what is painted may be new.
     #[inline]
     pub fn add(&mut self, column: usize, row: usize, found: &Found) {
         let pixel = row * self.width + column;
@@ -97,7 +99,8 @@ impl Band<'_> {
         }
     }
 
-    /// Paints a place on a ray of which something is known before it, unless that is painted: nowhere that is proven empty.
+    /// Paints a place on a ray of which something is known before it, unless that is painted:
+    /// nowhere that is proven empty.
     #[inline]
     fn paint(&mut self, pixel: usize, distance: f64) {
         if self.status[pixel] == Status::Undecided {
@@ -105,7 +108,8 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add`] for a hit at `distance`, whose bracket reaches as far as `off` to either side.
+    /// As [`Band::add`] for a hit at `distance`, whose bracket reaches as far as `off` to either
+    /// side.
     #[inline]
     pub fn add_hit(&mut self, column: usize, row: usize, distance: f64, off: f64) {
         let pixel = row * self.width + column;
@@ -121,8 +125,9 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add_hit`] for a square of four rows of four pixels, from this column and row on: only where nothing else was
-    /// found, and no brackets are kept. Otherwise does nothing, and returns `false`.
+    /// As [`Band::add_hit`] for a square of four rows of four pixels, from this column and row on:
+    /// only where nothing else was found, and no brackets are kept. Otherwise does nothing, and
+    /// returns `false`.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,

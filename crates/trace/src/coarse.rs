@@ -1,16 +1,18 @@
-//! What is near to what, as a smaller picture of the same scene knows it: for parts of a picture too large to be held whole.
+//! What is near to what, as a smaller picture of the same scene knows it: for parts of a picture
+//! too large to be held whole.
 
 use crate::edges::slope;
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use rayon::prelude::*;
 
-/// A point of the smaller picture is on the same part of a surface if it is no farther away than this many of its pixels'
-/// widths, or as many times what the slope explains.
+/// A point of the smaller picture is on the same part of a surface if it is no farther away than
+/// this many of its pixels' widths, or as many times what the slope explains.
 const FAR: f64 = 4.0;
 
-/// Hides as much of what surrounds each painted point as is hidden around the same place in `small`: the mean of the four
-/// nearest pixels there, of those on the same part of the same surface. A picture of the same size gives its own values.
+/// Hides as much of what surrounds each painted point as is hidden around the same place in
+/// `small`: the mean of the four nearest pixels there, of those on the same part of the same
+/// surface. A picture of the same size gives its own values.
 pub fn borrow_occlusion(
     buffer: &mut GBuffer,
     rays: &RayGrid,

@@ -10,8 +10,9 @@ pub struct LinearRgb(pub [f32; 3]);
 
 /// What finds the sRGB byte nearest to an amount of light, exactly, with one look and one sum.
 ///
-/// Floats that agree in their upper half belong to two neighbouring bytes at most. The entry for that half has the lower byte
-/// above 16 bits that carry into it where the lower half reaches the next byte.
+/// Floats that agree in their upper half belong to two neighbouring bytes at most. The entry for
+/// that half has the lower byte above 16 bits that carry into it where the lower half reaches the
+/// next byte.
 pub(crate) struct Codes([u32; ENTRIES]);
 
 /// Bits of the lower half.
@@ -20,7 +21,8 @@ const LOWER: u32 = 16;
 /// Amounts up to this one are black: byte 1 begins at 1.5e-4.
 pub(crate) const BLACK: f32 = 1.0 / 8192.0;
 
-/// Upper halves from black to full light differ in their last 11 bits, so an index need not be checked, only cut off.
+/// Upper halves from black to full light differ in their last 11 bits, so an index need not be
+/// checked, only cut off.
 const ENTRIES: usize = 2048;
 
 impl Codes {
@@ -28,8 +30,8 @@ impl Codes {
     pub fn get() -> &'static Self {
         static CODES: OnceLock<Codes> = OnceLock::new();
         CODES.get_or_init(|| {
-            // By byte, the least amount that belongs to the next one: where the curve is half way between the two, or just
-            // above.
+            // By byte, the least amount that belongs to the next one: where the curve is half way
+            // between the two, or just above.
             let next: Vec<u32> = (0..255)
                 .map(|byte| {
                     let half_way = decode((f64::from(byte) + 0.5) / 255.0);

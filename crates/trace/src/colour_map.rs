@@ -33,7 +33,8 @@ impl ColourMap {
         const { &COLOUR_MAPS }.iter().find(|map| map.name == name)
     }
 
-    /// The sRGB bytes of the colour at a share of the way from the first to the last; beyond the ends, theirs. NaN is as 0.
+    /// The sRGB bytes of the colour at a share of the way from the first to the last; beyond the
+    /// ends, theirs. NaN is as 0.
     pub fn bytes(&self, share: f64) -> [u8; 3] {
         let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
         self.gradient.eval_continuous(share).as_array()

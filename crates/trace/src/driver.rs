@@ -14,7 +14,8 @@ use crate::squares::RAYS;
 use crate::work::Work;
 use rayon::prelude::*;
 
-/// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the side of its squares.
+/// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the
+/// side of its squares.
 pub const BAND_ROWS: usize = 16;
 /// Pixels of a list that go together.
 const LIST: usize = 1024;
@@ -26,8 +27,9 @@ pub struct Driver<'a> {
     pub rays: &'a RayGrid,
     /// What follows them.
     pub tracer: &'a dyn Tracer,
-    /// Told how many pixels were finished since it was last called; ends the work early by returning `false`. Pixels of a
-    /// new picture that were not reached then are undecided and not painted, and those followed on are as they were.
+    /// Told how many pixels were finished since it was last called; ends the work early by
+    /// returning `false`. Pixels of a new picture that were not reached then are undecided and not
+    /// painted, and those followed on are as they were.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
@@ -40,8 +42,8 @@ impl Driver<'_> {
         self.picture_where(&[], buffer)
     }
 
-    /// Traces the pixels for which `only` says so, row by row, all if it is empty. Of others it may write what it finds by
-    /// the way: a proof or nothing.
+    /// Traces the pixels for which `only` says so, row by row, all if it is empty. Of others it may
+    /// write what it finds by the way: a proof or nothing.
     ///
     /// # Panics
     /// If the buffer has another size than the picture, or `only` another number of pixels.
@@ -51,9 +53,9 @@ impl Driver<'_> {
         work_on(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only))
     }
 
-    /// A new picture of the surface with this number, otherwise as [`Driver::picture_where`] makes it, with what is to be
-    /// `kept`. Each [`BAND_ROWS`] rows are handed to `finish` while they are in the nearer caches, together with what
-    /// of `parts` is theirs.
+    /// A new picture of the surface with this number, otherwise as [`Driver::picture_where`] makes
+    /// it, with what is to be `kept`. Each [`BAND_ROWS`] rows are handed to `finish` while they are
+    /// in the nearer caches, together with what of `parts` is theirs.
     ///
     /// # Panics
     /// If there are fewer parts than bands of rows, or `only` has another number of pixels.
@@ -91,10 +93,10 @@ impl Driver<'_> {
         work
     }
 
-    /// Finds which painted points of `buffer` do not see the light: that of `lights` whose turn it is, in squares of as many
-    /// pixels. A ray starts `offset` away from its point (in world
-    /// units), and what it meets before it is clear of that surface does not count: otherwise a surface would shade
-    /// itself wherever enclosures are wide.
+    /// Finds which painted points of `buffer` do not see the light: that of `lights` whose turn it
+    /// is, in squares of as many pixels. A ray starts `offset` away from its point (in world
+    /// units), and what it meets before it is clear of that surface does not count: otherwise a
+    /// surface would shade itself wherever enclosures are wide.
     pub fn shadows(&self, buffer: &mut GBuffer, lights: &[Light; TURNS], offset: f64) -> Work {
         let painted: Vec<usize> =
             (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
@@ -120,11 +122,13 @@ impl Driver<'_> {
         })
     }
 
-    /// Follows the rays of pixels on from the given distances, in world units; where those are not finite, the pixel stays as
-    /// it is. What is found is behind something else, and tells nothing of the whole ray.
+    /// Follows the rays of pixels on from the given distances, in world units; where those are not
+    /// finite, the pixel stays as it is. What is found is behind something else, and tells nothing
+    /// of the whole ray.
     ///
     /// # Panics
-    /// If there are not as many distances as pixels, or the buffer has another size than the picture.
+    /// If there are not as many distances as pixels, or the buffer has another size than the
+    /// picture.
     pub fn behind(&self, starts: &[f64], start: Start, buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert_eq!(starts.len(), buffer.status.len());
@@ -152,7 +156,8 @@ impl Driver<'_> {
         })
     }
 
-    /// Follows a ray for each of some pixels, as long as that is wanted; tells what is no miss, distances in world units.
+    /// Follows a ray for each of some pixels, as long as that is wanted; tells what is no miss,
+    /// distances in world units.
     fn follow(
         &self,
         pixels: &[usize],

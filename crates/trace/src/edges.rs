@@ -11,11 +11,13 @@ use zeroset_eval::LANES;
 
 /// Normals that differ by more than this cosine make an edge: 20 degrees.
 const SAME_WAY: f32 = 0.94;
-/// A step in depth this many times as far as the surface's slope explains, and as far as a pixel is wide, makes an edge.
+/// A step in depth this many times as far as the surface's slope explains, and as far as a pixel is
+/// wide, makes an edge.
 const STEEPER: f64 = 3.0;
 
-/// Whether a pixel differs from one of the four beside it: in what surface it shows, if any, from which side, at what
-/// distance, or which way that faces. Row by row; what is thinner than a pixel and on no ray is not seen.
+/// Whether a pixel differs from one of the four beside it: in what surface it shows, if any, from
+/// which side, at what distance, or which way that faces. Row by row; what is thinner than a pixel
+/// and on no ray is not seen.
 pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
     let (width, height) = (rays.width(), rays.height());
     let pairs = Pairs { buffer, rays, level: Level::new() };
@@ -80,8 +82,9 @@ impl<'a> Side<'a> {
 /// A bit for each lane.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Which of sixteen pairs of pixels from the `k`th on may have an edge between them, as bits: most are told by these few
-/// comparisons. `even` is what step in depth is none, at the eye and by how much that grows with depth.
+/// Which of sixteen pairs of pixels from the `k`th on may have an edge between them, as bits: most
+/// are told by these few comparisons. `even` is what step in depth is none, at the eye and by how
+/// much that grows with depth.
 #[inline(always)]
 fn differing<S: Simd>(
     simd: S,
@@ -125,8 +128,8 @@ fn differing<S: Simd>(
 }
 
 impl Pairs<'_> {
-    /// The columns of a row from the one before the first that is painted to the last, but no farther than the last but one
-    /// of the picture; if none is painted, none.
+    /// The columns of a row from the one before the first that is painted to the last, but no
+    /// farther than the last but one of the picture; if none is painted, none.
     fn painted(&self, row: usize) -> Range<usize> {
         let width = self.rays.width();
         let drawn = &self.buffer.drawn[row * width..][..width];
@@ -136,8 +139,9 @@ impl Pairs<'_> {
         first.saturating_sub(1)..(last + 1).min(width - 1)
     }
 
-    /// Tells the columns of a range in which there is an edge between two pixels: that of index `pair.start` and the column
-    /// together, which is left of the other or above it, and that of `pair.end`.
+    /// Tells the columns of a range in which there is an edge between two pixels: that of index
+    /// `pair.start` and the column together, which is left of the other or above it, and that of
+    /// `pair.end`.
     #[inline]
     fn each(
         &self,
@@ -195,22 +199,24 @@ impl Pairs<'_> {
     }
 }
 
-/// How far depth changes along an axis of the picture where a surface has this normal, in pixels' widths.
+/// How far depth changes along an axis of the picture where a surface has this normal, in pixels'
+/// widths.
 fn slope_along(normal: [f32; 3], rays: &RayGrid, pixel: usize, axis: DVec3) -> f64 {
     let normal = DVec3::from_array(normal.map(f64::from));
     let along = rays.ray_of(pixel).direction.normalize();
     (normal.dot(axis) / normal.dot(along)).abs()
 }
 
-/// How far depth changes at most along the picture where a surface has this normal, in pixels' widths, seen along a unit
-/// vector.
+/// How far depth changes at most along the picture where a surface has this normal, in pixels'
+/// widths, seen along a unit vector.
 pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
     // The tangent of the angle between them.
     let cosine = Vec3::from_array(normal).dot(along);
     ((1.0 - cosine * cosine).max(0.0) / (cosine * cosine)).sqrt()
 }
 
-/// Whether a pixel of one surface shows a crease: its normal differs from that of one of the four pixels beside it.
+/// Whether a pixel of one surface shows a crease: its normal differs from that of one of the four
+/// pixels beside it.
 pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     let normal = |pixel: usize| Vec3::from_array(buffer.normal[pixel]);
     let differs = |other: usize| {
@@ -221,8 +227,9 @@ pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     rays.beside(pixel).into_iter().flatten().any(differs)
 }
 
-/// Whether all of a patch shows one smooth part of one surface, of which the patch's pixel of a coarser picture has this
-/// normal: nothing of it needs to be lit anew. `row` is the patch's in `buffer` and `rays`.
+/// Whether all of a patch shows one smooth part of one surface, of which the patch's pixel of a
+/// coarser picture has this normal: nothing of it needs to be lit anew. `row` is the patch's in
+/// `buffer` and `rays`.
 ///
 /// # Panics
 /// If there is no such row of a patch.
@@ -352,7 +359,8 @@ mod tests {
         assert_eq!(is_smooth(&|buffer| buffer.drawn[3] = f64::INFINITY), [false, true]);
         assert_eq!(is_smooth(&|buffer| buffer.drawn[31] = 3.0), [true, false]);
         assert_eq!(is_smooth(&|buffer| buffer.cap[20] = true), [true, false]);
-        // From row to row of a patch depth may change as it does along it, and no patch is the next one's neighbour.
+        // From row to row of a patch depth may change as it does along it, and no patch is the next
+        // one's neighbour.
         assert_eq!(is_smooth(&|buffer| buffer.drawn[16..].fill(1.0)), [true; 2]);
     }
 

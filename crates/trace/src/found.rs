@@ -20,8 +20,8 @@ pub enum Reason {
     /// It is decided, or the method does not tell.
     #[default]
     None = 0,
-    /// The function comes as near to 0 as arithmetic can tell, and shows no change of sign: it touches 0, or the surface
-    /// meets itself.
+    /// The function comes as near to 0 as arithmetic can tell, and shows no change of sign: it
+    /// touches 0, or the surface meets itself.
     Touching = 1,
     /// It is not known to be defined there.
     Undefined = 2,
@@ -88,7 +88,8 @@ pub struct Found {
     pub drawn: f64,
     /// Why it is undecided.
     pub reason: Reason,
-    /// Of a hit: the part of the ray that is proven to hold its first zero, and nothing before it. Else NaN.
+    /// Of a hit: the part of the ray that is proven to hold its first zero, and nothing before it.
+    /// Else NaN.
     pub bracket: [f64; 2],
 }
 

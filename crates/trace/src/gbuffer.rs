@@ -29,23 +29,28 @@ pub struct GBuffer {
     pub status: Vec<Status>,
     /// Of undecided pixels, why they are; anything elsewhere, so that it need not be written.
     pub(crate) reason: Vec<Reason>,
-    /// Of undecided pixels, the distance of the start of the first undecided segment; anything elsewhere.
+    /// Of undecided pixels, the distance of the start of the first undecided segment; anything
+    /// elsewhere.
     pub(crate) open_from: Vec<f64>,
-    /// Of hits, the distances between which the zero is proven to lie; NaN elsewhere. Empty if that is not wanted.
+    /// Of hits, the distances between which the zero is proven to lie; NaN elsewhere. Empty if that
+    /// is not wanted.
     pub bracket: Vec<[f64; 2]>,
-    /// Distance from the ray's origin, in world units, of the point that is painted; infinite where the background shows, as
-    /// it does in every miss, and in no hit. Over kernels of `f32` it is known to some 24 bits.
+    /// Distance from the ray's origin, in world units, of the point that is painted; infinite where
+    /// the background shows, as it does in every miss, and in no hit. Over kernels of `f32` it is
+    /// known to some 24 bits.
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
     pub surface: SurfaceNumbers,
-    /// Unit normal of what is painted, towards f > 0; meaningless where the background shows, or if none was asked for. Empty if
-    /// they are not kept.
+    /// Unit normal of what is painted, towards f > 0; meaningless where the background shows, or if
+    /// none was asked for. Empty if they are not kept.
     pub normal: Vec<[f32; 3]>,
-    /// Whether the painted point lies on a face of the region that cuts a solid open. Empty if none does.
+    /// Whether the painted point lies on a face of the region that cuts a solid open. Empty if none
+    /// does.
     pub cap: Vec<bool>,
     /// How much of the light is hidden from the painted point, 255 being all. Empty if none is.
     pub shadow: Vec<u8>,
-    /// How much of what surrounds the painted point is hidden from it by what is near, 255 being all. Empty if nothing is.
+    /// How much of what surrounds the painted point is hidden from it by what is near, 255 being
+    /// all. Empty if nothing is.
     pub occlusion: Vec<u8>,
 }
 
@@ -103,14 +108,16 @@ impl PartialEq for GBuffer {
 
 impl GBuffer {
     /// A picture of the given size in which every pixel is a miss, for the surface with this
-    /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is one as large.
+    /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is
+    /// one as large.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let mut new = Self::unset(width, height, surface, Kept::default());
         new.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
         new
     }
 
-    /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that goes.
+    /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that
+    /// goes.
     ///
     /// # Panics
     /// As [`GBuffer::hand_back`].
@@ -121,8 +128,8 @@ impl GBuffer {
         self.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
     }
 
-    /// A picture of the given size, for the surface with this number, of which all rows are still to be cleared: what it holds
-    /// is of no picture.
+    /// A picture of the given size, for the surface with this number, of which all rows are still
+    /// to be cleared: what it holds is of no picture.
     pub(crate) fn unset(width: usize, height: usize, surface: u16, kept: Kept) -> Self {
         let spare = SPARES.take().filter(|spare| serves(spare.status.capacity(), width * height));
         let mut unset = spare.unwrap_or_default();
@@ -144,7 +151,8 @@ impl GBuffer {
     fn resize(&mut self, width: usize, height: usize, kept: Kept) {
         fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
             if all.capacity() < pixels {
-                // Zeros come with the pages, and those when they are first written to: by many threads.
+                // Zeros come with the pages, and those when they are first written to: by many
+                // threads.
                 *all = vec![value; pixels];
             } else {
                 all.resize(pixels, value);
@@ -167,7 +175,8 @@ impl GBuffer {
         self.occlusion.clear();
     }
 
-    /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the process.
+    /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the
+    /// process.
     ///
     /// # Panics
     /// In debug builds, if a miss is painted or a hit is not: those who get the memory count on it.
@@ -176,7 +185,8 @@ impl GBuffer {
         SPARES.hand_back(self);
     }
 
-    /// Writes what became of a pixel's ray, distances in world units. What is drawn of a hit is the hit.
+    /// Writes what became of a pixel's ray, distances in world units. What is drawn of a hit is the
+    /// hit.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -193,8 +203,8 @@ impl GBuffer {
         }
     }
 
-    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first undecided segment; infinite
-    /// for a miss. Over kernels of `f32` it is known to some 24 bits.
+    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first
+    /// undecided segment; infinite for a miss. Over kernels of `f32` it is known to some 24 bits.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -252,8 +262,8 @@ impl GBuffer {
         keep(&mut self.occlusion, pixels);
     }
 
-    /// Calls every pixel undecided from the eye on, for lack of time: one more surface was not looked for. What is painted
-    /// stays.
+    /// Calls every pixel undecided from the eye on, for lack of time: one more surface was not
+    /// looked for. What is painted stays.
     pub fn give_up(&mut self) {
         self.status.fill(Status::Undecided);
         self.reason.fill(Reason::Budget);
@@ -261,8 +271,9 @@ impl GBuffer {
         self.bracket.fill([f64::NAN; 2]);
     }
 
-    /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and the nearer painted
-    /// point are kept. Of an undecided segment and a hit at the same distance, the former is kept.
+    /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and
+    /// the nearer painted point are kept. Of an undecided segment and a hit at the same distance,
+    /// the former is kept.
     ///
     /// # Panics
     /// If the sizes differ.
@@ -279,7 +290,8 @@ impl GBuffer {
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 let [mine, theirs] = [*bracket, other.bracket_of(pixel)];
                 *bracket = if self.status[pixel] == Status::Hit {
-                    // Where both are hit, either may hold the first zero. What is not a number gives way.
+                    // Where both are hit, either may hold the first zero. What is not a number
+                    // gives way.
                     [mine[0].min(theirs[0]), mine[1].min(theirs[1])]
                 } else {
                     [f64::NAN; 2]

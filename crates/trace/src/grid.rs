@@ -19,7 +19,8 @@ pub struct Patch {
     pub column: usize,
     /// The first row.
     pub row: usize,
-    /// What lies before the first or behind the second of these values of t is not looked for, if a method can tell.
+    /// What lies before the first or behind the second of these values of t is not looked for, if a
+    /// method can tell.
     pub between: [f64; 2],
 }
 
@@ -28,20 +29,22 @@ pub struct Patch {
 pub struct RayGrid {
     width: usize,
     height: usize,
-    /// Where the centre of the first pixel is, to the right of the picture's middle and above it, in halves of a pixel.
+    /// Where the centre of the first pixel is, to the right of the picture's middle and above it,
+    /// in halves of a pixel.
     first: [i64; 2],
     /// Columns and rows of the picture before this part of it.
     pub(crate) corner: [usize; 2],
-    /// What no screen coordinate exceeds: half the width and height of the whole picture that this is a part of, so that parts
-    /// are traced as the whole is.
+    /// What no screen coordinate exceeds: half the width and height of the whole picture that this
+    /// is a part of, so that parts are traced as the whole is.
     pub(crate) reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
-    /// In `f32`, since that is asked for at every window: the direction of view, and what a ray's direction changes by where it
-    /// moves by half a pixel to the right, or upward; or its origin, if parallel.
+    /// In `f32`, since that is asked for at every window: the direction of view, and what a ray's
+    /// direction changes by where it moves by half a pixel to the right, or upward; or its origin,
+    /// if parallel.
     steps: [Vec3; 3],
-    /// Half a pixel's height, which is half the distance of neighbouring pixels' screen coordinates: on the plane at distance 1,
-    /// or in world units if parallel.
+    /// Half a pixel's height, which is half the distance of neighbouring pixels' screen
+    /// coordinates: on the plane at distance 1, or in world units if parallel.
     pub(crate) unit: f64,
     /// Whether the picture is orthographic.
     pub(crate) parallel: bool,
@@ -65,8 +68,8 @@ impl Camera {
 }
 
 impl RayGrid {
-    /// The rays of some columns and rows of the picture, counted from its left edge and its top: those of `self`, bit for
-    /// bit.
+    /// The rays of some columns and rows of the picture, counted from its left edge and its top:
+    /// those of `self`, bit for bit.
     ///
     /// # Panics
     /// If they are not in the picture.
@@ -79,7 +82,8 @@ impl RayGrid {
         Self { width: columns.len(), height: rows.len(), first, corner, ..self.clone() }
     }
 
-    /// The rays of the same picture, or part of one, with each pixel cut into `times` columns and rows.
+    /// The rays of the same picture, or part of one, with each pixel cut into `times` columns and
+    /// rows.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
         let (width, height) = (self.width * times, self.height * times);
@@ -90,8 +94,9 @@ impl RayGrid {
         Self { width, height, first, corner, steps, unit, ..self.clone() }
     }
 
-    /// The rays of some patches of the picture, one in each row: its sixteen pixels row by row. What is found for them may
-    /// be drawn, but is no claim, since it is looked for only within [`Patch::between`].
+    /// The rays of some patches of the picture, one in each row: its sixteen pixels row by row.
+    /// What is found for them may be drawn, but is no claim, since it is looked for only within
+    /// [`Patch::between`].
     #[must_use]
     pub fn patches(&self, patches: Arc<[Patch]>) -> Self {
         Self { width: LANES, height: patches.len(), patches: Some(patches), ..self.clone() }
@@ -109,7 +114,8 @@ impl RayGrid {
         self.patches.is_some()
     }
 
-    /// The pixels left of one, right of it, above and below it, by their indices, as far as there are any.
+    /// The pixels left of one, right of it, above and below it, by their indices, as far as there
+    /// are any.
     pub fn beside(&self, pixel: usize) -> [Option<usize>; 4] {
         let width = if self.is_patched() { SIDE } else { self.width };
         let (column, rows) = (pixel % width, self.width * self.height / width);
@@ -175,17 +181,18 @@ impl RayGrid {
         }
     }
 
-    /// Screen coordinates of the point half way between the centres of two pixels, by the sum of their columns and the sum of
-    /// their rows, in the picture that there may be patches of: a ray's direction is `forward` + a·`right` + b·`up`, or in
-    /// an orthographic picture its origin is moved so.
+    /// Screen coordinates of the point half way between the centres of two pixels, by the sum of
+    /// their columns and the sum of their rows, in the picture that there may be patches of: a
+    /// ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin
+    /// is moved so.
     #[inline]
     pub(crate) fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
         let [across, upward] = self.first;
         [across + columns as i64, upward - rows as i64].map(|place| place as f64 * self.unit)
     }
 
-    /// [Screen coordinates](Self::screen) of four points along an axis, by the sum of two columns, or of two rows, and by what
-    /// that grows from one to the next.
+    /// [Screen coordinates](Self::screen) of four points along an axis, by the sum of two columns,
+    /// or of two rows, and by what that grows from one to the next.
     #[inline(always)]
     pub(crate) fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
         let [across, upward] = self.first;
@@ -198,13 +205,15 @@ impl RayGrid {
         [0.0, 1.0, 2.0, 3.0].map(|k| (first as f64 + k * step) * self.unit)
     }
 
-    /// About how wide a pixel is at a distance from the eye, in the unit of that distance: of t, or of the world.
+    /// About how wide a pixel is at a distance from the eye, in the unit of that distance: of t, or
+    /// of the world.
     pub fn footprint(&self, distance: f64) -> f64 {
         let [at_eye, growth] = self.pixel();
         at_eye + growth * distance
     }
 
-    /// About how wide a pixel is where a ray's t is 0, and how much that grows with t, in units of t.
+    /// About how wide a pixel is where a ray's t is 0, and how much that grows with t, in units of
+    /// t.
     pub(crate) fn pixel(&self) -> [f64; 2] {
         let width = 2.0 * self.unit;
         if self.parallel { [width, 0.0] } else { [0.0, width] }
@@ -219,7 +228,8 @@ impl RayGrid {
         [(across + 2 * i as i64) as f64, (upward - 2 * j as i64) as f64]
     }
 
-    /// The column and the row of a pixel in the picture that there may be patches of. A window may stick out.
+    /// The column and the row of a pixel in the picture that there may be patches of. A window may
+    /// stick out.
     #[inline]
     fn place(&self, i: usize, j: usize) -> (usize, usize) {
         match self.patch(j) {
@@ -233,7 +243,8 @@ impl RayGrid {
         self.ray(index % self.width, index / self.width)
     }
 
-    /// Columns and rows of a window's pixels, from those of its first, in the picture that there may be patches of.
+    /// Columns and rows of a window's pixels, from those of its first, in the picture that there
+    /// may be patches of.
     #[inline(always)]
     fn places(&self, window: Window) -> [Lanes<f32>; 2] {
         if self.is_patched() {
@@ -243,7 +254,8 @@ impl RayGrid {
         }
     }
 
-    /// The points at these distances in world units on the rays of a window: `ray.at(ray.parameter(distance))`, bit for bit.
+    /// The points at these distances in world units on the rays of a window:
+    /// `ray.at(ray.parameter(distance))`, bit for bit.
     #[inline(always)]
     pub(crate) fn points<S: Simd>(
         &self,
@@ -281,11 +293,13 @@ impl RayGrid {
         points
     }
 
-    /// Which way the rays of a window go, to some units in the last place of `f32`, which is enough for colours.
+    /// Which way the rays of a window go, to some units in the last place of `f32`, which is enough
+    /// for colours.
     #[inline(always)]
     pub(crate) fn ways<S: Simd>(&self, simd: S, window: Window) -> Ways<S> {
         let [forward, right, up] = self.steps;
-        // In halves of a pixel: integers, so that a part of a picture has the same ways as the whole.
+        // In halves of a pixel: integers, so that a part of a picture has the same ways as the
+        // whole.
         let [across, upward] = self.offset(window.column, window.row).map(|offset| offset as f32);
         let [columns, rows] = self.places(window);
         let column = across + 2.0 * f32x16::from_slice(simd, &columns[..]);
@@ -314,9 +328,9 @@ impl RayGrid {
         Ways { to_eye, aside }
     }
 
-    /// The points at these distances in world units on the rays of a window which go these ways. They are off by some units in
-    /// the last place of `f32`, of a point's coordinates or of how far it is from the ray through the picture's middle: by far
-    /// less than a pixel.
+    /// The points at these distances in world units on the rays of a window which go these ways.
+    /// They are off by some units in the last place of `f32`, of a point's coordinates or of how
+    /// far it is from the ray through the picture's middle: by far less than a pixel.
     #[inline(always)]
     pub(crate) fn points_along<S: Simd>(
         &self,
@@ -345,8 +359,8 @@ impl RayGrid {
 pub(crate) struct Ways<S: Simd> {
     /// The unit vectors from what is seen to where it is seen from.
     pub to_eye: [f32x16<S>; 3],
-    /// How far a ray is from that through the middle of the whole picture: at the same distance from the eye, as a share of
-    /// that; or in world units, if rays are parallel.
+    /// How far a ray is from that through the middle of the whole picture: at the same distance
+    /// from the eye, as a share of that; or in world units, if rays are parallel.
     aside: [f32x16<S>; 3],
 }
 
@@ -355,7 +369,8 @@ fn steps(basis: &Basis, unit: f64) -> [Vec3; 3] {
     [basis.forward, unit * basis.right, unit * basis.up].map(|way| way.as_vec3())
 }
 
-/// Columns and rows of a window's pixels from this pixel of a patch on. Not in place: it would be computed of others, too.
+/// Columns and rows of a window's pixels from this pixel of a patch on. Not in place: it would be
+/// computed of others, too.
 #[inline(never)]
 fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
     let place = |pixel: usize| [(pixel % SIDE) as f32, (pixel / SIDE) as f32];

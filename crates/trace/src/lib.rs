@@ -1,9 +1,11 @@
-//! From kernels to a picture: cameras, the part of space that is seen, traversers, G-buffer and shading.
+//! From kernels to a picture: cameras, the part of space that is seen, traversers, G-buffer and
+//! shading.
 //!
-//! A picture is made in three steps that share only data. A traverser asks kernels where each ray first meets the
-//! zero set and fills a [`GBuffer`]; [`normals`] asks for gradients at the points found; [`shade`] turns the buffer
-//! into colours without asking anything of the function. This crate never names a code generator, never reads a
-//! file and never prints: the reference evaluator drives it as well as native code does.
+//! A picture is made in three steps that share only data. A traverser asks kernels where each ray
+//! first meets the zero set and fills a [`GBuffer`]; [`normals`] asks for gradients at the points
+//! found; [`shade`] turns the buffer into colours without asking anything of the function. This
+//! crate never names a code generator, never reads a file and never prints: the reference evaluator
+//! drives it as well as native code does.
 
 mod band;
 mod camera;

@@ -27,8 +27,8 @@ impl Light {
         Self::Directional(towards.normalize())
     }
 
-    /// The light as a disc rather than a point, by sixteen places on it: a 20th as wide to every side as it is far from
-    /// `centre`. The sun is a tenth of that.
+    /// The light as a disc rather than a point, by sixteen places on it: a 20th as wide to every
+    /// side as it is far from `centre`. The sun is a tenth of that.
     pub fn widened(&self, centre: DVec3) -> [Self; TURNS] {
         let (way, distance) = self.towards(centre);
         let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();

@@ -11,7 +11,8 @@ pub struct Look {
     pub help: &'static str,
     /// Shown where nothing is painted, as sRGB bytes.
     pub background: [u8; 3],
-    /// Share of the light that comes from everywhere, within [0, 1]; of the rest, what its sources send is below.
+    /// Share of the light that comes from everywhere, within [0, 1]; of the rest, what its sources
+    /// send is below.
     pub ambient: f32,
     /// What of the ambient light comes from below, when 1 comes from above.
     pub ground: f32,

@@ -1,7 +1,8 @@
 //! What a method is: a way to find where rays first meet a surface.
 //!
-//! It is a file with a row, and a [`Tracer`] that the row makes. Which rays it is given, on which threads, and what
-//! becomes of its findings, a method does not know: that is the [`Driver`](crate::Driver)'s.
+//! It is a file with a row, and a [`Tracer`] that the row makes. Which rays it is given, on which
+//! threads, and what becomes of its findings, a method does not know: that is the
+//! [`Driver`](crate::Driver)'s.
 
 use crate::band::Band;
 use crate::camera::Ray;
@@ -83,17 +84,19 @@ impl MethodOption {
 pub struct Options {
     /// What kernels compute in.
     pub precision: Precision,
-    /// How often the region is halved along a ray, from 1 to [`Precision::max_depth`]; what lies beyond is brought within.
+    /// How often the region is halved along a ray, from 1 to [`Precision::max_depth`]; what lies
+    /// beyond is brought within.
     pub depth: u32,
     /// How far, in pixels, a hit may be from where it is said to be. Proofs do not depend on it.
     pub tolerance: f64,
-    /// How short the segments are that stay open, as a share of the longest bracket: 0 follows them as far as arithmetic can
-    /// tell, more leaves them sooner to be painted, for a picture that another one follows. Read where proofs are.
+    /// How short the segments are that stay open, as a share of the longest bracket: 0 follows them
+    /// as far as arithmetic can tell, more leaves them sooner to be painted, for a picture that
+    /// another one follows. Read where proofs are.
     pub least: f64,
     /// Samples on a ray's way through the region, or steps along it at most; from 2 on.
     pub steps: u32,
-    /// Whether a place where the function is unbounded counts as an asymptote rather than a root: its pixel then is
-    /// undecided, but not drawn there.
+    /// Whether a place where the function is unbounded counts as an asymptote rather than a root:
+    /// its pixel then is undecided, but not drawn there.
     pub suppress_asymptotes: bool,
     /// What is to be made use of, by methods that know these ideas.
     pub ideas: Ideas,
@@ -120,14 +123,16 @@ impl Default for Options {
     }
 }
 
-/// Ideas of the method `affine`, each of which can be left out to see what it brings. What is proven is true without them.
+/// Ideas of the method `affine`, each of which can be left out to see what it brings. What is
+/// proven is true without them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ideas {
     /// Segments are narrowed to where a form may vanish; else they are only halved.
     pub contract: bool,
     /// Rays are looked at together, tile by tile; else each alone.
     pub tiles: bool,
-    /// Intervals are asked of what forms leave open, to prove it empty or to prove a zero by signs around it.
+    /// Intervals are asked of what forms leave open, to prove it empty or to prove a zero by signs
+    /// around it.
     pub intervals: bool,
 }
 
@@ -140,12 +145,14 @@ impl Default for Ideas {
 /// The floats in which kernels compute. Enclosures are rigorous in either.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {
-    /// 32 bits, and 64 for what these leave undecided, in methods that do so; others take it as [`Precision::F32`].
+    /// 32 bits, and 64 for what these leave undecided, in methods that do so; others take it as
+    /// [`Precision::F32`].
     #[default]
     Auto,
     /// 32 bits: twice as fast.
     F32,
-    /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their surroundings.
+    /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their
+    /// surroundings.
     F64,
 }
 
@@ -173,11 +180,12 @@ impl fmt::Display for Precision {
 pub trait Tracer: Sync {
     /// Follows rays, and says of each in `found` what became of it.
     ///
-    /// Each four in a row are neighbours if possible, as are each sixteen and so on. `found` has as many places.
+    /// Each four in a row are neighbours if possible, as are each sixteen and so on. `found` has as
+    /// many places.
     fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work);
 
-    /// Follows the rays through all pixels of a band, in which everything is a miss so far, as long as it
-    /// [is wanted](Band::is_wanted).
+    /// Follows the rays through all pixels of a band, in which everything is a miss so far, as long
+    /// as it [is wanted](Band::is_wanted).
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
         by_squares(self, rays, band, work);
     }
@@ -233,8 +241,8 @@ pub struct Segment {
     pub ray: Ray,
     /// May be infinite.
     pub to: f64,
-    /// About how wide a pixel is where t is 0, and how much that grows with t, in units of t. Infinite where nobody asks
-    /// how near a place is.
+    /// About how wide a pixel is where t is 0, and how much that grows with t, in units of t.
+    /// Infinite where nobody asks how near a place is.
     pub pixel: [f64; 2],
 }
 
@@ -262,7 +270,8 @@ pub enum Start {
 }
 
 impl Method {
-    /// Asks a surface for the kernels that this needs, and gets ready to follow rays through `region`.
+    /// Asks a surface for the kernels that this needs, and gets ready to follow rays through
+    /// `region`.
     ///
     /// # Errors
     /// If a kernel cannot be had.

@@ -1,4 +1,5 @@
-//! The table of methods, from which command line, prompt, status line and JSON follow, and a file for each.
+//! The table of methods, from which command line, prompt, status line and JSON follow, and a file
+//! for each.
 
 mod affine;
 mod bridge;

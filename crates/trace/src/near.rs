@@ -1,7 +1,8 @@
-//! What painted points have near them in a picture: how much of their surroundings that hides, and the mean over neighbours
-//! that see the same.
+//! What painted points have near them in a picture: how much of their surroundings that hides, and
+//! the mean over neighbours that see the same.
 //!
-//! Nothing is asked of functions: what a picture does not show hides nothing. So this is for looks, as shading is.
+//! Nothing is asked of functions: what a picture does not show hides nothing. So this is for looks,
+//! as shading is.
 
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
@@ -9,8 +10,8 @@ use crate::numbers::SurfaceNumbers;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Neighbouring pixels take turns in a square of this many: each looks elsewhere, and the mean over a square has looked
-/// everywhere.
+/// Neighbouring pixels take turns in a square of this many: each looks elsewhere, and the mean over
+/// a square has looked everywhere.
 pub const TURNS: usize = 16;
 /// Pixels on the side of such a square.
 const SIDE: usize = TURNS.isqrt();
@@ -28,7 +29,8 @@ const LOOKS: usize = 6;
 const GOLDEN: f32 = 2.399_963_2;
 /// Nothing farther away in the picture than this share of its height counts, however near in space.
 const WIDEST: f64 = 0.125;
-/// What rises less than this above the tangent plane, as a sine, hides nothing: pixels are no finer.
+/// What rises less than this above the tangent plane, as a sine, hides nothing: pixels are no
+/// finer.
 const FLAT: f32 = 0.08;
 /// How dark what is found makes a point.
 const STRENGTH: f32 = 2.6;
@@ -43,7 +45,8 @@ struct Place {
     surface: u16,
 }
 
-/// The painted points of a picture, by quantity: one large piece of memory would not be given back to the system as soon.
+/// The painted points of a picture, by quantity: one large piece of memory would not be given back
+/// to the system as soon.
 pub struct Near<'a> {
     rays: &'a RayGrid,
     at: Vec<Vec3>,
@@ -90,8 +93,8 @@ impl<'a> Near<'a> {
         is_inside.then(|| self.place((row * width + column) as usize))
     }
 
-    /// How much of the surroundings of each painted point is hidden by what is painted within `reach` of it, in world units. Rows
-    /// that are no longer `wanted` stay as they are.
+    /// How much of the surroundings of each painted point is hidden by what is painted within
+    /// `reach` of it, in world units. Rows that are no longer `wanted` stay as they are.
     pub fn occlusion(&self, buffer: &mut GBuffer, reach: f64, wanted: &(dyn Fn() -> bool + Sync)) {
         let rays = self.rays;
         let widest = WIDEST * rays.height() as f64;
@@ -114,12 +117,13 @@ impl<'a> Near<'a> {
         buffer.occlusion = occlusion;
     }
 
-    /// The share that is hidden of what surrounds a point, by what is within `pixels` of it in the picture (Mara, `McGuire`,
-    /// Bukowski, Luebke, "Scalable Ambient Obscurance", 2012).
+    /// The share that is hidden of what surrounds a point, by what is within `pixels` of it in the
+    /// picture (Mara, `McGuire`, Bukowski, Luebke, "Scalable Ambient Obscurance", 2012).
     fn hidden(&self, [column, row]: [usize; 2], pixels: f32, reach: f32) -> f32 {
         let Some(here) = self.pixel(column as isize, row as isize) else { return 0.0 };
         let mut sum = 0.0;
-        // Half a pixel more, so that cutting off rounds; what sticks out to the left or above is cut off to the first pixel.
+        // Half a pixel more, so that cutting off rounds; what sticks out to the left or above is
+        // cut off to the first pixel.
         let middle = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
         for look in self.looks[turn([column, row])] {
             let at = middle + pixels * look;
@@ -138,7 +142,8 @@ impl<'a> Near<'a> {
         (STRENGTH * sum / LOOKS as f32).min(1.0)
     }
 
-    /// The mean of `hidden` over the square of [`TURNS`] pixels around each, of those on the same part of the same surface.
+    /// The mean of `hidden` over the square of [`TURNS`] pixels around each, of those on the same
+    /// part of the same surface.
     pub fn mean(&self, hidden: &mut [u8]) {
         let width = self.rays.width();
         let before = hidden.to_vec();
@@ -180,7 +185,8 @@ fn is_even(values: &[u8], width: usize, [column, row]: [usize; 2]) -> bool {
 }
 
 impl Place {
-    /// Whether a place nearby is on the same part of the same surface: it is near the tangent plane and faces the same way.
+    /// Whether a place nearby is on the same part of the same surface: it is near the tangent plane
+    /// and faces the same way.
     fn is_beside(&self, other: &Self) -> bool {
         let way = other.at - self.at;
         let is_near = way.dot(self.normal).abs() <= 0.3 * way.length();
@@ -193,7 +199,8 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
 
-    /// Two walls that meet in a right angle along the middle column, looked into or at from outside.
+    /// Two walls that meet in a right angle along the middle column, looked into or at from
+    /// outside.
     fn corner(inward: bool) -> (GBuffer, RayGrid) {
         let projection = Projection::Orthographic { height: 4.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
@@ -224,7 +231,8 @@ mod tests {
             let row: Vec<u8> = (0..64).map(column).collect();
             assert!(row[4] < 10 && row[60] < 10, "far from the corner");
             assert_eq!(row[31] > 60 && row[32] > 60, inward, "at the corner");
-            // The square reaches one pixel farther to the left than to the right; places looked at are not symmetric.
+            // The square reaches one pixel farther to the left than to the right; places looked at
+            // are not symmetric.
             assert!((24..32).all(|k| row[k].abs_diff(row[64 - k]) < 16));
         }
     }

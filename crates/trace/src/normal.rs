@@ -1,10 +1,11 @@
 //! Normals of painted points, asked for after the traversal and only where something is painted.
 //!
-//! Of an undecided pixel the gradient half a pixel before the painted point is asked: on a surface that f only touches there is
-//! none. A gradient that does not exist (NaN, infinite or zero: a crease, a cusp, the edge of the
-//! function's domain) is replaced by that a little farther along the ray, then by central
-//! differences over growing steps, and at last by the direction to the eye, so that a picture never
-//! holds a NaN. Before all that `f64` is asked, if the picture's precision allows it.
+//! Of an undecided pixel the gradient half a pixel before the painted point is asked: on a surface
+//! that f only touches there is none. A gradient that does not exist (NaN, infinite or zero: a
+//! crease, a cusp, the edge of the function's domain) is replaced by that a little farther along
+//! the ray, then by central differences over growing steps, and at last by the direction to the
+//! eye, so that a picture never holds a NaN. Before all that `f64` is asked, if the picture's
+//! precision allows it.
 
 mod gradients;
 
@@ -49,9 +50,9 @@ const STEPS: u32 = 3;
 /// the near end of the segment that holds a root, and there the function may not yet be defined.
 const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
-/// Fills in the normal of each painted pixel that is not on a cap, towards f > 0. `step` is the reach of
-/// central differences in world units; a thousandth of the region's extent serves. Returns what was
-/// asked of the kernel.
+/// Fills in the normal of each painted pixel that is not on a cap, towards f > 0. `step` is the
+/// reach of central differences in world units; a thousandth of the region's extent serves. Returns
+/// what was asked of the kernel.
 pub fn normals<T: Real>(
     buffer: &mut GBuffer,
     rays: &RayGrid,
@@ -91,8 +92,8 @@ impl Normals<'_> {
 }
 
 impl<T: Real> NormalSource<'_, T> {
-    /// As [`normals`], for some rows; and their colours, if there is somebody who wants them. Normals that are not kept are
-    /// found for colours only.
+    /// As [`normals`], for some rows; and their colours, if there is somebody who wants them.
+    /// Normals that are not kept are found for colours only.
     pub fn face(
         &self,
         rows: &mut Rows<'_>,

@@ -2,8 +2,8 @@
 
 use std::ops::{Index, Range};
 
-/// The number of the surface that is painted, by pixel; meaningless where the background shows. Where all pixels have the same,
-/// as in most pictures, nothing is kept by pixel.
+/// The number of the surface that is painted, by pixel; meaningless where the background shows.
+/// Where all pixels have the same, as in most pictures, nothing is kept by pixel.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceNumbers {
     all: u16,

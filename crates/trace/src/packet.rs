@@ -1,8 +1,9 @@
 //! A packet of rays that cross the region together, slab by slab along one axis.
 //!
-//! Along the axis K on which the rays advance fastest, the region's extent is divided into slabs. A place along a ray is
-//! given by its share τ of that extent, from 0 where rays enter to 1 where they leave, so one τ is one plane for all
-//! rays of the packet. Everything here is in the kernel's floats with explicit slack, and encloses the exact rays.
+//! Along the axis K on which the rays advance fastest, the region's extent is divided into slabs. A
+//! place along a ray is given by its share τ of that extent, from 0 where rays enter to 1 where
+//! they leave, so one τ is one plane for all rays of the packet. Everything here is in the kernel's
+//! floats with explicit slack, and encloses the exact rays.
 
 use crate::method::Segment;
 use crate::region::Region;
@@ -71,8 +72,8 @@ struct Planes {
 }
 
 impl Planes {
-    /// τ at the t of a ray with this origin and direction along K, moved out by more than its error: forward if `outward` is
-    /// 1, back if it is −1.
+    /// τ at the t of a ray with this origin and direction along K, moved out by more than its
+    /// error: forward if `outward` is 1, back if it is −1.
     #[inline]
     fn share<T: Scalar>(&self, [origin, direction]: [f64; 2], t: f64, outward: f64) -> T {
         let Self { start, inverse, .. } = *self;
@@ -91,8 +92,8 @@ struct Side<T> {
     slack: Lanes<T>,
 }
 
-/// Relative error of what is computed in `f64` from coordinates of a ray's origin, which may be far away: eight
-/// operations of half a unit in the last place each.
+/// Relative error of what is computed in `f64` from coordinates of a ray's origin, which may be far
+/// away: eight operations of half a unit in the last place each.
 const DOUBLE_ERROR: f64 = 4.0 * f64::EPSILON;
 /// A ray belongs into a packet if K is no slower on it than this part of its fastest axis.
 const LEAST_SHARE: f64 = 0.25;
@@ -110,8 +111,9 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Takes these rays, one to [`RAYS`], of which `lines` are the coordinates, advancing on the first one's fastest axis. Returns whether they all advance
-    /// together: otherwise they need packets of their own.
+    /// Takes these rays, one to [`RAYS`], of which `lines` are the coordinates, advancing on the
+    /// first one's fastest axis. Returns whether they all advance together: otherwise they need
+    /// packets of their own.
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
     pub fn take<S: Simd>(
@@ -143,8 +145,8 @@ impl<T: Scalar> Packet<T> {
         true
     }
 
-    /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the region if that is
-    /// farther; as a value of t.
+    /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the
+    /// region if that is farther; as a value of t.
     pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
         let Planes { k, start, extent, .. } = self.planes;
         let share = share.into().max(self.enter[lane].into());
@@ -152,8 +154,8 @@ impl<T: Scalar> Packet<T> {
         ((plane - segment.ray.origin[k]) / segment.ray.direction[k]).max(0.0)
     }
 
-    /// Boxes around the rays between two planes in order, clipped to the region: those of rays up to the last of some, which
-    /// are bits.
+    /// Boxes around the rays between two planes in order, clipped to the region: those of rays up
+    /// to the last of some, which are bits.
     #[inline(always)]
     pub fn boxes<S: Simd>(&self, simd: S, [from, to]: [T; 2], rays: u16, out: &mut Boxes<T>) {
         out.count = LANES as u32 - rays.leading_zeros();
@@ -176,7 +178,8 @@ impl<T: Scalar> Packet<T> {
     /// The rays as lines of which t is τ: what does not hang on planes.
     #[inline(always)]
     pub fn lines<S: Simd>(&self, simd: S, out: &mut Segments<T>) {
-        // The slack is for τ within [0, 1], all of a packet's; what kernels round is added to it, generously.
+        // The slack is for τ within [0, 1], all of a packet's; what kernels round is added to it,
+        // generously.
         let rounding = T::nearest(2.0 * T::PATH_ERROR);
         let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
         for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
@@ -193,7 +196,8 @@ impl<T: Scalar> Packet<T> {
     #[inline(always)]
     fn place<S: Simd>(&mut self, simd: S, lines: &Lines, region: &Region) {
         let Planes { k, start, extent, inverse } = self.planes;
-        // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way from there to τ = 1.
+        // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way
+        // from there to τ = 1.
         let most = T::integer(1) + T::SHARE_ERROR;
         let (mut from, mut to) = (Lanes::splat(T::integer(0)), Lanes::splat(most));
         let (mut t0, mut dt) = ([0.0_f64; RAYS], [0.0_f64; RAYS]);
@@ -260,7 +264,8 @@ impl<T: Scalar> Packet<T> {
         let k = self.planes.k;
         let (mut from, mut to) = (Lanes::splat(T::integer(1)), Lanes::splat(-T::integer(1)));
         for (lane, segment) in segments.iter().enumerate() {
-            // What the box keeps of the ray is cut by the ball alone: no end moves that the ball does not move.
+            // What the box keeps of the ray is cut by the ball alone: no end moves that the ball
+            // does not move.
             let Some((near, far)) = region.span(&segment.ray) else { continue };
             let ray = [segment.ray.origin, segment.ray.direction].map(|vector| vector[k]);
             let share = |t: f64, outward: f64| self.planes.share(ray, t, outward);
@@ -280,8 +285,9 @@ impl<T: Scalar> Packet<T> {
         region: &Region,
     ) {
         let Some(half) = region.clip() else { return };
-        // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0. Both are sums of terms that may cancel; each
-        // takes at most eight operations of half a unit in the last place of `f64`.
+        // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0. Both are sums of
+        // terms that may cancel; each takes at most eight operations of half a unit in the last
+        // place of `f64`.
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
         let [mut room, mut change, mut terms] = [Lanes::splat(T::integer(0)); 3];

@@ -6,8 +6,8 @@ use crate::found::Status;
 use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 
-/// Rows whose looks one thread deals with at a time: few enough for the nearest caches. Windows are the same whatever the
-/// number of threads.
+/// Rows whose looks one thread deals with at a time: few enough for the nearest caches. Windows are
+/// the same whatever the number of threads.
 pub(crate) const BAND: usize = 8;
 
 /// Pixels side by side, a lane each. The window may stick out of the row, and of the picture.
@@ -46,7 +46,8 @@ impl Window {
         u32::BITS - self.wanted.leading_zeros()
     }
 
-    /// What `all` has of these pixels, and what `spare` holds where they stick out of it, as they do if it is empty.
+    /// What `all` has of these pixels, and what `spare` holds where they stick out of it, as they
+    /// do if it is empty.
     #[inline]
     pub fn load<'a, T: Copy>(&self, all: &'a [T], spare: &'a mut [T; LANES]) -> &'a [T; LANES] {
         let Some(all) = all.get(self.index..) else { return spare };
@@ -67,8 +68,8 @@ impl Window {
         }
     }
 
-    /// The same of colours. What was just written by sixteen bytes is read by as many: a wider read would wait until all of it
-    /// is in the nearest cache.
+    /// The same of colours. What was just written by sixteen bytes is read by as many: a wider read
+    /// would wait until all of it is in the nearest cache.
     #[inline(always)]
     pub fn store_colours(&self, colours: &[[u8; 3]; LANES], all: &mut [[u8; 3]]) {
         let all = &mut all[self.index..];
@@ -124,8 +125,8 @@ pub(crate) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Windows over all that is painted in a band that begins in row `first` of a picture of this width, given what its pixels
-/// are and how far. Each starts with a painted pixel; no two overlap.
+/// Windows over all that is painted in a band that begins in row `first` of a picture of this
+/// width, given what its pixels are and how far. Each starts with a painted pixel; no two overlap.
 pub(crate) fn windows(
     vectors: Level,
     status: &[Status],

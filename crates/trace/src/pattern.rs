@@ -13,7 +13,8 @@ pub struct Pattern {
     places: Option<&'static [[usize; 2]]>,
 }
 
-/// Four rays, one in each column and each row, so that no edge that is nearly upright or level meets two at once.
+/// Four rays, one in each column and each row, so that no edge that is nearly upright or level
+/// meets two at once.
 const FOUR: [[usize; 2]; 4] = [[1, 0], [3, 1], [0, 2], [2, 3]];
 
 impl Pattern {
@@ -45,7 +46,8 @@ impl Pattern {
         self.places.is_none()
     }
 
-    /// The patches of a finer picture that a pixel consists of, by the columns and rows that lie before them.
+    /// The patches of a finer picture that a pixel consists of, by the columns and rows that lie
+    /// before them.
     ///
     /// # Panics
     /// Unless there are several rays.
@@ -64,7 +66,8 @@ impl Pattern {
         rays
     }
 
-    /// The mean light of a pixel's rays as sRGB bytes, given those of its places as [`Pattern::rays`] tells of them.
+    /// The mean light of a pixel's rays as sRGB bytes, given those of its places as
+    /// [`Pattern::rays`] tells of them.
     ///
     /// # Panics
     /// If there are not as many places.

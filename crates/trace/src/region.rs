@@ -1,5 +1,5 @@
-//! The part of space in which a surface is looked for: a box, and optionally a half-space and a ball
-//! that cut it.
+//! The part of space in which a surface is looked for: a box, and optionally a half-space and a
+//! ball that cut it.
 //!
 //! Every bound here is rounded away from the region, so that no part of a ray inside it is ever
 //! lost. Nothing is known of functions or pixels.
@@ -157,12 +157,14 @@ impl Region {
         (near <= far).then_some((near, far))
     }
 
-    /// Bounds on the t ≥ 0 between which all points of `ray` certainly lie inside the region; not in order if none do.
+    /// Bounds on the t ≥ 0 between which all points of `ray` certainly lie inside the region; not
+    /// in order if none do.
     pub(crate) fn inner(&self, ray: &Ray) -> [f64; 2] {
         self.ends::<false>(ray).unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
     }
 
-    /// Between which t ≥ 0 points lie inside, rounded outward or else inward; `None` or not in order if none do.
+    /// Between which t ≥ 0 points lie inside, rounded outward or else inward; `None` or not in
+    /// order if none do.
     #[inline]
     fn ends<const OUTWARD: bool>(&self, ray: &Ray) -> Option<[f64; 2]> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);

@@ -25,10 +25,11 @@ enum Inside {
     Unknown(Reason),
 }
 
-/// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates what is proven: an
-/// entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is undefined changes nothing, and any other
-/// makes its pixel undecided from there on. A ray that starts inside the region enters nowhere. Only pixels for which `only`
-/// says so are looked at, all if it is empty. Returns what was asked of the kernel.
+/// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates
+/// what is proven: an entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is
+/// undefined changes nothing, and any other makes its pixel undecided from there on. A ray that
+/// starts inside the region enters nowhere. Only pixels for which `only` says so are looked at, all
+/// if it is empty. Returns what was asked of the kernel.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
     rays: &RayGrid,
@@ -40,7 +41,8 @@ pub fn cap<T: Real>(
     work_on(buffer.rows(BAND_ROWS), |mut rows| cap_rows(&mut rows, rays, region, kernel, only))
 }
 
-/// As [`cap`], for some rows of a picture in which caps and normals are [kept](crate::Kept); `only` is of the whole picture.
+/// As [`cap`], for some rows of a picture in which caps and normals are [kept](crate::Kept); `only`
+/// is of the whole picture.
 ///
 /// # Panics
 /// If they are not kept.

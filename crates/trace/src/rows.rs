@@ -1,4 +1,5 @@
-//! Some rows of a picture: what one thread takes from nothing to colours while it is in the nearer caches.
+//! Some rows of a picture: what one thread takes from nothing to colours while it is in the nearer
+//! caches.
 
 use crate::band::Band;
 use crate::found::{Reason, Status};
@@ -71,8 +72,9 @@ impl GBuffer {
     }
 }
 
-/// What was asked for by doing something with each part of a picture, on all threads. If there is only one thread for that, it is done
-/// here: another one would have to be waited for twice, until it wakes and until this one does.
+/// What was asked for by doing something with each part of a picture, on all threads. If there is
+/// only one thread for that, it is done here: another one would have to be waited for twice, until
+/// it wakes and until this one does.
 pub(crate) fn work_on<P: Send>(parts: Vec<P>, work: impl Fn(P) -> Work + Send + Sync) -> Work {
     if rayon::current_num_threads() == 1 {
         parts.into_iter().map(work).sum()
@@ -96,8 +98,9 @@ impl Rows<'_> {
     /// The same, compiled for such vectors.
     #[inline(always)]
     fn clear_with<S: Simd>(&mut self, _: S) {
-        // What says nothing of a miss stays as it is: to write it would take time for nothing. Nor need it be written that
-        // nothing is painted where the memory holds a miss of an earlier picture.
+        // What says nothing of a miss stays as it is: to write it would take time for nothing. Nor
+        // need it be written that nothing is painted where the memory holds a miss of an earlier
+        // picture.
         let parts = self.status.chunks_mut(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
         for (status, drawn) in parts {
             if !status.first_chunk::<CLEARED>().is_some_and(are_misses) {
@@ -136,8 +139,8 @@ impl Rows<'_> {
         (self.normal, seen)
     }
 
-    /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is wanted, if not all are;
-    /// `wanted` whether the work is to go on.
+    /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is
+    /// wanted, if not all are; `wanted` whether the work is to go on.
     pub(crate) fn band<'a>(
         &'a mut self,
         only: &'a [bool],

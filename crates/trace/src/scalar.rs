@@ -1,6 +1,7 @@
 //! The floats in which rays and slabs are followed, and vectors of them.
 //!
-//! Everything here rounds to nearest; what that costs is added as slack by whoever computes with it.
+//! Everything here rounds to nearest; what that costs is added as slack by whoever computes with
+//! it.
 
 use crate::widths::parts;
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
@@ -15,18 +16,22 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
     /// As many numbers as a vector holds.
     type Vector<S: Simd>: SimdFloat<S, Element = Self>;
 
-    /// Largest depth of a traversal. Slabs of 2⁻²⁰ of the region are near the resolution of `f32`. In `f64`, those of
-    /// 2⁻⁴⁰ are still hundreds of times as thick as what rounding adds to a coordinate of the region's size.
+    /// Largest depth of a traversal. Slabs of 2⁻²⁰ of the region are near the resolution of `f32`.
+    /// In `f64`, those of 2⁻⁴⁰ are still hundreds of times as thick as what rounding adds to a
+    /// coordinate of the region's size.
     const MAX_DEPTH: u32;
-    /// Relative error of a coordinate at any τ: `start` and `extent` are each rounded, as are their product with τ, the
-    /// sum, and what is added to it. In `f32` these are five roundings of 2⁻²⁴ each, and everything before was done in
-    /// `f64`. In `f64` the way to `extent` takes three more of 2⁻⁵³, and the end of the region one. So 8 and 16 units are
-    /// nearly twice what these add up to.
+    /// Relative error of a coordinate at any τ: `start` and `extent` are each rounded, as are their
+    /// product with τ, the sum, and what is added to it. In `f32` these are five roundings of 2⁻²⁴
+    /// each, and everything before was done in `f64`. In `f64` the way to `extent` takes three more
+    /// of 2⁻⁵³, and the end of the region one. So 8 and 16 units are nearly twice what these add up
+    /// to.
     const COORDINATE_ERROR: Self;
-    /// What the ends of the range of τ are moved out by: above the error of a quotient that lies within [−1, 2], which is
-    /// at most 4 units in `f32` and 10 in `f64`, where the operands are rounded too.
+    /// What the ends of the range of τ are moved out by: above the error of a quotient that lies
+    /// within [−1, 2], which is at most 4 units in `f32` and 10 in `f64`, where the operands are
+    /// rounded too.
     const SHARE_ERROR: Self;
-    /// The shortest segments that are looked at, as a share of the way: somewhat longer than what rounding adds.
+    /// The shortest segments that are looked at, as a share of the way: somewhat longer than what
+    /// rounding adds.
     const GRAIN: f64;
     /// What kernels round coordinates by, as a share of the sum of their terms' magnitudes.
     const PATH_ERROR: f64 = PATH_UNITS * Self::UNIT;

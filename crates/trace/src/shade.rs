@@ -80,7 +80,8 @@ impl SurfaceColours {
         Self { positive, negative, cut: cut(positive) }
     }
 
-    /// The sides of a surface whose outer one has this colour: the inner one is darker and less colourful.
+    /// The sides of a surface whose outer one has this colour: the inner one is darker and less
+    /// colourful.
     pub fn around(outer: LinearRgb) -> Self {
         let [red, green, blue] = outer.0;
         let grey = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
@@ -135,7 +136,8 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
 /// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
 /// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
 ///
-/// Points may have other colours than their surface has: there is one paint for each pixel, or none at all.
+/// Points may have other colours than their surface has: there is one paint for each pixel, or none
+/// at all.
 ///
 /// # Panics
 /// If there are paints, but not as many as pixels; or the rays are of a picture of another width.
@@ -148,7 +150,8 @@ pub fn shade(
     shade_with(Level::new(), buffer, rays, appearance, paint)
 }
 
-/// The same with such vectors; the bytes do not depend on how wide they are, but for how sums of products are rounded.
+/// The same with such vectors; the bytes do not depend on how wide they are, but for how sums of
+/// products are rounded.
 fn shade_with(
     level: Level,
     buffer: &GBuffer,
@@ -187,7 +190,8 @@ pub fn unset_colours(pixels: usize) -> Vec<u8> {
     bytes
 }
 
-/// Leaves the memory of a picture to the next ones. Up to two pictures' are kept, until the end of the process.
+/// Leaves the memory of a picture to the next ones. Up to two pictures' are kept, until the end of
+/// the process.
 pub fn hand_back_colours(bytes: Vec<u8>) {
     SPARES.hand_back(bytes);
 }

@@ -1,19 +1,21 @@
 //! Memory that pictures leave to the next ones, and bands to the next bands.
 //!
-//! To get new pages from the system takes several times as long as to fill them, and longer than all else that is done about
-//! a pixel of the background. Nothing is kept but what a caller hands back.
+//! To get new pages from the system takes several times as long as to fill them, and longer than
+//! all else that is done about a pixel of the background. Nothing is kept but what a caller hands
+//! back.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What is kept of pictures at most: one is traced while the last one is shown, and a layer beside what it is merged into.
+/// What is kept of pictures at most: one is traced while the last one is shown, and a layer beside
+/// what it is merged into.
 pub(crate) const PICTURES: usize = 2;
 
 /// Room for so many times what is wanted is far too large, but for what is small anyway.
 const ROOMY: usize = 4;
 const LEAST: usize = 1 << 12;
 
-/// Whether room serves for so much; what is far too large is given back to the system, so that a large picture leaves nothing
-/// behind once small ones follow.
+/// Whether room serves for so much; what is far too large is given back to the system, so that a
+/// large picture leaves nothing behind once small ones follow.
 pub(crate) fn serves(room: usize, wanted: usize) -> bool {
     (wanted..=ROOMY * wanted.max(LEAST)).contains(&room)
 }

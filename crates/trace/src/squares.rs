@@ -6,7 +6,8 @@ use zeroset_eval::LANES;
 /// Rays handed to a method at once: 8×8 pixels, whose data stay in the nearest cache.
 pub(crate) const RAYS: usize = 64;
 
-/// Columns and rows within a square, in Morton's order: each four in a row are 2×2 pixels, each sixteen 4×4.
+/// Columns and rows within a square, in Morton's order: each four in a row are 2×2 pixels, each
+/// sixteen 4×4.
 const ORDER: [[usize; 2]; RAYS] = {
     let mut order = [[0; 2]; RAYS];
     let mut place = 0;

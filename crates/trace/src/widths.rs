@@ -65,7 +65,8 @@ pub(crate) fn is_fused(level: fearless_simd::Level) -> bool {
     return !level.is_fallback();
 }
 
-/// All widths of vectors that this processor has: what is computed in them does not hang on it, where they are [fused](is_fused).
+/// All widths of vectors that this processor has: what is computed in them does not hang on it,
+/// where they are [fused](is_fused).
 #[cfg(test)]
 pub(crate) fn levels() -> Vec<fearless_simd::Level> {
     use fearless_simd::Level;

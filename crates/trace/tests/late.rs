@@ -53,7 +53,8 @@ impl Surface for Late {
 fn bands_do_not_wait_for_each_other() {
     const SIZE: usize = 512;
     let (done, finished) = mpsc::channel();
-    // More threads than this machine may have: what matters is that one waits while others have bands left.
+    // More threads than this machine may have: what matters is that one waits while others have
+    // bands left.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("threads");
     pool.spawn(move || {
         let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");

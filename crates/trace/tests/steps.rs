@@ -1,4 +1,5 @@
-//! A packet takes a bounded number of steps, whatever the depth, and what it does not reach is called undecided.
+//! A packet takes a bounded number of steps, whatever the depth, and what it does not reach is
+//! called undecided.
 
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,7 +12,8 @@ use zeroset_trace::{
     STEPS, Segment, Start, Status, Work,
 };
 
-/// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than `finest`; above, it is 0.
+/// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than
+/// `finest`; above, it is 0.
 struct Stubborn {
     top: f32,
     finest: f32,

@@ -1,5 +1,6 @@
-//! What the window shows: the picture, and over it the line that is typed, messages, sliders, the list
-//! of surfaces and the status; or the gallery. It is drawn again only when something of that changes.
+//! What the window shows: the picture, and over it the line that is typed, messages, sliders, the
+//! list of surfaces and the status; or the gallery. It is drawn again only when something of that
+//! changes.
 
 use super::enlarge::enlarge;
 use super::page::Page;
@@ -221,8 +222,8 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
 }
 
 impl Backdrop {
-    /// Scales the rendering's picture to its part of the window and draws its axes, if something of that
-    /// has changed.
+    /// Scales the rendering's picture to its part of the window and draws its axes, if something of
+    /// that has changed.
     fn follow(
         &mut self,
         rendering: Option<&Arc<Rendering>>,

@@ -25,8 +25,8 @@ fn places(from: usize, to: usize) -> Vec<Between> {
     (0..to).map(place).collect()
 }
 
-/// Draws rows of red, green and blue bytes into the upper `height` rows of `pixels`, of `width` each: as they are if the sizes
-/// are the same, else with colours in between.
+/// Draws rows of red, green and blue bytes into the upper `height` rows of `pixels`, of `width`
+/// each: as they are if the sizes are the same, else with colours in between.
 pub fn enlarge(rgb: &[u8], from: [usize; 2], pixels: &mut [Rgb], [width, height]: [usize; 2]) {
     let colours = rgb.as_chunks::<3>().0;
     let rows = pixels.chunks_exact_mut(width).take(height);

@@ -67,7 +67,8 @@ impl Window {
         }
     }
 
-    /// Shows the keys, then the words of the status line and what is written elsewhere, then neither.
+    /// Shows the keys, then the words of the status line and what is written elsewhere, then
+    /// neither.
     fn next_help(&mut self) {
         let was_closed = !self.help && self.page.is_none();
         self.page = self.help.then(|| Page::new(&status_words()));

@@ -1,5 +1,5 @@
-//! The list of surfaces: where its rows and their parts are, and what they look like. Knows no mouse
-//! and no document.
+//! The list of surfaces: where its rows and their parts are, and what they look like. Knows no
+//! mouse and no document.
 
 use super::rows::{Rows, SPACE};
 use crate::cli::canvas::{Canvas, Rgb};
@@ -9,7 +9,8 @@ use zeroset::live::Listed;
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
-/// Letters of a formula, at most; where there is room for fewer than the least, colours are shown alone.
+/// Letters of a formula, at most; where there is room for fewer than the least, colours are shown
+/// alone.
 const LETTERS: usize = 24;
 const LEAST_LETTERS: usize = 8;
 /// The list takes no more than this share of the window's width.
@@ -55,8 +56,8 @@ pub struct Shown {
 
 impl List {
     /// The list of so many surfaces from the `scroll`-th on, at the right of a picture of so many
-    /// pixels of which `taken` at the left are taken, with the letters of `canvas`; `None` if there is
-    /// no surface or no room.
+    /// pixels of which `taken` at the left are taken, with the letters of `canvas`; `None` if there
+    /// is no surface or no room.
     pub fn new(
         count: usize,
         scroll: usize,

@@ -1,4 +1,5 @@
-//! What the mouse does in the window: it turns, moves, zooms, clicks, and drags sliders and surfaces.
+//! What the mouse does in the window: it turns, moves, zooms, clicks, and drags sliders and
+//! surfaces.
 
 use super::Window;
 use super::keys::ZOOM;

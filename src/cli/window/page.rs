@@ -20,8 +20,8 @@ impl Page {
         Self { text: text.trim_end().replace('…', ".."), scroll: 0 }
     }
 
-    /// Goes so many lines down, or up if negative, in a window of so many pixels with letters of this
-    /// scale.
+    /// Goes so many lines down, or up if negative, in a window of so many pixels with letters of
+    /// this scale.
     pub fn scroll(&mut self, lines: isize, size: (usize, usize), scale: usize) {
         let canvas = Canvas::new(size.0, size.1, Vec::new(), scale);
         let (all, shown) = (wrapped(&self.text, letters(&canvas)).len(), rows(&canvas));

@@ -164,8 +164,8 @@ impl Window {
         sliders.want(index, rounded);
     }
 
-    /// Lets go of the slider: its last value counts, whether there is a picture of the one before or
-    /// not.
+    /// Lets go of the slider: its last value counts, whether there is a picture of the one before
+    /// or not.
     pub(super) fn release_slider(&mut self) {
         self.sliders.held = None;
         self.sliders.sent = None;
@@ -245,8 +245,8 @@ impl Window {
     }
 }
 
-/// Whether what was asked for last is seen: the full picture, or a coarse one that has been there for a
-/// while.
+/// Whether what was asked for last is seen: the full picture, or a coarse one that has been there
+/// for a while.
 pub fn is_next_due(sent: Option<(u64, Instant)>, seen: &Snapshot) -> bool {
     let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
     let (latest, coarse) = match &seen.rendering {

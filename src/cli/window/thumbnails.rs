@@ -72,7 +72,8 @@ impl Thumbnails {
         self.shared.version.load(Ordering::Relaxed)
     }
 
-    /// Makes those that are missing, these places first. To be asked for as long as they are looked at.
+    /// Makes those that are missing, these places first. To be asked for as long as they are looked
+    /// at.
     pub fn want(&mut self, first: Vec<usize>, session: &Arc<Session>) {
         *lock(&self.shared.order) = first;
         // One that was told to end does so soon, and then this is asked again.

@@ -1,4 +1,5 @@
-//! The way from one camera to another that shows the same from the same side: so that it is seen where what is seen went.
+//! The way from one camera to another that shows the same from the same side: so that it is seen
+//! where what is seen went.
 
 use std::time::{Duration, Instant};
 use zeroset_trace::{Camera, Projection};

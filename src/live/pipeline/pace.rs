@@ -1,18 +1,21 @@
-//! How large pictures are made while somebody waits or drags, from how long the ones before took. Knows times and numbers
-//! of pixels only.
+//! How large pictures are made while somebody waits or drags, from how long the ones before took.
+//! Knows times and numbers of pixels only.
 
 use std::time::Duration;
 
-/// A coarse picture should take as long as this: with what is to be done beside it, thirty are seen in a second.
+/// A coarse picture should take as long as this: with what is to be done beside it, thirty are seen
+/// in a second.
 const COARSE: Duration = Duration::from_millis(20);
 
 /// If the full picture takes no longer than this, there is no coarse one.
 const PROMPT: Duration = Duration::from_millis(30);
 
-/// If the full picture is expected to take longer than this after a coarse one, there is one of half the size between.
+/// If the full picture is expected to take longer than this after a coarse one, there is one of
+/// half the size between.
 const PATIENCE: Duration = Duration::from_millis(150);
 
-/// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface whose cost is unknown.
+/// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface
+/// whose cost is unknown.
 const COARSEST: f64 = 8.0;
 
 /// A picture with so few times fewer columns and rows might as well be the full one.
@@ -28,7 +31,8 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// How many times fewer columns and rows the first picture should have than the full one of so many pixels.
+    /// How many times fewer columns and rows the first picture should have than the full one of so
+    /// many pixels.
     pub fn first(&self, pixels: usize) -> f64 {
         let Some(affordable) = self.affordable else { return COARSEST };
         if self.full.is_some_and(|pixel| pixel * pixels as f64 <= PROMPT.as_secs_f64()) {
@@ -38,8 +42,8 @@ impl Pace {
         if scale <= NEARLY_FULL { 1.0 } else { scale.min(COARSEST) }
     }
 
-    /// The same of the picture after one with this scale: where the full one is waited for, there is one between, for a
-    /// quarter of its time.
+    /// The same of the picture after one with this scale: where the full one is waited for, there
+    /// is one between, for a quarter of its time.
     pub fn next(&self, scale: f64, pixels: usize) -> f64 {
         let each = self.full.or(self.affordable.map(|pixels| COARSE.as_secs_f64() / pixels));
         let is_slow = each.is_some_and(|each| each * pixels as f64 > PATIENCE.as_secs_f64());
@@ -72,7 +76,8 @@ mod tests {
         Duration::from_secs_f64(ms / 1e3)
     }
 
-    /// Pictures of one request, where a pixel of the full one takes so long and others a third longer.
+    /// Pictures of one request, where a pixel of the full one takes so long and others a third
+    /// longer.
     fn scales(pace: &mut Pace, full_ms: f64) -> Vec<f64> {
         let mut scales = vec![pace.first(FULL)];
         loop {

@@ -1,4 +1,5 @@
-//! How domains that are searched for follow sliders: a surface is seen to grow and to shrink, and nothing is compiled.
+//! How domains that are searched for follow sliders: a surface is seen to grow and to shrink, and
+//! nothing is compiled.
 
 use crate::program::Program;
 use crate::scene::{self, DomainChoice};
@@ -26,7 +27,8 @@ pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, Regio
     scene::clipped(region.low(), region.high(), region.ball().is_some(), clip)
 }
 
-/// The domain to be shown after `before`, where `found` is that of the present values: the same while there is room.
+/// The domain to be shown after `before`, where `found` is that of the present values: the same
+/// while there is room.
 ///
 /// # Errors
 /// If floats leave none.
@@ -44,7 +46,8 @@ pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> 
     scene::clipped(low, high, is_round, found.clip()).or(Ok(*found))
 }
 
-/// A box around what is shown and what is found at the ends of the sliders: code made for it serves for all of them.
+/// A box around what is shown and what is found at the ends of the sliders: code made for it serves
+/// for all of them.
 pub fn reach(
     shown: &Region,
     document: &Document,

@@ -1,5 +1,5 @@
-//! From where a picture is taken: from where somebody looks, or else from where what is seen fits. A camera that was fitted
-//! stays while values are moved, and then glides to the next one.
+//! From where a picture is taken: from where somebody looks, or else from where what is seen fits.
+//! A camera that was fitted stays while values are moved, and then glides to the next one.
 
 use super::glide::Glide;
 use super::worker::{Asked, Framed, Made, Shot, Worker, coarser};
@@ -33,7 +33,8 @@ impl Worker {
         Ok(Some(camera))
     }
 
-    /// Coarse pictures on the way from one camera to another; returns whether the last is still wanted.
+    /// Coarse pictures on the way from one camera to another; returns whether the last is still
+    /// wanted.
     fn glide(&mut self, shot: &Shot<'_>, glide: &Glide) -> Result<bool, Reason> {
         let full = &shot.job.request.settings;
         let settings = coarser(full, self.pace.first(full.width * full.height)).plain();
@@ -53,7 +54,8 @@ impl Worker {
         Ok(wanted(0))
     }
 
-    /// The camera where nobody turned the view: fitted once for a model, and kept while only parameters move.
+    /// The camera where nobody turned the view: fitted once for a model, and kept while only
+    /// parameters move.
     fn framed(&mut self, shot: &Shot<'_>) -> Result<Option<Camera>, SceneError> {
         let Shot { job, document, made: Made { model, formula, .. }, .. } = shot;
         let formula = *formula;

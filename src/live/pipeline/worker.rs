@@ -228,7 +228,8 @@ impl Worker {
         }
     }
 
-    /// The full picture once more, with what it left open, and then in the light that was asked for.
+    /// The full picture once more, with what it left open, and then in the light that was asked
+    /// for.
     fn finish(&mut self, shot: &Shot<'_>, mut seen: Arc<Rendering>) -> Result<(), Reason> {
         let (job, full) = (shot.job, &shot.job.request.settings);
         let plain = full.plain();
@@ -247,7 +248,8 @@ impl Worker {
         Ok(())
     }
 
-    /// The full picture that is shown, if it differs from what is asked for in nothing but its light.
+    /// The full picture that is shown, if it differs from what is asked for in nothing but its
+    /// light.
     fn seen_alike(
         &self,
         model: &Arc<Model>,
@@ -262,7 +264,8 @@ impl Worker {
         is_alike.then_some(seen)
     }
 
-    /// The full picture as it was asked for, once the plain one is shown and nothing newer is wanted.
+    /// The full picture as it was asked for, once the plain one is shown and nothing newer is
+    /// wanted.
     fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), Reason> {
         let (settings, advance) = (&job.request.settings, |_| self.shared.wanted(job));
         if !advance(0) {
@@ -402,8 +405,8 @@ impl Worker {
     }
 }
 
-/// The same picture with so many times fewer columns and rows, and slabs coarser to match. What is hard to decide is left to
-/// the picture after it.
+/// The same picture with so many times fewer columns and rows, and slabs coarser to match. What is
+/// hard to decide is left to the picture after it.
 pub(super) fn coarser(full: &Settings, scale: f64) -> Settings {
     let depth = full.max_depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
     let fewer = |size: usize| ((size as f64 / scale).ceil() as usize).clamp(1, size);

@@ -15,7 +15,8 @@ use zeroset_trace::{
     Work, borrow_occlusion,
 };
 
-/// Shadow rays start this many of their own slabs away from the surface, so that it does not shade itself.
+/// Shadow rays start this many of their own slabs away from the surface, so that it does not shade
+/// itself.
 const SHADOW_OFFSET_SLABS: f64 = 2.0;
 
 /// What is within this share of the domain's largest extent may take ambient light away.
@@ -89,7 +90,8 @@ impl<T: KernelFloat> Shot<'_, T> {
         settings.occlusion && self.model.look(settings).occlusion && settings.normals.is_some()
     }
 
-    /// Finds what hides painted points from light: surfaces in the way, if shadows are wanted, and what is near.
+    /// Finds what hides painted points from light: surfaces in the way, if shadows are wanted, and
+    /// what is near.
     fn hide(
         &self,
         rays: &RayGrid,
@@ -178,7 +180,8 @@ impl<T: KernelFloat> Shot<'_, T> {
         }
     }
 
-    /// Whether f < 0 on most of the region's boundary, so that the side seen from far away is the negative one.
+    /// Whether f < 0 on most of the region's boundary, so that the side seen from far away is the
+    /// negative one.
     fn is_negative_outside(&self, surface: usize) -> bool {
         /// Points along each edge of a face.
         const POINTS: usize = 8;

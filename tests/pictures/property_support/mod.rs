@@ -1,4 +1,5 @@
-//! The program as the properties of `testkit` see it: a scene becomes claims about rays, a formula becomes a kernel.
+//! The program as the properties of `testkit` see it: a scene becomes claims about rays, a formula
+//! becomes a kernel.
 //!
 //! Fuzz targets include this file.
 
@@ -12,7 +13,8 @@ use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
 use zeroset_trace::{Camera, METHODS, Method, Projection, Region, Status};
 
-/// What pictures of a scene by each method say of each pixel's ray; `None` if its camera is impossible or its formula has no surface.
+/// What pictures of a scene by each method say of each pixel's ray; `None` if its camera is
+/// impossible or its formula has no surface.
 #[allow(dead_code)] // each fuzz target needs one of the two
 pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     let mut pixels = Vec::new();

@@ -1,4 +1,5 @@
-//! The exact first roots of `tests/data/truth` and `tests/data/stability`, which were found without this project's code.
+//! The exact first roots of `tests/data/truth` and `tests/data/stability`, which were found without
+//! this project's code.
 
 pub mod table;
 
@@ -46,14 +47,15 @@ const CROSSES: u8 = 1;
 const TOUCHES: u8 = 2;
 const OPEN: u8 = 4;
 
-/// Roots of `sin(40/x)-y` that the reference has wrong by up to 1.2e-8, by ray: there a millionth in the function is a whole
-/// wave. These are from arithmetic of 50 digits.
+/// Roots of `sin(40/x)-y` that the reference has wrong by up to 1.2e-8, by ray: there a millionth
+/// in the function is a whole wave. These are from arithmetic of 50 digits.
 const CORRECTED: [(&str, usize, f64); 2] = [
     ("essential-fast", 18 * SIDE + 38, 8.371_880_956_302_741),
     ("essential-fast", 41 * SIDE + 16, 6.423_417_971_048_07),
 ];
 
-/// Room for what distances are off: in `f32` by a part in 2²⁴, and in both for the last digits of the reference's own rays.
+/// Room for what distances are off: in `f32` by a part in 2²⁴, and in both for the last digits of
+/// the reference's own rays.
 pub fn rounding(precision: Precision) -> f64 {
     match precision {
         Precision::Auto | Precision::F32 => 1e-6,
@@ -61,7 +63,8 @@ pub fn rounding(precision: Precision) -> f64 {
     }
 }
 
-/// Compares what was found with a file of what had been found before, line by line; `ZEROSET_BLESS=1` writes it instead.
+/// Compares what was found with a file of what had been found before, line by line;
+/// `ZEROSET_BLESS=1` writes it instead.
 pub fn compare(name: &str, found: &str) {
     let path = path(name);
     if std::env::var_os("ZEROSET_BLESS").is_some() {

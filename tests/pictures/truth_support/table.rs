@@ -4,7 +4,8 @@ use crate::truth_support::Truth;
 use std::fmt::{Display, Formatter, Result};
 use zeroset_trace::{GBuffer, Status};
 
-/// One surface: how many rays there are of each kind, and how far from the first root they are painted.
+/// One surface: how many rays there are of each kind, and how far from the first root they are
+/// painted.
 pub struct Row {
     slug: String,
     counts: [usize; KINDS.len()],

@@ -18,7 +18,8 @@ use std::time::{Duration, Instant};
 /// Longer than anything here takes on a slow machine that does other things as well.
 pub const LIMIT: Duration = Duration::from_mins(1);
 
-/// Whether these programs are there. Under CI they must be; elsewhere a test that needs them is skipped, and says so.
+/// Whether these programs are there. Under CI they must be; elsewhere a test that needs them is
+/// skipped, and says so.
 pub fn have(programs: &[&str]) -> bool {
     let found = |program: &&str| {
         let path = std::env::var_os("PATH").unwrap_or_default();
@@ -101,7 +102,8 @@ impl Terminal {
         Self::of(command, arguments, None, None)
     }
 
-    /// The same without a display, in a terminal that answers so when it is asked for its device attributes.
+    /// The same without a display, in a terminal that answers so when it is asked for its device
+    /// attributes.
     pub fn answering(answer: &'static str, arguments: &[&str]) -> Self {
         Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, None, Some(answer))
     }
@@ -199,7 +201,8 @@ impl Terminal {
         self.master.write_all(bytes).expect("sent");
     }
 
-    /// Types once a line is being read: what is typed earlier is dropped. After a line's end, waits until it was read.
+    /// Types once a line is being read: what is typed earlier is dropped. After a line's end, waits
+    /// until it was read.
     pub fn type_in(&mut self, text: &str) {
         let lines = || {
             let log = self.log.lock().expect("whole");
@@ -257,7 +260,8 @@ impl Terminal {
         status.expect("one")
     }
 
-    /// Closes the terminal as if somebody shut its window, waits for the program's end, and returns what it has left.
+    /// Closes the terminal as if somebody shut its window, waits for the program's end, and returns
+    /// what it has left.
     pub fn hang_up(mut self) -> tempfile::TempDir {
         self.closed.store(true, Ordering::Relaxed);
         self.master = File::open("/dev/null").expect("there is one");
@@ -281,8 +285,9 @@ pub struct Display {
 
 impl Display {
     pub fn start() -> Self {
-        // A server that is not told otherwise starts afresh when its last client leaves, and a program that connects at
-        // that moment is thrown out: xdotool comes and goes while the window is waited for.
+        // A server that is not told otherwise starts afresh when its last client leaves, and a
+        // program that connects at that moment is thrown out: xdotool comes and goes while the
+        // window is waited for.
         let mut server = Command::new("Xvfb")
             .args([
                 "-noreset",

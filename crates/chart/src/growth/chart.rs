@@ -17,8 +17,8 @@ pub const QUANTITIES: [Quantity; 4] = [
 /// From so many nodes on growth is told: below, what does not depend on size weighs more.
 const FROM: usize = 100;
 
-/// The slope of the line through logarithms that leaves the least squares: the exponent of growth. `None` of less than two
-/// such sizes.
+/// The slope of the line through logarithms that leaves the least squares: the exponent of growth.
+/// `None` of less than two such sizes.
 pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
     let points: Vec<[f64; 2]> = rows
         .iter()

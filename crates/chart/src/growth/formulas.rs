@@ -47,8 +47,8 @@ pub fn all(nodes: usize, seed: u64) -> Result<Vec<(Source, Surface)>, ChartError
     }
 }
 
-/// A sum or product of so many linear functions of different slopes; on its domain the factors of a product are within
-/// [−1, 1], so that no bounds become infinite.
+/// A sum or product of so many linear functions of different slopes; on its domain the factors of a
+/// product are within [−1, 1], so that no bounds become infinite.
 fn made(source: Source, terms: usize, seed: u64) -> Result<Surface, ChartError> {
     let name = format!("{source:?}-{terms}").to_lowercase();
     let mut rng = rng(&format!("{seed} {name}"));

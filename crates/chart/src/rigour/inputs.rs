@@ -15,7 +15,8 @@ const BATCHES: usize = 16;
 /// Batches of boxes whose answers are held beside each other.
 const LOOKED_AT: usize = 256;
 
-/// The kernels that answer a question, by [`Arithmetic::ALL`](zeroset_jit::comparison::Arithmetic::ALL).
+/// The kernels that answer a question, by
+/// [`Arithmetic::ALL`](zeroset_jit::comparison::Arithmetic::ALL).
 pub type Three<'a, Q, T> = [&'a Compared<Q, T>; 3];
 
 /// Boxes at random places of a region, of this share of its width.

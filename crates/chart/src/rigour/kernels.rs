@@ -35,7 +35,8 @@ pub struct Watched<Q: Question, T: Real> {
 }
 
 impl<Q: Question, T: Real> Watched<Q, T> {
-    /// What a tracer asks: the kernel itself, so that it is called as the product's are, unless what it is asked is kept.
+    /// What a tracer asks: the kernel itself, so that it is called as the product's are, unless
+    /// what it is asked is kept.
     fn asked(&self) -> &dyn Kernel<Q, T> {
         if self.seen.is_some() { self } else { &self.kernel }
     }

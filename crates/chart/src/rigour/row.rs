@@ -46,7 +46,8 @@ pub struct Row {
     pub times_unsound_upper: f64,
     /// Of the kernel.
     pub code_bytes: Option<usize>,
-    /// Of bounds, of what is left of segments, or of errors in tiles, over that of rounding up: the median over lanes.
+    /// Of bounds, of what is left of segments, or of errors in tiles, over that of rounding up: the
+    /// median over lanes.
     pub width: Option<f64>,
     /// Of bounds at single points, where there is nothing but rounding.
     pub width_at_points: Option<f64>,

@@ -153,7 +153,8 @@ mod tests {
     fn stored_roots_are_those_of_their_case() {
         let cases = cases().expect("part of the program");
         assert_eq!(cases.len(), 52);
-        // Two spheres of radius 1 about the origin: where f touches 0, the tracer leaves open what is stored.
+        // Two spheres of radius 1 about the origin: where f touches 0, the tracer leaves open what
+        // is stored.
         for slug in ["double-sphere", "abs-sphere"] {
             let case = cases.iter().find(|case| case.slug == slug).expect("there");
             let (_, view) = case.view().expect("a view");

@@ -21,13 +21,15 @@ pub enum Outcome {
     Slow,
     /// There is no picture.
     Refused,
-    /// Of no pixel it is certain that it shows a root, and of some it is not certain that it does not.
+    /// Of no pixel it is certain that it shows a root, and of some it is not certain that it does
+    /// not.
     Unjudged,
 }
 
 /// As many pixels may be wrong in a sound picture: silhouettes are as thin as that.
 const SOUND: f64 = 1.0 / 200.0;
-/// So much of what is to be seen may be missing: thin things cover few pixels, so these are counted in roots.
+/// So much of what is to be seen may be missing: thin things cover few pixels, so these are counted
+/// in roots.
 const WHOLE: f64 = 1.0 / 50.0;
 /// So many phantoms are a wall.
 const WALL: f64 = 1.0 / 20.0;

@@ -1,5 +1,6 @@
-//! The contact sheet: a row for each case, and of each method the picture and what is wrong with it. The letters are Noto Sans
-//! Mono (SIL Open Font License 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
+//! The contact sheet: a row for each case, and of each method the picture and what is wrong with
+//! it. The letters are Noto Sans Mono (SIL Open Font License 1.1), as the crate
+//! `noto-sans-mono-bitmap` has drawn them.
 
 use super::{Outcome, SIDE, Verdict};
 use image::imageops::{self, FilterType};

@@ -109,8 +109,8 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { continuous: a.value.continuous.and(self.m, b.value.defined), ..value }
     }
 
-    /// `a`, defined only where `b` lies in a domain: `domain` gives the lanes where it does nowhere in
-    /// the box, and those where it does throughout.
+    /// `a`, defined only where `b` lies in a domain: `domain` gives the lanes where it does nowhere
+    /// in the box, and those where it does throughout.
     pub(super) fn where_in(
         &mut self,
         a: &Operand<M::V>,

@@ -191,8 +191,8 @@ impl<M: Machine> Rule<'_, M> {
         self.m.nearly(|m| m.sub(zero, a))
     }
 
-    /// Enclosures by an approximation whose stated error holds all that is rounded, but for the last
-    /// rounding of each bound.
+    /// Enclosures by an approximation whose stated error holds all that is rounded, but for the
+    /// last rounding of each bound.
     pub(crate) fn approximated<const N: usize>(
         &mut self,
         text: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],

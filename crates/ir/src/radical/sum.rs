@@ -14,8 +14,9 @@ struct Term {
     is_flat: bool,
 }
 
-/// The factors of a sum whose terms are all nowhere below 0, or all nowhere above: what the terms have in common, and the sum
-/// of the squares of what is left of each. `None` of other sums, and where that is nothing new.
+/// The factors of a sum whose terms are all nowhere below 0, or all nowhere above: what the terms
+/// have in common, and the sum of the squares of what is left of each. `None` of other sums, and
+/// where that is nothing new.
 pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
     let mut terms: Vec<Term> = Vec::new();
     let mut rest = vec![(root, false)];

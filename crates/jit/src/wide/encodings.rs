@@ -153,8 +153,8 @@ macro_rules! encodings {
     };
 }
 
-/// The encoding of the same instruction for wider vectors, or, of moves and of logic, of one that does the same to the bits. Of
-/// those for 512 bits that are missing [`by_lanes`] tells.
+/// The encoding of the same instruction for wider vectors, or, of moves and of logic, of one that
+/// does the same to the bits. Of those for 512 bits that are missing [`by_lanes`] tells.
 #[rustfmt::skip]
 pub(super) fn encoding(code: Code, width: Width) -> Option<Code> {
     encodings! { code, width:

@@ -1,7 +1,8 @@
 //! Bits a lane that are taken where they are.
 //!
-//! With vectors of 512 bits a comparison gives a bit a lane, and a choice takes one. Written instruction by instruction, there is
-//! a vector in between, which has to be made and to be read again. Within a block it is known where the bits still are.
+//! With vectors of 512 bits a comparison gives a bit a lane, and a choice takes one. Written
+//! instruction by instruction, there is a vector in between, which has to be made and to be read
+//! again. Within a block it is known where the bits still are.
 
 use super::target;
 use iced_x86::{Code, Instruction, Mnemonic, OpKind, Register};
@@ -12,8 +13,9 @@ const FIRST: Register = Register::K1;
 /// Registers for vectors.
 const VECTORS: usize = 32;
 
-/// The same code without what makes bits of vectors while they are still there, and without vectors that nothing reads then. By
-/// instruction, `blocks` has the number of the block that it is in: a branch leads to the first of one.
+/// The same code without what makes bits of vectors while they are still there, and without vectors
+/// that nothing reads then. By instruction, `blocks` has the number of the block that it is in: a
+/// branch leads to the first of one.
 pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
     let targets: Vec<u64> = written.iter().filter_map(target).collect();
     let (written, blocks) = with_bits(written, blocks);
@@ -32,8 +34,8 @@ pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
     written.into_iter().filter(|_| is_needed.next() == Some(true)).collect()
 }
 
-/// Code that takes bits where they are. All have one register before, and those who take them come right behind those who give
-/// them; here they are kept in all registers in turn.
+/// Code that takes bits where they are. All have one register before, and those who take them come
+/// right behind those who give them; here they are kept in all registers in turn.
 fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>, Vec<usize>) {
     let (mut code, mut numbers) = (Vec::with_capacity(written.len()), Vec::new());
     let (mut bits, mut last) = (Bits::default(), usize::MAX);

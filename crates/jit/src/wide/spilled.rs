@@ -1,7 +1,8 @@
 //! What Cranelift puts away on the stack, kept in registers that it does not know.
 //!
-//! With vectors of 512 bits there are twice as many registers. Code writes a vector to a place on the stack and reads it from
-//! there until it writes another one: as long as that takes, a register does as well, and faster.
+//! With vectors of 512 bits there are twice as many registers. Code writes a vector to a place on
+//! the stack and reads it from there until it writes another one: as long as that takes, a register
+//! does as well, and faster.
 
 use super::is_of_vectors;
 use iced_x86::{Code, Instruction, OpKind, Register};
@@ -12,8 +13,9 @@ use std::ops::RangeInclusive;
 const REGISTERS: u32 = 16;
 const FIRST: Register = Register::ZMM16;
 
-/// By instruction, the register that takes the place of what it has on the stack, if one does; it is in the block with that
-/// number. Nothing is known of the first `slots` bytes: code reckons with where they are.
+/// By instruction, the register that takes the place of what it has on the stack, if one does; it
+/// is in the block with that number. Nothing is known of the first `slots` bytes: code reckons with
+/// where they are.
 pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
     let mut spans = spans(read, blocks, slots);
     // Where a register saves most for how long it is taken.
@@ -49,7 +51,8 @@ pub fn keep_in(instruction: &mut Instruction, register: Register) {
     }
 }
 
-/// Instructions that write a vector to a place on the stack and read it from there, and between which of them it is there.
+/// Instructions that write a vector to a place on the stack and read it from there, and between
+/// which of them it is there.
 struct Span {
     uses: Vec<usize>,
     lasts: RangeInclusive<usize>,

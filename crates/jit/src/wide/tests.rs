@@ -47,7 +47,8 @@ fn instructions_and_what_is_on_the_stack_become_wider() {
             Code::EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er,
         ),
     ] {
-        // Of 64 bytes of slots nothing moves, of what is behind all does; vectors into a register, where there are more.
+        // Of 64 bytes of slots nothing moves, of what is behind all does; vectors into a register,
+        // where there are more.
         for (offset, behind) in [(0, 0), (48, 0), (64, 0), (80, 1), (240, 11)] {
             let narrow = function(256, offset, narrow_sum());
             let code = widened(&narrow, width, 64, STACK).expect("known");

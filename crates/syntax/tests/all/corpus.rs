@@ -1,7 +1,7 @@
 //! Every row of the language corpus: a text, and how it is read or why it is refused.
 //!
-//! `ZEROSET_BLESS=1 cargo test -p zeroset-syntax --test all corpus` rewrites what the rows expect; read the difference
-//! before committing it.
+//! `ZEROSET_BLESS=1 cargo test -p zeroset-syntax --test all corpus` rewrites what the rows expect;
+//! read the difference before committing it.
 
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};

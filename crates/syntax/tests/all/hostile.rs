@@ -4,8 +4,9 @@
 use std::fmt::Write as _;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
 
-/// Less than a third of what threads usually have, so that what a compiler makes of a function elsewhere has room: brackets
-/// take up to 460 KiB of it, in tests and as released, and pest wants 64 more to be left.
+/// Less than a third of what threads usually have, so that what a compiler makes of a function
+/// elsewhere has room: brackets take up to 460 KiB of it, in tests and as released, and pest wants
+/// 64 more to be left.
 const STACK: usize = 5 << 17;
 
 fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {

@@ -1,5 +1,5 @@
-//! What people paste: every row of `tests/data/words.txt` is read as meant, or refused with a message
-//! that names the way out.
+//! What people paste: every row of `tests/data/words.txt` is read as meant, or refused with a
+//! message that names the way out.
 //!
 //! A reading is compared by value with the same in plain language, at seeded points, in exact
 //! arithmetic where that is possible and in enclosures elsewhere.
@@ -9,8 +9,8 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
 
-/// The corpus that the reading was made with, and two that were written down before anyone looked at how texts are
-/// read.
+/// The corpus that the reading was made with, and two that were written down before anyone looked
+/// at how texts are read.
 const CORPORA: [&str; 3] = ["words.txt", "words_held_out.txt", "words_third.txt"];
 
 /// Points at which readings are compared.

@@ -1,5 +1,5 @@
-//! Native code gives the bits of the reference evaluator; −0 equals +0 and NaN equals NaN. So does that for narrower vectors,
-//! which a processor with wider ones never runs elsewhere.
+//! Native code gives the bits of the reference evaluator; −0 equals +0 and NaN equals NaN. So does
+//! that for narrower vectors, which a processor with wider ones never runs elsewhere.
 
 use super::tile::{Tile, pack_segments, pack_tiles};
 use crate::suite::{Failure, Tally};

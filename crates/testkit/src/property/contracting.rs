@@ -1,5 +1,5 @@
-//! Segments and tiles of rays: where a function is claimed to have no zero it has none, and the plane of a tile is as near to
-//! it as claimed.
+//! Segments and tiles of rays: where a function is claimed to have no zero it has none, and the
+//! plane of a tile is as near to it as claimed.
 
 use super::Subject;
 use super::tile::{Probe, Tile, pack_segments, pack_tiles};
@@ -79,9 +79,9 @@ impl Manner {
     }
 }
 
-/// Asks about `batches` of random tiles and segments of a case: the oracle's bounds at points of a tile must meet its plane;
-/// values at a crossing's ends must not have the same sign. Then roots are made of values at points, by subtracting them: no
-/// contraction may leave one out.
+/// Asks about `batches` of random tiles and segments of a case: the oracle's bounds at points of a
+/// tile must meet its plane; values at a crossing's ends must not have the same sign. Then roots
+/// are made of values at points, by subtracting them: no contraction may leave one out.
 ///
 /// # Errors
 /// The first contradiction, made smaller.

@@ -1,4 +1,5 @@
-//! Sums of products in twice the precision of `f64`, to tell whether a linear function meets bounds.
+//! Sums of products in twice the precision of `f64`, to tell whether a linear function meets
+//! bounds.
 
 /// A sum of products, and how far it may be off.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +10,8 @@ pub(super) struct Dot {
     slack: f64,
 }
 
-/// Source: Ogita, Rump and Oishi 2005, algorithm 5.3 (`Dot2`): as if computed in twice the precision, and rounded.
+/// Source: Ogita, Rump and Oishi 2005, algorithm 5.3 (`Dot2`): as if computed in twice the
+/// precision, and rounded.
 pub(super) fn dot(terms: impl IntoIterator<Item = (f64, f64)>) -> Dot {
     let (mut head, mut tail, mut size, mut count) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
     for (a, b) in terms {

@@ -20,7 +20,8 @@ const POINTS: usize = 8;
 /// What was looked at.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lines {
-    /// Points at which a value was compared: the operation is defined there, and the form claims something.
+    /// Points at which a value was compared: the operation is defined there, and the form claims
+    /// something.
     pub compared: u64,
     /// Lanes in which values were compared.
     pub finite: u64,
@@ -59,7 +60,8 @@ struct Lane {
     bounds: [f64; 2],
 }
 
-/// An operand: its lanes, what is taken for granted of it, and its values at the points of each lane.
+/// An operand: its lanes, what is taken for granted of it, and its values at the points of each
+/// lane.
 struct Drawn {
     kind: Kind,
     range: Interval,
@@ -70,8 +72,8 @@ struct Drawn {
 /// Values of the symbols, at the points of a lane.
 type Symbols = [[f64; SYMBOLS]; POINTS];
 
-/// Asks for the form of `op` over `rounds` vectors of random operands: at points of each lane the oracle's bounds of the
-/// operation must meet the form.
+/// Asks for the form of `op` over `rounds` vectors of random operands: at points of each lane the
+/// oracle's bounds of the operation must meet the form.
 ///
 /// # Errors
 /// The first contradiction.
@@ -100,8 +102,9 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Li
     Ok(lines)
 }
 
-/// What the first operand of `op` is made of, if it is not drawn itself: forms may put off counting what they round, to whoever
-/// takes them. With two operands of its own, there is a coordinate for each.
+/// What the first operand of `op` is made of, if it is not drawn itself: forms may put off counting
+/// what they round, to whoever takes them. With two operands of its own, there is a coordinate for
+/// each.
 fn random_inner(op: Op, rng: &mut Rng) -> Option<Op> {
     const INNER: [Op; 5] = [Op::Neg, Op::Add, Op::Sub, Op::Mul, Op::Sqr];
     (op.arity() < 3 && rng.bool()).then(|| INNER[rng.u32(0..INNER.len() as u32) as usize])
@@ -329,7 +332,8 @@ impl Drawn {
     }
 }
 
-/// A lane, and values of its form: each the nearest float to that of the line, or up to an error off.
+/// A lane, and values of its form: each the nearest float to that of the line, or up to an error
+/// off.
 fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (Lane, [f64; POINTS]) {
     let mut centre = random_centre::<T>(rng);
     let size = random_size::<T>(rng, centre);

@@ -28,8 +28,8 @@ struct Answer {
     crossing: bool,
 }
 
-/// Narrows random segments by random linear functions of `N` symbols: `defined` counts those that keep a zero and are made
-/// narrower.
+/// Narrows random segments by random linear functions of `N` symbols: `defined` counts those that
+/// keep a zero and are made narrower.
 ///
 /// # Errors
 /// The first that loses a zero, or claims one.

@@ -41,7 +41,8 @@ impl Formula {
         };
         let mut case = Case::random(rng, &options);
         for value in &mut case.parameters {
-            *value = Interval { lo: value.lo, hi: value.lo }; // a text gives each parameter one value
+            // A text gives each parameter one value.
+            *value = Interval { lo: value.lo, hi: value.lo };
         }
         let values = case.random_values(rng);
         let region = random_region(rng);

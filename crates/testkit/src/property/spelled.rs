@@ -13,8 +13,9 @@ const DEEPEST: u32 = 3;
 const LIMITS: Limits =
     Limits { bytes: 1 << 14, symbols: 5000, depth: 200, nodes: 300, surfaces: 10 };
 
-/// A text that bytes choose: it reads as it prints, and the function that it draws is simplified, compiled and enclosed as
-/// any other. Texts with too many operations are left out, and compare nothing.
+/// A text that bytes choose: it reads as it prints, and the function that it draws is simplified,
+/// compiled and enclosed as any other. Texts with too many operations are left out, and compare
+/// nothing.
 ///
 /// # Errors
 /// What does not hold, and the text.

@@ -4,7 +4,8 @@ use super::dot::dot;
 use crate::{Adversarial, Case, Claim, Ends, Rng};
 use zeroset_eval::{LANES, Segments, Tiles};
 
-/// A tile of rays, each a segment deep, as [`Tiles`] has it. All numbers are of the kernel's float type.
+/// A tile of rays, each a segment deep, as [`Tiles`] has it. All numbers are of the kernel's float
+/// type.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tile {
     centre: [f64; 2],
@@ -157,8 +158,8 @@ impl Tile {
         [0, 1, 2].map(|axis| dot(self.terms(screen, t, axis)).value)
     }
 
-    /// Points of the domain on rays of the tile, ray by ray: its ends and others. The tile's error becomes what holds for
-    /// them.
+    /// Points of the domain on rays of the tile, ray by ray: its ends and others. The tile's error
+    /// becomes what holds for them.
     pub(super) fn random_probes<T: Adversarial>(
         &mut self,
         case: &Case,
@@ -247,8 +248,8 @@ impl Tile {
         part
     }
 
-    /// Whether a linear function of the tile's symbols and those of t certainly misses what is certain at a probe, by more
-    /// than its error.
+    /// Whether a linear function of the tile's symbols and those of t certainly misses what is
+    /// certain at a probe, by more than its error.
     pub(super) fn misses(
         &self,
         probe: &Probe,

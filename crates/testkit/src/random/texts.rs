@@ -1,5 +1,5 @@
-//! Random formulas as text, over every form and every composed function: what is only a spelling in the language becomes
-//! graphs that random operations hardly ever make.
+//! Random formulas as text, over every form and every composed function: what is only a spelling in
+//! the language becomes graphs that random operations hardly ever make.
 
 use super::Rng;
 use super::values::below;

@@ -83,8 +83,8 @@ impl Answer {
                 return Some("called Lipschitz continuous where undefined".into());
             }
             for (axis, claim) in derivatives.iter().enumerate() {
-                // At a face of the box there is a derivative towards its inside, which the rules may
-                // not give; nor do they everywhere where a function as simplified has one.
+                // At a face of the box there is a derivative towards its inside, which the rules
+                // may not give; nor do they everywhere where a function as simplified has one.
                 let [lo, hi] = region[axis];
                 let is_inside = lo < point[axis] && point[axis] < hi;
                 let is_known = self.differentiable && claim.defined == Defined::Yes;

@@ -98,7 +98,8 @@ impl Kernel<SampleGradient> for Sampler {
             let here = point(points, lane);
             answers.value[lane] = self.at(here) as f32;
             for axis in 0..3 {
-                let step = 1.0 / 262_144.0; // less than the check uses, so that it sees no more kinks
+                // Less than the check uses, so that it sees no more kinks.
+                let step = 1.0 / 262_144.0;
                 let (mut before, mut after) = (here, here);
                 before[axis] -= step;
                 after[axis] += step;

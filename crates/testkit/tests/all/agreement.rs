@@ -1,7 +1,8 @@
 //! Native code gives the bits of the reference evaluator in both precisions: random graphs, as
 //! typed and simplified, over all of space and over boxes, with parameters.
 //!
-//! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all agreement`.
+//! A long run:
+//! `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all agreement`.
 
 use zeroset_testkit::property::{Subject, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};

@@ -3,7 +3,8 @@
 //!
 //! For a random point p of a box, f − f(p) has a zero in the box, whatever f does elsewhere in it.
 //!
-//! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all branches`.
+//! A long run:
+//! `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all branches`.
 
 use zeroset_eval::{
     Assumptions, Binding, Boxes, Enclose, FindZeros, Kernel, LANES, Real, Reference, Tape,

@@ -193,8 +193,8 @@ fn product_and([a, b, c]: [f64; 3]) -> BigInt {
     ((whole(a) * whole(b)) >> 2148) + whole(c)
 }
 
-/// What is not finite, and signs of zero: an exact 0 is +0 but of zeros that are both negative, and what is less than 0
-/// becomes −0.
+/// What is not finite, and signs of zero: an exact 0 is +0 but of zeros that are both negative, and
+/// what is less than 0 becomes −0.
 #[test]
 fn products_are_added_to_as_ieee_754_has_it() {
     let (infinity, tiny) = (f64::INFINITY, f64::from_bits(1));

@@ -1,5 +1,6 @@
-//! Affine forms hold the values that they claim, in both precisions: of every operation alone, and of random functions along
-//! segments and tiles of rays. Contractions lose no zero, and forms of smooth functions are as near as they should be.
+//! Affine forms hold the values that they claim, in both precisions: of every operation alone, and
+//! of random functions along segments and tiles of rays. Contractions lose no zero, and forms of
+//! smooth functions are as near as they should be.
 //!
 //! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all forms`.
 
@@ -166,7 +167,8 @@ fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
     errors[0]
 }
 
-/// The product is up to the square of `steep`, beyond all floats: an error of −∞ would prove it empty.
+/// The product is up to the square of `steep`, beyond all floats: an error of −∞ would prove it
+/// empty.
 fn error_of_steep_product<const N: usize>(format: Format, steep: f64, mut m: Software) -> f64 {
     let lanes = |m: &mut Software, x: f64| m.number(format, x);
     let slopes: [_; N] =

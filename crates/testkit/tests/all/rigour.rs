@@ -1,5 +1,5 @@
-//! The arithmetics that only measurements know: results that are rounded to nearest and moved enclose what the oracle knows,
-//! in intervals and in forms; results that are not moved do not.
+//! The arithmetics that only measurements know: results that are rounded to nearest and moved
+//! enclose what the oracle knows, in intervals and in forms; results that are not moved do not.
 
 use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Real, Tape};
 use zeroset_interval::Interval;

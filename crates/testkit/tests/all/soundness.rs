@@ -2,7 +2,8 @@
 //! graph is simplified over a domain, its parameters are bound, and the code is asked about boxes
 //! within the domain.
 //!
-//! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all soundness`.
+//! A long run:
+//! `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all soundness`.
 
 use zeroset_testkit::property::native_interval;
 use zeroset_testkit::suite::check_interval_cases;

@@ -92,8 +92,9 @@ fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
     }
 }
 
-/// Sine and cosine of operands that stay near 0 have a text of their own, which gives values too: at multiples of π/2, where
-/// results are near 0 and ±1, halfway between them, where angles are reduced least, and anywhere.
+/// Sine and cosine of operands that stay near 0 have a text of their own, which gives values too:
+/// at multiples of π/2, where results are near 0 and ±1, halfway between them, where angles are
+/// reduced least, and anywhere.
 #[test]
 fn waves_of_points_near_zero_are_as_tight_as_stated() {
     const LIMIT: f64 = 2048.0;

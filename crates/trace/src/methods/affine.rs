@@ -1,13 +1,16 @@
 //! Affine forms over tiles of rays, from coarse to fine, then along single rays.
 //!
-//! A tile's form is a linear function of its two screen axes and of depth: solved for depth, it narrows the segment in
-//! which the tile's rays may meet a zero, and where depth outweighs all else it proves one on every ray. Tiles of 16×16
-//! pixels are split into tiles of 4×4 and those into rays; what a tile proves its parts need not ask again. A segment that
-//! does not get much shorter is that of a tile to be split, where parts of the tile need less of it: where it is short for
-//! how wide the tile is, or the surface steep. Elsewhere it is cut in two, and the nearer part comes first.
+//! A tile's form is a linear function of its two screen axes and of depth: solved for depth, it
+//! narrows the segment in which the tile's rays may meet a zero, and where depth outweighs all else
+//! it proves one on every ray. Tiles of 16×16 pixels are split into tiles of 4×4 and those into
+//! rays; what a tile proves its parts need not ask again. A segment that does not get much shorter
+//! is that of a tile to be split, where parts of the tile need less of it: where it is short for
+//! how wide the tile is, or the surface steep. Elsewhere it is cut in two, and the nearer part
+//! comes first.
 //!
-//! A hit is a segment on which the function is continuous and whose ends have opposite signs, behind nothing but proven
-//! empty parts. Emptiness and signs are followed down to what arithmetic can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.
+//! A hit is a segment on which the function is continuous and whose ends have opposite signs,
+//! behind nothing but proven empty parts. Emptiness and signs are followed down to what arithmetic
+//! can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.
 
 mod bundle;
 mod frame;
@@ -52,7 +55,8 @@ pub(crate) const METHOD: Method = Method {
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     match Affine::<T>::new(task) {
         Ok(tracer) => Ok(Box::new(tracer)),
-        // Forms need several times the room of intervals: a formula too large for them can still be drawn.
+        // Forms need several times the room of intervals: a formula too large for them can still be
+        // drawn.
         Err(_) => knoll::prepare::<T>(task),
     }
 }
@@ -74,8 +78,8 @@ struct Affine<'a, T: Scalar> {
 /// How far, as a share of the region's extent, the real ray may be from what is computed of it.
 const FARTHEST: f64 = 1e-2;
 
-/// Where hits are wanted closer than so many of the shortest segments, or of what coordinates are rounded by, `f32` would
-/// narrow each in vain before `f64` does.
+/// Where hits are wanted closer than so many of the shortest segments, or of what coordinates are
+/// rounded by, `f32` would narrow each in vain before `f64` does.
 const FINE: f64 = 16.0;
 
 impl<'a, T: Scalar> Affine<'a, T> {
@@ -86,7 +90,8 @@ impl<'a, T: Scalar> Affine<'a, T> {
             // Each is compiled while the other is.
             rayon::join(|| kernels.tiles(), follower)
         } else {
-            // Mostly they were compiled before, and to hand this over to another thread would take longer.
+            // Mostly they were compiled before, and to hand this over to another thread would take
+            // longer.
             (kernels.tiles(), follower())
         };
         Ok(Self {
@@ -108,8 +113,9 @@ impl<'a, T: Scalar> Affine<'a, T> {
             return double.as_deref();
         }
         let options = Options { precision: Precision::F64, ..self.task.options };
-        // Not made while others are kept waiting: a thread that waits for the half of this that another one makes takes up
-        // another band meanwhile, which would then wait for this very thread.
+        // Not made while others are kept waiting: a thread that waits for the half of this that
+        // another one makes takes up another band meanwhile, which would then wait for this very
+        // thread.
         let made = Affine::new(Task { options, ..self.task }).ok().map(Box::new);
         self.double.get_or_init(|| made).as_deref()
     }

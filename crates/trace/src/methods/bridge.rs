@@ -1,14 +1,16 @@
-//! Zeros whose place arithmetic cannot tell: between two places where the sign is certain, and different.
+//! Zeros whose place arithmetic cannot tell: between two places where the sign is certain, and
+//! different.
 
 use super::way::{Way, between_faces, bounds};
 use crate::region::Region;
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
 use zeroset_interval::Facts;
 
-/// Places away from an open segment at which the sign is looked at, each half as far again as the one before; and how often a
-/// bracket is then halved.
+/// Places away from an open segment at which the sign is looked at, each half as far again as the
+/// one before; and how often a bracket is then halved.
 const STEPS: i32 = 48;
-/// How far behind an open segment a zero is looked for, as a share of the ray's way through the region.
+/// How far behind an open segment a zero is looked for, as a share of the ray's way through the
+/// region.
 const LONGEST: f64 = 1.0 / 64.0;
 
 /// How close to a segment, in lengths of it, a denominator's zero is looked for.
@@ -22,10 +24,11 @@ pub(super) struct Bridge<'a, T: Real> {
 }
 
 impl<T: Real> Bridge<'_, T> {
-    /// A bracket of the first zero, given that there is none before the segment from `near` to `far`, of which nothing else
-    /// is known. `None` if nothing tells that there is a zero.
+    /// A bracket of the first zero, given that there is none before the segment from `near` to
+    /// `far`, of which nothing else is known. `None` if nothing tells that there is a zero.
     ///
-    /// The function is continuous from a place before the segment to one behind it, and has opposite signs there.
+    /// The function is continuous from a place before the segment to one behind it, and has
+    /// opposite signs there.
     pub fn bracket(&self, [near, far]: [f64; 2]) -> Option<[f64; 2]> {
         let [first, last] = self.inside();
         if !(first <= near && far <= last) {
@@ -51,8 +54,9 @@ impl<T: Real> Bridge<'_, T> {
         Some([near, behind])
     }
 
-    /// Whether the function has the same sign on both sides of a segment, in which or close to which its `denominator` may
-    /// vanish, as that of sin(x)/x does: a gap, if anything, and not a surface.
+    /// Whether the function has the same sign on both sides of a segment, in which or close to
+    /// which its `denominator` may vanish, as that of sin(x)/x does: a gap, if anything, and not a
+    /// surface.
     pub fn is_gap(&self, [near, far]: [f64; 2], denominator: &dyn Kernel<Enclose, T>) -> bool {
         let [first, last] = self.inside();
         let least = (far - near).max(f64::EPSILON * (near.abs() + far.abs()));
@@ -66,7 +70,8 @@ impl<T: Real> Bridge<'_, T> {
         before == behind && bounds.neg_lo[0] >= zero && bounds.hi[0] >= zero
     }
 
-    /// Where the ray is in the region, behind its start, and so that its points are within the bounds of [`bounds`].
+    /// Where the ray is in the region, behind its start, and so that its points are within the
+    /// bounds of [`bounds`].
     fn inside(&self) -> [f64; 2] {
         let way = self.way;
         let [near, far] = way.inside;
@@ -74,8 +79,8 @@ impl<T: Real> Bridge<'_, T> {
         [near.max(way.start).max(enter), far.min(leave)]
     }
 
-    /// A place where the sign is certain, and the `wanted` one, from `start` on in steps of growing length up to `end`; and
-    /// whether it is +.
+    /// A place where the sign is certain, and the `wanted` one, from `start` on in steps of growing
+    /// length up to `end`; and whether it is +.
     fn sign_from(
         &self,
         start: f64,

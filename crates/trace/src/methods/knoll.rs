@@ -1,5 +1,5 @@
-//! The method of Knoll, Hijazi, Hansen, Wald and Hagen (UUSCI-2007-002): intervals over boxes around the rays of a packet, in
-//! slabs that are halved down to a fixed depth.
+//! The method of Knoll, Hijazi, Hansen, Wald and Hagen (UUSCI-2007-002): intervals over boxes
+//! around the rays of a packet, in slabs that are halved down to a fixed depth.
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::method::{Method, MethodOption, Proves, Task, Tracer};

@@ -1,7 +1,7 @@
 //! Uniform samples along each ray: a change of sign between neighbours is taken for a root.
 //!
-//! It proves nothing. What is thinner than the way between two samples is passed over, and where the function changes sign
-//! at a pole, a wall is drawn.
+//! It proves nothing. What is thinner than the way between two samples is passed over, and where
+//! the function changes sign at a pole, a wall is drawn.
 
 use super::refine::{Parts, Refiner};
 use crate::found::{Found, Reason, Status};

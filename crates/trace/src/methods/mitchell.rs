@@ -1,7 +1,8 @@
-//! Robust ray intersection with interval arithmetic (Mitchell 1990): the way of a single ray is halved until each part is
-//! empty by bounds of f, or holds at most one root by bounds of df/dt.
+//! Robust ray intersection with interval arithmetic (Mitchell 1990): the way of a single ray is
+//! halved until each part is empty by bounds of f, or holds at most one root by bounds of df/dt.
 //!
-//! It proves misses, and hits where the values at the ends of such a part have opposite signs for certain.
+//! It proves misses, and hits where the values at the ends of such a part have opposite signs for
+//! certain.
 
 mod isolated;
 mod search;

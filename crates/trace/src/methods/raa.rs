@@ -1,8 +1,10 @@
-//! Affine forms along rays, after Knoll, Hijazi, Kensler, Schott, Hansen and Hagen ("Fast Ray Tracing of Arbitrary Implicit
-//! Surfaces with Interval and Affine Arithmetic", Computer Graphics Forum 28, 2009): the way of a ray through a slab is one
-//! symbol, and a slab whose form does not reach 0 is empty.
+//! Affine forms along rays, after Knoll, Hijazi, Kensler, Schott, Hansen and Hagen ("Fast Ray
+//! Tracing of Arbitrary Implicit Surfaces with Interval and Affine Arithmetic", Computer Graphics
+//! Forum 28, 2009): the way of a ray through a slab is one symbol, and a slab whose form does not
+//! reach 0 is empty.
 //!
-//! A form is only asked whether it reaches 0: slabs are halved, not contracted. That is what sets it apart from `affine`.
+//! A form is only asked whether it reaches 0: slabs are halved, not contracted. That is what sets
+//! it apart from `affine`.
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::method::{Method, MethodOption, Proves, Task, Tracer};
@@ -24,7 +26,8 @@ pub(crate) const METHOD: Method = Method {
 
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     let kernels = T::kernels(task.surface);
-    // Whether a slab is bounded is asked of intervals: a form that has no bounds says no more than that.
+    // Whether a slab is bounded is asked of intervals: a form that has no bounds says no more than
+    // that.
     let bounded = if task.options.suppress_asymptotes { kernels.zeros().ok() } else { None };
     let test = Forms { kernel: kernels.segments()?, bounded };
     Ok(Box::new(Slabs::new(test, task)))

@@ -11,8 +11,8 @@ use crate::work::Work;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use zeroset_eval::{Kernel, LANES, Lanes, Points, Sample, Values};
 
-/// Rounds, at most: as many as halving a whole ray down to what `f64` can tell needs. More than halving needs at least, ITP
-/// takes only one.
+/// Rounds, at most: as many as halving a whole ray down to what `f64` can tell needs. More than
+/// halving needs at least, ITP takes only one.
 const ROUNDS: u32 = 64;
 
 /// Finds places between samples.
@@ -20,7 +20,8 @@ pub(super) struct Refiner<'a, T: Scalar> {
     pub kernel: &'a dyn Kernel<Sample, T>,
     /// How far, in pixels, a place may be off.
     pub tolerance: f64,
-    /// Whether any change of side counts, as at a solid's faces: into a pole, across a jump, to where there is no value.
+    /// Whether any change of side counts, as at a solid's faces: into a pole, across a jump, to
+    /// where there is no value.
     pub solid: bool,
 }
 
@@ -140,7 +141,8 @@ fn enough<T: Scalar, S: Simd>(
             (size, start) = (size.max(ends), start.max(origin.abs()));
             way = way.max(direction.abs());
         }
-        // How large t is at which coordinates are as large as their largest ones are here. Far from the eye t is rounded too.
+        // How large t is at which coordinates are as large as their largest ones are here. Far from
+        // the eye t is rounded too.
         let size = (size / way).max((start + far.abs()) * f64::EPSILON);
         let [at_eye, growth] = &lines.pixel;
         let growth = part.load(growth);
@@ -167,7 +169,8 @@ impl Brackets {
             let far = part.load(&ends[1]);
             let enough = part.load(&enough);
             part.store(far - near, &mut length);
-            // `enough` as often doubled as halving takes to come below it: by the next power of two.
+            // `enough` as often doubled as halving takes to come below it: by the next power of
+            // two.
             let times = ((far - near) / enough).max(1.0).min(2_f64.powi(1000));
             let bits: S::u64s = times.bitcast();
             let power: S::f64s = ((bits + FRACTION) & !FRACTION).bitcast();
@@ -176,9 +179,10 @@ impl Brackets {
         Self { ends, values, length, enough, halved, next: ends[0] }
     }
 
-    /// Finds where to sample next: ITP (Oliveira and Takahashi 2020, "An Enhancement of the Bisection Method Average
-    /// Performance Preserving Minmax Optimality"), with κ₁ = 0.2 over the first length, κ₂ = 2 and n₀ = 1. Returns of which
-    /// of some lanes nothing needs to be sampled any more.
+    /// Finds where to sample next: ITP (Oliveira and Takahashi 2020, "An Enhancement of the
+    /// Bisection Method Average Performance Preserving Minmax Optimality"), with κ₁ = 0.2 over the
+    /// first length, κ₂ = 2 and n₀ = 1. Returns of which of some lanes nothing needs to be sampled
+    /// any more.
     #[inline(always)]
     fn go_on<S: Simd>(&mut self, simd: S, live: u16) -> u16 {
         let mut done = 0;
@@ -229,7 +233,8 @@ impl Brackets {
             let is_zero = value.simd_eq(zero) | a.simd_eq(zero);
             let (mut is_near, mut value_there) = (!(differ | is_zero), value);
             if !solid {
-                // What has no value in a bracket with signs is on neither side: it is taken for the far one.
+                // What has no value in a bracket with signs is on neither side: it is taken for the
+                // far one.
                 let is_nan = value.is_nan();
                 is_near &= !is_nan;
                 value_there = is_nan.select(b, value);

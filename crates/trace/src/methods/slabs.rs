@@ -1,9 +1,10 @@
-//! Packets of up to sixteen rays march through slabs of their dominant axis, halving those in which the function may vanish, down
-//! to a fixed depth: what `knoll` and `raa` share. A ray of which a slab is proven empty is not asked about in its parts, though
-//! others of its packet are: what is found of a ray hangs on its neighbours only by the axis, and by the steps that are left.
+//! Packets of up to sixteen rays march through slabs of their dominant axis, halving those in which
+//! the function may vanish, down to a fixed depth: what `knoll` and `raa` share. A ray of which a
+//! slab is proven empty is not asked about in its parts, though others of its packet are: what is
+//! found of a ray hangs on its neighbours only by the axis, and by the steps that are left.
 //!
-//! It proves misses only. Where a slab of the last depth may hold a root one is drawn; nothing says that there is one, so such
-//! pixels are undecided. How a slab is tested is not known here.
+//! It proves misses only. Where a slab of the last depth may hold a root one is drawn; nothing says
+//! that there is one, so such pixels are undecided. How a slab is tested is not known here.
 
 use super::refine::{Parts, Refiner};
 use crate::found::{Found, Reason, Status};
@@ -17,8 +18,9 @@ use fearless_simd::{Level as Vectors, Simd, dispatch};
 use std::ops::Range;
 use zeroset_eval::Zeros;
 
-/// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only deeper pictures can
-/// reach it. A packet that hits a surface well needs a few per level; one whose slabs stay undecided would need 2 to the depth.
+/// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only
+/// deeper pictures can reach it. A packet that hits a surface well needs a few per level; one whose
+/// slabs stay undecided would need 2 to the depth.
 pub const STEPS: u64 = 1 << 15;
 
 /// Which rays of a packet may meet a zero between planes.
@@ -30,8 +32,8 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
     #[inline(always)]
     fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Batch) {}
 
-    /// Asks whether rays may meet a zero in a slab, and if it is the last whether it is bounded. What is told of other rays says
-    /// nothing. What kernels are asked is added to `work`.
+    /// Asks whether rays may meet a zero in a slab, and if it is the last whether it is bounded.
+    /// What is told of other rays says nothing. What kernels are asked is added to `work`.
     fn ask<V: Simd>(
         &self,
         simd: V,
@@ -49,7 +51,8 @@ pub(super) struct Slab<T> {
     pub planes: [T; 2],
     /// The rays, as bits.
     pub rays: u16,
-    /// Whether slabs in which a zero is possible are not halved: then it matters whether they are bounded.
+    /// Whether slabs in which a zero is possible are not halved: then it matters whether they are
+    /// bounded.
     pub is_last: bool,
 }
 
@@ -60,8 +63,9 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
     refiner: Option<Refiner<'a, T>>,
     region: &'a Region,
     vectors: Vectors,
-    /// The level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. Rays that are not through after
-    /// [`STEPS`] end in the slab that was looked at last, as if it were of this level; what is behind it stays unknown.
+    /// The level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. Rays that
+    /// are not through after [`STEPS`] end in the slab that was looked at last, as if it were of
+    /// this level; what is behind it stays unknown.
     last: u32,
     suppress_asymptotes: bool,
 }
@@ -71,8 +75,8 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
 struct Outcomes<T> {
     /// On which a root is drawn.
     drawn: u16,
-    /// By ray, τ between which it is: the slab, and the next one, since bounds are wider than the function and reach 0 before
-    /// it does.
+    /// By ray, τ between which it is: the slab, and the next one, since bounds are wider than the
+    /// function and reach 0 before it does.
     ends: [[T; 2]; RAYS],
     /// On which slabs were passed over.
     suppressed: u16,
@@ -112,7 +116,8 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
 }
 
 impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
-    /// Follows some of up to [`RAYS`] rays, of which `lines` are the coordinates: says what became of them, and in which part of each a root is drawn.
+    /// Follows some of up to [`RAYS`] rays, of which `lines` are the coordinates: says what became
+    /// of them, and in which part of each a root is drawn.
     #[allow(clippy::too_many_arguments, reason = "memory that is used again and again")]
     fn some(
         &self,
@@ -139,7 +144,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             return;
         }
         if some.len() == 1 {
-            // One ray always advances with itself. Were it not so (a direction that is not a number), nothing would be known.
+            // One ray always advances with itself. Were it not so (a direction that is not a
+            // number), nothing would be known.
             found[some.start] = Found { status: Status::Undecided, distance: 0.0, ..Found::MISS };
             return;
         }
@@ -169,7 +175,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             Start::OnSurface => alive,
         };
         let mut done = Work::default();
-        // By level, the rays that may meet a zero in the slab of the level above: of others the parts need no look.
+        // By level, the rays that may meet a zero in the slab of the level above: of others the
+        // parts need no look.
         let mut possible = [u16::MAX; <f64 as Scalar>::MAX_DEPTH as usize];
         // Slab `index` of 2^(level + 1) spans τ from index · 2^−(level + 1) to the next: exact.
         let (mut level, mut index) = (0_u32, 0_u64);
@@ -187,7 +194,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             }
             let mut vanishing = told.possible & active;
             if start == Start::OnSurface {
-                // Until a ray has come through an empty slab, it is still at the surface that it started from.
+                // Until a ray has come through an empty slab, it is still at the surface that it
+                // started from.
                 leaving &= !(active & !vanishing);
             }
             // Intervals or forms, whichever the test asks of each slab.
@@ -208,7 +216,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 }
             }
             if is_last {
-                // What is behind this slab stays unknown; what was found in front of it does not change by that.
+                // What is behind this slab stays unknown; what was found in front of it does not
+                // change by that.
                 let behind = planes[1];
                 let left = alive & packet.meets(simd, behind, T::integer(2));
                 done.given_up += u64::from((left | vanishing).count_ones());
@@ -228,8 +237,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         outcomes
     }
 
-    /// Notes a slab of the last depth in which rays may meet a zero, and those on which nothing bounds the function there;
-    /// returns those that are drawn there.
+    /// Notes a slab of the last depth in which rays may meet a zero, and those on which nothing
+    /// bounds the function there; returns those that are drawn there.
     #[inline(always)]
     fn record(
         &self,

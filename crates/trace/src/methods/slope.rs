@@ -61,7 +61,8 @@ impl<'a, T: Scalar> Slopes<'a, T> {
         out.facts(0)
     }
 
-    /// Bounds of the values in up to [`LANES`] boxes, where the function is defined throughout; else all numbers.
+    /// Bounds of the values in up to [`LANES`] boxes, where the function is defined throughout;
+    /// else all numbers.
     pub fn values(&self, boxes: &[Cuboid], work: &mut Work) -> [Interval; LANES] {
         let mut values = [Interval::ENTIRE; LANES];
         if boxes.is_empty() {
@@ -79,8 +80,8 @@ impl<'a, T: Scalar> Slopes<'a, T> {
         values
     }
 
-    /// Bounds of how fast the function changes along a direction in up to [`LANES`] boxes; `None` where it is not known to be
-    /// Lipschitz continuous.
+    /// Bounds of how fast the function changes along a direction in up to [`LANES`] boxes; `None`
+    /// where it is not known to be Lipschitz continuous.
     pub fn along(
         &self,
         boxes: &[Cuboid],
@@ -119,7 +120,8 @@ fn slope<T: Scalar>(out: &GradientEnclosures<T>, lane: usize, direction: DVec3) 
         hi += a.max(b);
         size += a.abs().max(b.abs());
     }
-    // Three products and two sums, each rounded by half a unit of at most `size`, and what underflows.
+    // Three products and two sums, each rounded by half a unit of at most `size`, and what
+    // underflows.
     let error = 4.0 * f64::EPSILON * size + 4.0 * f64::MIN_POSITIVE;
     let (lo, hi) = (lo - error, hi + error);
     // What is not a number bounds nothing.

@@ -1,9 +1,10 @@
-//! Sphere tracing (Hart 1996) by bounds of the slope along parts of a ray: segment tracing (Galin, Guérin, Paris and Peytavie
-//! 2020, "Segment Tracing Using Local Lipschitz Bounds").
+//! Sphere tracing (Hart 1996) by bounds of the slope along parts of a ray: segment tracing (Galin,
+//! Guérin, Paris and Peytavie 2020, "Segment Tracing Using Local Lipschitz Bounds").
 //!
-//! From a place where |f| ≥ m there is no zero for m/λ ahead, where λ bounds how fast f nears 0 there. Both bounds are
-//! enclosures, so that what is passed is proven empty: it proves misses. A root is drawn where such steps get shorter than the
-//! tolerance, and nothing says that there is one. Without a bound of the slope it cannot go on, and says so.
+//! From a place where |f| ≥ m there is no zero for m/λ ahead, where λ bounds how fast f nears 0
+//! there. Both bounds are enclosures, so that what is passed is proven empty: it proves misses. A
+//! root is drawn where such steps get shorter than the tolerance, and nothing says that there is
+//! one. Without a bound of the slope it cannot go on, and says so.
 
 use super::slope::Slopes;
 use super::way::{Way, bounds};
@@ -60,8 +61,8 @@ struct Walk {
     leaving: bool,
     /// Where the part ends that is certainly in the region.
     end: f64,
-    /// Whether nothing is known of what lies before and behind that part: where the ray crosses the region's faces, its
-    /// place is known to within rounding only.
+    /// Whether nothing is known of what lies before and behind that part: where the ray crosses the
+    /// region's faces, its place is known to within rounding only.
     open: [bool; 2],
 }
 
@@ -145,8 +146,8 @@ impl Walk {
         (self.at + self.part).min(self.end).max(self.at)
     }
 
-    /// Goes on from a place whose values are bounded so, through a part in which slopes are; says where the ray ends, if it
-    /// does.
+    /// Goes on from a place whose values are bounded so, through a part in which slopes are; says
+    /// where the ray ends, if it does.
     fn advance(&mut self, value: Interval, slope: Option<Interval>, most: u32) -> Option<End> {
         let (at, to) = (self.at, self.to());
         let open = |reason, drawn| Some(End::Open(at, reason, drawn));

@@ -8,8 +8,8 @@ use crate::region::Region;
 use glam::DVec3;
 use zeroset_interval::Interval;
 
-/// Where a part of a ray is cut, as a share of it: not in the middle, where symmetric surfaces have zeros whose sign could not
-/// be told.
+/// Where a part of a ray is cut, as a share of it: not in the middle, where symmetric surfaces have
+/// zeros whose sign could not be told.
 pub(super) const CUT: f64 = 0.460_937_5;
 /// Parts of a ray that stay open, at most: after so many the rest of it is given up.
 pub(super) const OPEN_PARTS: u32 = 16;
@@ -32,8 +32,8 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// A ray's way through the region, from where it enters: s is 0 there, and t is s − `start`. `None` if it does not meet
-    /// the region.
+    /// A ray's way through the region, from where it enters: s is 0 there, and t is s − `start`.
+    /// `None` if it does not meet the region.
     pub fn new(segment: &Segment, region: &Region) -> Option<Self> {
         let ray = &segment.ray;
         let [near, far] = segment.within(region)?;
@@ -59,8 +59,8 @@ pub(super) fn inside(region: &Region, ray: &Ray, start: f64) -> [f64; 2] {
     [if near == 0.0 { -start } else { (near - start).next_up() }, (far - start).next_down()]
 }
 
-/// Bounds of s between which a ray is certainly between the region's faces, its clipping plane apart, given how far the ray
-/// may be from its points `origin` + s·`direction`.
+/// Bounds of s between which a ray is certainly between the region's faces, its clipping plane
+/// apart, given how far the ray may be from its points `origin` + s·`direction`.
 pub(super) fn between_faces([origin, direction, error]: [DVec3; 3], region: &Region) -> [f64; 2] {
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
     let (low, high) = (region.low() + error, region.high() - error);

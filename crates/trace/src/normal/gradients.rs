@@ -1,4 +1,5 @@
-//! Normals from gradients, sixteen pixels of a window at a time; and their colours while they are in registers.
+//! Normals from gradients, sixteen pixels of a window at a time; and their colours while they are
+//! in registers.
 
 use super::{NormalSource, Normals};
 use crate::found::Status;
@@ -10,13 +11,13 @@ use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
 
-/// Windows that are dealt with together, step by step: a kernel sets the rounding mode, which waits for all arithmetic before
-/// it, and what it wrote is slow to read at once.
+/// Windows that are dealt with together, step by step: a kernel sets the rounding mode, which waits
+/// for all arithmetic before it, and what it wrote is slow to read at once.
 const TOGETHER: usize = 8;
 
 impl<T: Real> NormalSource<'_, T> {
-    /// Sets the normals of some rows where the gradient exists, but those of caps, which have theirs; returns where it does
-    /// not. A window of which all are found is put on the canvas.
+    /// Sets the normals of some rows where the gradient exists, but those of caps, which have
+    /// theirs; returns where it does not. A window of which all are found is put on the canvas.
     pub(super) fn of_band(
         &self,
         seen: &Seen<'_>,
@@ -109,7 +110,8 @@ impl<T: Real> Band<'_, '_, '_, T> {
         bits(|lane| cap[lane])
     }
 
-    /// Keeps the normals that were `found` of those that are `open`, or puts the window on the canvas if all were.
+    /// Keeps the normals that were `found` of those that are `open`, or puts the window on the
+    /// canvas if all were.
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, window: Window, open: u32, faced: Faced<S>, found: u32) {
         let is_faced = found == window.wanted;
@@ -161,8 +163,8 @@ fn write<F: Real, T: Real>(at: &[Lanes<F>; 3], points: &mut Points<T>) {
     }
 }
 
-/// Moves undecided points half a pixel towards the eye. Mostly f touches 0 there: at such a point the gradient is nothing but
-/// rounding, and close before it it is not.
+/// Moves undecided points half a pixel towards the eye. Mostly f touches 0 there: at such a point
+/// the gradient is nothing but rounding, and close before it it is not.
 fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES]) -> [f64; LANES] {
     for (distance, status) in distances.iter_mut().zip(status) {
         if *status == Status::Undecided {
@@ -172,8 +174,8 @@ fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES])
     distances
 }
 
-/// The vectors at length 1, and the lanes in which that was found: not where a vector has no direction, nor where its largest
-/// component is near the ends of what `f32` has.
+/// The vectors at length 1, and the lanes in which that was found: not where a vector has no
+/// direction, nor where its largest component is near the ends of what `f32` has.
 #[inline(always)]
 fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3], u32) {
     /// The bits of a float that are its exponent.
@@ -187,7 +189,8 @@ fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3],
     let [x, y, z] = vector;
     // Where one is not a number, so is the square of the length.
     let largest = x.abs().max(y.abs()).max(z.abs());
-    // Steep gradients overflow when squared: a power of two brings the largest component within [1, 2).
+    // Steep gradients overflow when squared: a power of two brings the largest component within [1,
+    // 2).
     let exponent: u32x16<S> = largest.to_bits() & EXPONENT;
     let scale = f32x16::from_bits(u32x16::splat(simd, 254 << 23) - exponent);
     let [x, y, z] = [x * scale, y * scale, z * scale];

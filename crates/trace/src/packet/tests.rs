@@ -38,7 +38,8 @@ fn exact(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
 }
 
-/// A region, some rays that meet its box, perhaps a clipping plane or a ball, of all sizes and from near and very far.
+/// A region, some rays that meet its box, perhaps a clipping plane or a ball, of all sizes and from
+/// near and very far.
 fn scene(random: &mut Random) -> (Region, Vec<Segment>) {
     let size = random.scale(3);
     let away = size * random.scale(2);
@@ -150,8 +151,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                 };
                 for lane in ones(asked) {
                     let segment = &segments[lane];
-                    // extent is the rounded end − start: a plane anywhere near stands for the same slab's contents as
-                    // long as it lies between the exact end planes.
+                    // extent is the rounded end − start: a plane anywhere near stands for the same
+                    // slab's contents as long as it lies between the exact end planes.
                     let plane = exact(start) + &share * exact(extent);
                     let t =
                         (&plane - exact(segment.ray.origin[k])) / exact(segment.ray.direction[k]);
@@ -176,7 +177,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                             lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
                         );
-                        // Along the segment the point is where τ says, with room for what kernels round.
+                        // Along the segment the point is where τ says, with room for what kernels
+                        // round.
                         let [o, d, error]: [f64; 3] = [&ways.origin, &ways.direction, &ways.error]
                             .map(|part| part[axis][lane].into());
                         let off = exact(o) + &share * exact(d) - point;
@@ -213,7 +215,8 @@ fn rays_that_do_not_advance_together_are_refused() {
     assert!(!packet(DVec3::NAN));
 }
 
-/// Rays through the region's middle, exactly, from where coordinates overflow in `f32`, and their squares in `f64`.
+/// Rays through the region's middle, exactly, from where coordinates overflow in `f32`, and their
+/// squares in `f64`.
 #[test]
 fn rays_from_very_far_keep_the_point_that_they_meet() {
     from_very_far::<f32>(0x5eed_7006);

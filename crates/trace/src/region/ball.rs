@@ -35,8 +35,8 @@ impl Ball {
         size.length() * (1.0 + 16.0 * f64::EPSILON) <= self.radius
     }
 
-    /// The part of `ray` in the ball; `None` if there is none. Where squares overflow nothing is known, so that the ray may be
-    /// in the ball everywhere.
+    /// The part of `ray` in the ball; `None` if there is none. Where squares overflow nothing is
+    /// known, so that the ray may be in the ball everywhere.
     pub(crate) fn chord(&self, ray: &Ray) -> Option<Chord> {
         const UNKNOWN: Chord = Chord {
             outer: [f64::NEG_INFINITY, f64::INFINITY],
@@ -44,16 +44,19 @@ impl Ball {
         };
         let direction = ray.direction;
         let square = direction.length_squared();
-        // From the float next to the nearest point onwards, so that little cancels however far the eye is.
+        // From the float next to the nearest point onwards, so that little cancels however far the
+        // eye is.
         let way = self.centre - ray.origin;
         let nearest = way.dot(direction) / square;
         let offset = way - nearest * direction;
         let speed = square.sqrt();
         let size = offset.length();
-        // How far the offset is from the real one: a rounding of each coordinate's difference, product and difference.
+        // How far the offset is from the real one: a rounding of each coordinate's difference,
+        // product and difference.
         let error =
             4.0 * f64::EPSILON * (way.length() + nearest.abs() * speed) + f64::MIN_POSITIVE.sqrt();
-        // The middle of the chord, from `nearest` on: the offset is upright on the ray but for rounding.
+        // The middle of the chord, from `nearest` on: the offset is upright on the ray but for
+        // rounding.
         let middle = offset.dot(direction) / square;
         let half = |radius: f64, outward: f64| {
             // Room for the roundings of two squares and what the middle's own part is.

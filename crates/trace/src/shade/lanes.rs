@@ -34,7 +34,8 @@ pub fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
-/// Light as a picture shows it: what is brighter than most of the range is brought into it, rather than cut off.
+/// Light as a picture shows it: what is brighter than most of the range is brought into it, rather
+/// than cut off.
 #[inline(always)]
 pub fn toned<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
     if amount.simd_le(KNEE).all_true() {
@@ -51,8 +52,8 @@ const KNEE: f32 = 0.7;
 /// What becomes full light, in units from the knee to 1.
 const WHITE: f32 = 2.0;
 
-/// The 40th power of a cosine, which makes a highlight as small as it is, given its square as a quotient; 0 in lanes where it is
-/// too faint to be seen. `None` if that is so in every lane.
+/// The 40th power of a cosine, which makes a highlight as small as it is, given its square as a
+/// quotient; 0 in lanes where it is too faint to be seen. `None` if that is so in every lane.
 #[inline(always)]
 pub fn shine<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
     /// Of this the power is 1e-6.

@@ -253,8 +253,8 @@ impl Shader<'_> {
         [left, tint]
     }
 
-    /// The light that a window's pixels send to the eye, by primary, clamped to what the codes know. Twice in the program,
-    /// since most windows have nothing `OWN`.
+    /// The light that a window's pixels send to the eye, by primary, clamped to what the codes
+    /// know. Twice in the program, since most windows have nothing `OWN`.
     #[inline(always)]
     fn light<S: Simd, const OWN: bool>(
         &self,
@@ -288,8 +288,8 @@ impl Shader<'_> {
             (lit, open) = (left(simd, &own.shadow), left(simd, &own.occlusion));
         }
         let direct = lit * (side * dot(normal, light)).max(0.0);
-        // The square of the cosine between the normal and the direction half way to the light. From straight behind there
-        // is none, and light is not seen.
+        // The square of the cosine between the normal and the direction half way to the light. From
+        // straight behind there is none, and light is not seen.
         let halfway = [light[0] + eye[0], light[1] + eye[1], light[2] + eye[2]];
         let cosine = (side * dot(normal, halfway)).max(0.0);
         let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);

@@ -1,12 +1,14 @@
 //! Forms of sums, products and quotients.
 //!
-//! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result, a product also by the least number. So
-//! what a form's centre and slopes round, all together, is below a small number of units of the sum of their magnitudes;
-//! the factors here are rounded up to have room for the rounding of that sum itself. They are added to the error only where
-//! that is asked for: of a sum of sums it is one addition, and not one for each.
+//! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result, a product also by
+//! the least number. So what a form's centre and slopes round, all together, is below a small
+//! number of units of the sum of their magnitudes; the factors here are rounded up to have room for
+//! the rounding of that sum itself. They are added to the error only where that is asked for: of a
+//! sum of sums it is one addition, and not one for each.
 //!
-//! A sum that overflows downward rounds up to a finite number. No centre and no slope is greater than its form's magnitude,
-//! as rounded, so that the magnitude then is infinite, and with it the error.
+//! A sum that overflows downward rounds up to a finite number. No centre and no slope is greater
+//! than its form's magnitude, as rounded, so that the magnitude then is infinite, and with it the
+//! error.
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -68,7 +70,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::sub, a, &b)
     }
 
-    /// a + b, or a − b for an `a` that varies, and with the bounds of −b: centres and slopes by `op`.
+    /// a + b, or a − b for an `a` that varies, and with the bounds of −b: centres and slopes by
+    /// `op`.
     fn form_sum_by<const N: usize>(
         &mut self,
         op: impl Fn(&mut M, M::V, M::V) -> M::V + Copy,
@@ -186,13 +189,15 @@ impl<M: Machine> Rule<'_, M> {
             });
             (depth, centre, slopes)
         });
-        // Of all products of symbols, the half that is now in the centre need not be counted, but for its rounding.
+        // Of all products of symbols, the half that is now in the centre need not be counted, but
+        // for its rounding.
         let size = self.m.abs(depth);
         let tiny = self.tiny();
         let mut error = if N == 1 {
             self.product_and(size, half, tiny)
         } else {
-            // In this order: where the depth is ∞ so are the spreads, and what comes out is no number.
+            // In this order: where the depth is ∞ so are the spreads, and what comes out is no
+            // number.
             let spreads = self.product_and(a_spread, b_spread, tiny);
             let share = self.number(-0.5 * (1.0 - 8.0 * self.unit()));
             self.m.mul_add(size, share, spreads)
@@ -205,7 +210,8 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(b_most, a_error, error);
         }
-        // The error is more than the centre got of it: a centre that overflows has an infinite magnitude.
+        // The error is more than the centre got of it: a centre that overflows has an infinite
+        // magnitude.
         let magnitude = self.m.mul_add(a_magnitude, b_magnitude, error);
         let form = Form::total(centre, Some(slopes), Some(error));
         Form { magnitude: Some(magnitude), units: 3.0, ..form }
@@ -224,7 +230,8 @@ impl<M: Machine> Rule<'_, M> {
         Form { bounds, ..form }
     }
 
-    /// The square, its bounds left out. (c + S)² = c² + 2c·S + S², and S² is within [0, R²] for R the sum of |slopes|.
+    /// The square, its bounds left out. (c + S)² = c² + 2c·S + S², and S² is within [0, R²] for R
+    /// the sum of |slopes|.
     fn form_square_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> Form<M::V, N> {
         let slopes = a.slopes.expect("it varies");
         let spread = self.spread(a).expect("it varies");
@@ -266,8 +273,8 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// 1/b over [lo, hi] above 0: 1/x + βx is at most its greater end value, and at least 2√β. Below 0 the mirror image;
-    /// where b may be 0 nothing is claimed, by an infinite error.
+    /// 1/b over [lo, hi] above 0: 1/x + βx is at most its greater end value, and at least 2√β.
+    /// Below 0 the mirror image; where b may be 0 nothing is claimed, by an infinite error.
     fn form_reciprocal<const N: usize>(
         &mut self,
         b: &Form<M::V, N>,

@@ -1,9 +1,9 @@
 //! Forms of smooth functions of one variable.
 //!
-//! Over bounds with the middle m and the half-width h, f(x) = f(m) + f′(m)(x − m) + ½f″(ξ)(x − m)², where ξ is between x
-//! and m. The slope is any number α near f′(m): what it is off by, times h, is part of the error, as is the last term,
-//! which is one-sided where f″ has one sign. Square roots have a closed form; sine and cosine, which share their work, stand in
-//! [`waves`](super::waves).
+//! Over bounds with the middle m and the half-width h, f(x) = f(m) + f′(m)(x − m) + ½f″(ξ)(x − m)²,
+//! where ξ is between x and m. The slope is any number α near f′(m): what it is off by, times h, is
+//! part of the error, as is the last term, which is one-sided where f″ has one sign. Square roots
+//! have a closed form; sine and cosine, which share their work, stand in [`waves`](super::waves).
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -23,7 +23,8 @@ struct Shape<V> {
     bend: [V; 2],
 }
 
-/// Computed in so few operations, a number without cancellations is off by less than so many units of itself.
+/// Computed in so few operations, a number without cancellations is off by less than so many units
+/// of itself.
 const UNITS: f64 = 32.0;
 
 impl<M: Machine> Rule<'_, M> {
@@ -114,8 +115,9 @@ impl<M: Machine> Rule<'_, M> {
         Form { centre, error, magnitude: Some(magnitude), units: 0.0, ..*a }
     }
 
-    /// The slope of `op` at a point, and its bend over bounds in which it has the enclosure `value`; `None` if this is not how
-    /// its form is made. Where it is not smooth the bend is not finite, or the bounds are.
+    /// The slope of `op` at a point, and its bend over bounds in which it has the enclosure
+    /// `value`; `None` if this is not how its form is made. Where it is not smooth the bend is not
+    /// finite, or the bounds are.
     fn shape(
         &mut self,
         op: Op,
@@ -256,7 +258,8 @@ impl<M: Machine> Rule<'_, M> {
         let least = self.m.min(value.neg_lo, value.hi);
         let least = self.m.neg(least);
         let power = self.m.mul(least, least);
-        // Divided one by one: a quotient that underflows is rounded up, a power that overflows would hide it.
+        // Divided one by one: a quotient that underflows is rounded up, a power that overflows
+        // would hide it.
         let bend = self.m.div(share, power);
         let bend = self.m.div(bend, power);
         let bend = self.m.div(bend, least);
@@ -325,7 +328,8 @@ impl<M: Machine> Rule<'_, M> {
         [self.m.add(square.neg_lo, minus_one), self.m.add(square.hi, one)]
     }
 
-    /// A slope and a bound on the bend, to either side, that a few operations without cancellation gave.
+    /// A slope and a bound on the bend, to either side, that a few operations without cancellation
+    /// gave.
     fn algebraic(&mut self, slope: M::V, bend: M::V) -> Shape<M::V> {
         let share = self.number(UNITS * self.unit());
         let size = self.m.abs(slope);

@@ -1,11 +1,12 @@
 //! Affine forms: values as linear functions of a few symbols, and what is left over.
 //!
-//! Over a segment of a ray, or a tile of rays, a value is c + Σ sₖ·εₖ ± e with every symbol εₖ in [−1, 1]. Symbols are
-//! shared between values, so that what is correlated cancels (Comba and Stolfi 1993; Knoll, Hijazi, Kensler, Schott,
-//! Hansen and Hagen 2009 for rays). Each operation adds what it rounds, and what it leaves of curvature, to e.
+//! Over a segment of a ray, or a tile of rays, a value is c + Σ sₖ·εₖ ± e with every symbol εₖ in
+//! [−1, 1]. Symbols are shared between values, so that what is correlated cancels (Comba and Stolfi
+//! 1993; Knoll, Hijazi, Kensler, Schott, Hansen and Hagen 2009 for rays). Each operation adds what
+//! it rounds, and what it leaves of curvature, to e.
 //!
-//! A form claims its value only at those points of the tile that lie in the domain for which the code is made: ranges that
-//! hold there may be used although the tile sticks out.
+//! A form claims its value only at those points of the tile that lie in the domain for which the
+//! code is made: ranges that hold there may be used although the tile sticks out.
 
 mod arithmetic;
 mod functions;
@@ -31,12 +32,14 @@ pub struct Form<V, const N: usize> {
     pub centre: V,
     /// What a symbol adds, per symbol; `None` if the value depends on none.
     pub slopes: Option<[V; N]>,
-    /// At least the distance of the value from the linear function, but for `units`; `None` if that is 0.
+    /// At least the distance of the value from the linear function, but for `units`; `None` if that
+    /// is 0.
     error: Option<V>,
     /// At least |centre| + Σ |slopes|, where it is known without work.
     magnitude: Option<V>,
-    /// Of so many [units](Rule::unit) of the magnitude, which is known then, the error has no room yet: sums and products leave
-    /// what they round to whoever asks for it, since it may be counted once for all terms of a sum.
+    /// Of so many [units](Rule::unit) of the magnitude, which is known then, the error has no room
+    /// yet: sums and products leave what they round to whoever asks for it, since it may be counted
+    /// once for all terms of a sum.
     units: f64,
     /// −lo and hi of bounds that were found without the form, where they were.
     bounds: Option<[V; 2]>,
@@ -68,12 +71,14 @@ impl<V: Copy, const N: usize> Form<V, N> {
         Self { bounds, ..self }
     }
 
-    /// A coordinate: defined everywhere, and linear but for `error`, which holds what its centre and slopes were rounded by.
+    /// A coordinate: defined everywhere, and linear but for `error`, which holds what its centre
+    /// and slopes were rounded by.
     pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
         Self::total(centre, Some(slopes), Some(error))
     }
 
-    /// A value that is defined and continuous everywhere, of which nothing is known beside the form.
+    /// A value that is defined and continuous everywhere, of which nothing is known beside the
+    /// form.
     fn total(centre: V, slopes: Option<[V; N]>, error: Option<V>) -> Self {
         let facts = Claims::TOTAL;
         Self { centre, slopes, error, magnitude: None, units: 0.0, bounds: None, facts }
@@ -84,7 +89,8 @@ impl<V: Copy, const N: usize> Form<V, N> {
         Rule { m, format }.form_between(value)
     }
 
-    /// The same of a constant within bounds that are exact in `format`, which is computed here rather than by `m`.
+    /// The same of a constant within bounds that are exact in `format`, which is computed here
+    /// rather than by `m`.
     pub fn constant<M: Machine<V = V>>(m: &mut M, format: Format, bounds: Interval) -> Self {
         let mut software = Software::new();
         let [neg_lo, hi] = [-bounds.lo, bounds.hi].map(|end| software.number(format, end));
@@ -200,7 +206,8 @@ pub fn linearise_twins<M: Machine, const N: usize>(
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// The unit of rounding: an operation that rounds up, or to nearest, errs by less than this share of its result.
+    /// The unit of rounding: an operation that rounds up, or to nearest, errs by less than this
+    /// share of its result.
     fn unit(&self) -> f64 {
         2f64.powi(self.format.pick(-23, -52))
     }
@@ -211,7 +218,8 @@ impl<M: Machine> Rule<'_, M> {
         self.sum_of(error, tiny)
     }
 
-    /// More than a dozen results below the normal numbers can err by together; `None` if that does not count.
+    /// More than a dozen results below the normal numbers can err by together; `None` if that does
+    /// not count.
     fn tiny(&mut self) -> Option<M::V> {
         self.m.counts_rounding().then(|| self.m.bits(self.format, 64))
     }
@@ -245,7 +253,8 @@ impl<M: Machine> Rule<'_, M> {
         (operands, value)
     }
 
-    /// The middle of the bounds, and at least half their width: −lo and hi are within centre ± error.
+    /// The middle of the bounds, and at least half their width: −lo and hi are within centre ±
+    /// error.
     fn middle(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
         let half = self.number(0.5);
         let middle = self.m.nearly(|m| {
@@ -317,8 +326,8 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// An operand's bounds as the rules of intervals take them: from the form, from bounds known beside it, and within
-    /// what holds all over the domain.
+    /// An operand's bounds as the rules of intervals take them: from the form, from bounds known
+    /// beside it, and within what holds all over the domain.
     fn operand<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let bounds = match (a.value.slopes, a.value.bounds) {
             (None, Some(bounds)) => bounds,
@@ -356,15 +365,16 @@ impl<M: Machine> Rule<'_, M> {
         let (range_neg_lo, range_hi) = (self.number(-range.lo), self.number(range.hi));
         let neg_lo = self.m.min(neg_lo, range_neg_lo);
         let hi = self.m.min(hi, range_hi);
-        // Where these are apart there is no value, and nothing counts; but rules rely on bounds that are in order.
+        // Where these are apart there is no value, and nothing counts; but rules rely on bounds
+        // that are in order.
         let range_lo = self.number(range.lo);
         let hi = self.m.max(hi, range_lo);
         let neg_hi = self.m.neg(hi);
         [self.m.max(neg_lo, neg_hi), hi]
     }
 
-    /// A form, with bounds and facts by the interval rule; in lanes where its error alone is more than half the bounds'
-    /// width, the bounds are taken for it.
+    /// A form, with bounds and facts by the interval rule; in lanes where its error alone is more
+    /// than half the bounds' width, the bounds are taken for it.
     fn beside<const N: usize>(
         &mut self,
         form: &Form<M::V, N>,

@@ -1,6 +1,8 @@
-//! Forms of what is put together from pieces: magnitudes, extrema, remainders, choices, restrictions.
+//! Forms of what is put together from pieces: magnitudes, extrema, remainders, choices,
+//! restrictions.
 //!
-//! In lanes where it is clear which piece counts, its form is taken; elsewhere a line between the pieces, or bounds.
+//! In lanes where it is clear which piece counts, its form is taken; elsewhere a line between the
+//! pieces, or bounds.
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -11,7 +13,8 @@ use crate::rules::Rule;
 use zeroset_ops::Op;
 
 impl<M: Machine> Rule<'_, M> {
-    /// |x| − αx over [lo, hi] around 0 is at least 0 and at most its greater end value, for α from −1 to 1.
+    /// Over [lo, hi] around 0, |x| − αx is at least 0 and at most its greater end value, for α from
+    /// −1 to 1.
     pub(super) fn form_abs<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
         let bounds = self.operand(a);
         let value = self.abs(&bounds);
@@ -31,8 +34,8 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// The line through two pieces with these slopes that meet at 0: between `slope`·a and that plus `most`, and in lanes
-    /// that have one sign just the piece.
+    /// The line through two pieces with these slopes that meet at 0: between `slope`·a and that
+    /// plus `most`, and in lanes that have one sign just the piece.
     fn form_of_pieces<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,

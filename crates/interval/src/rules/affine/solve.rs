@@ -14,15 +14,17 @@ pub struct Contraction<V> {
     pub far: V,
     /// Lanes that may have a zero.
     pub possible: Fact<V>,
-    /// Lanes where, on every ray, the function is continuous throughout the segment and its signs at the two ends of it
-    /// are opposite and neither is 0.
+    /// Lanes where, on every ray, the function is continuous throughout the segment and its signs
+    /// at the two ends of it are opposite and neither is 0.
     pub crossing: Fact<V>,
 }
 
-/// Narrows the segment from `near` to `far`, over which `form` was made with the last symbol ε for t = `middle` + `half`·ε.
+/// Narrows the segment from `near` to `far`, over which `form` was made with the last symbol ε for
+/// t = `middle` + `half`·ε.
 ///
-/// With w what the other symbols and the error can add, 0 = c + r·ε ± w gives ε within (−c ± w)/r. Every bound is rounded
-/// outward: as −lo and hi, both up. The parameter itself is t ≤ m + h·hi and −t ≤ h·(−lo) − m.
+/// With w what the other symbols and the error can add, 0 = c + r·ε ± w gives ε within (−c ± w)/r.
+/// Every bound is rounded outward: as −lo and hi, both up. The parameter itself is t ≤ m + h·hi and
+/// −t ≤ h·(−lo) − m.
 pub fn contract<M: Machine, const N: usize>(
     m: &mut M,
     format: Format,
@@ -61,8 +63,8 @@ pub fn contract<M: Machine, const N: usize>(
     let farthest = rule.m.mul_add(hi, half, middle);
     let nearest = rule.m.neg(neg_near);
     let new = [rule.m.max(nearest, near), rule.m.min(farthest, far)];
-    // Both ends are outside of the zeros' bounds, one on either side. A segment of a few floats may have its middle at an
-    // end, so that slopes alone would not tell.
+    // Both ends are outside of the zeros' bounds, one on either side. A segment of a few floats may
+    // have its middle at an end, so that slopes alone would not tell.
     let (from_near, to_far) = (rule.m.lt(near, nearest), rule.m.lt(farthest, far));
     let crossing = rule.m.and(from_near, to_far);
     let crossing = Fact::Lanes(crossing).and(rule.m, form.facts.continuous);

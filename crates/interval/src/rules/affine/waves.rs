@@ -1,4 +1,5 @@
-//! Forms of sine and cosine, as of [`functions`](super::functions): each is the other's slope, and its own bend.
+//! Forms of sine and cosine, as of [`functions`](super::functions): each is the other's slope, and
+//! its own bend.
 
 use super::{Form, FormOperand};
 use crate::machine::Machine;
@@ -57,11 +58,13 @@ impl<M: Machine> Rule<'_, M> {
         [(sin, cos), (cos, opposite)].map(|(here, slope)| self.form_wave(&place, &here, &slope))
     }
 
-    /// v + α(a − m) and the rest. The bend is −f, so that f(x) − v − α(x − m) is within −2p and 2q for p and q a quarter of
-    /// reach² times the most and minus the least value: in the form, q − p ± (q + p).
+    /// v + α(a − m) and the rest. The bend is −f, so that f(x) − v − α(x − m) is within −2p and 2q
+    /// for p and q a quarter of reach² times the most and minus the least value: in the form, q − p
+    /// ± (q + p).
     ///
-    /// What is rounded, in units: what the centre and slopes are is below two of |α|(|m| + Σ|slopes|), and one of the centre's
-    /// other part, v + (q − p), which itself is off by one of v and two of q + p.
+    /// What is rounded, in units: what the centre and slopes are is below two of |α|(|m| +
+    /// Σ|slopes|), and one of the centre's other part, v + (q − p), which itself is off by one of v
+    /// and two of q + p.
     fn form_wave<const N: usize>(
         &mut self,
         place: &Place<M::V, N>,

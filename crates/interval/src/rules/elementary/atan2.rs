@@ -37,7 +37,8 @@ impl<M: Machine> Rule<'_, M> {
         let right = self.m.le(zero, x_lo);
         let mut reaches_right = self.gt(x_hi, zero);
         if b.range.lo >= 0.0 {
-            // The origin alone has no angle; its bounds are still to be among those of boxes around it.
+            // The origin alone has no angle; its bounds are still to be among those of boxes around
+            // it.
             let flat = self.m.and(upper, lower);
             reaches_right = self.m.or(reaches_right, flat);
         }

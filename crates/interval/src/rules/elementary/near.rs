@@ -1,10 +1,10 @@
 //! Sine and cosine of operands that stay near 0 throughout: both from one reduction, and in `f32`
 //! four lanes at a time, where [`approximator`](super::approximator) needs two halves of `f64`.
 //!
-//! An angle is k·π/2 + s − n with a small correction n: the first two parts of π/2 have so few
-//! bits that their products with k are exact, and so is all that leads to s and n but the last
-//! product. No `f32` up to its limit is closer than 2⁻²⁶·⁴ to a multiple of π/2, where n is 1.6 % of
-//! s; no `f64` closer than 2⁻⁶⁰·⁵, where n is below 2⁻¹⁴ of s.
+//! An angle is k·π/2 + s − n with a small correction n: the first two parts of π/2 have so few bits
+//! that their products with k are exact, and so is all that leads to s and n but the last product.
+//! No `f32` up to its limit is closer than 2⁻²⁶·⁴ to a multiple of π/2, where n is 1.6 % of s; no
+//! `f64` closer than 2⁻⁶⁰·⁵, where n is below 2⁻¹⁴ of s.
 //!
 //! Results are a head, exact, and a tail, small: only their sum rounds at full size. The bounds on
 //! the tails' errors are those of rounding up; every `f32` up to the limit was tried with them (the
@@ -26,8 +26,8 @@ struct Constants {
     half_pi: [f64; 3],
     /// Adding 1.5·2²³ or 1.5·2⁵² leaves integers in the low bits.
     integer: f64,
-    /// (cos s − 1 + z/2)/z² and (sin s − s)/s³ as polynomials in z = s² ≤ 0.618: those for which the
-    /// largest error that they make in the cosine and sine is least.
+    /// (cos s − 1 + z/2)/z² and (sin s − s)/s³ as polynomials in z = s² ≤ 0.618: those for which
+    /// the largest error that they make in the cosine and sine is least.
     cos: &'static [f64],
     sin: &'static [f64],
     /// Half a unit in the last place of 1.
@@ -223,7 +223,8 @@ impl<M: Machine> Rule<'_, M> {
         turned: &Turned<M::V>,
         [sin, cos]: [[M::V; N]; 2],
     ) -> [([M::V; N], M::V); 2] {
-        // By bit 0 of k, and bit 1 of k or, for the cosine, of k + 1: moved to the sign bit, they choose.
+        // By bit 0 of k, and bit 1 of k or, for the cosine, of k + 1: moved to the sign bit, they
+        // choose.
         let last = self.format.pick(31, 63);
         let odd = self.m.shift_left(turned.bits, last);
         let sin_sign = self.m.shift_left(turned.bits, last - 1);

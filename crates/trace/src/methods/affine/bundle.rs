@@ -1,6 +1,8 @@
-//! The rays of a tile of 4×4 pixels, asked together: each along what the tile's form leaves of its segment.
+//! The rays of a tile of 4×4 pixels, asked together: each along what the tile's form leaves of its
+//! segment.
 //!
-//! Most meet something or nothing at once. Those that do not go on in the [pool](super::pool), with rays of other tiles.
+//! Most meet something or nothing at once. Those that do not go on in the [pool](super::pool), with
+//! rays of other tiles.
 
 use super::level::Level;
 use super::pixels::Patch;
@@ -17,8 +19,8 @@ use zeroset_eval::{LANES, Lanes};
 const FEW: u32 = 8;
 
 impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
-    /// Follows the rays of a tile of 4×4 that are not finished, or puts them into the pool. `within`: all of the segment is in
-    /// the region.
+    /// Follows the rays of a tile of 4×4 that are not finished, or puts them into the pool.
+    /// `within`: all of the segment is in the region.
     #[inline(always)]
     pub(super) fn follow(
         &mut self,
@@ -87,8 +89,9 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Puts the rays of a tile of 4×4 into the batch, each with what a form of the tile leaves of a segment, and if that is
-    /// not `within` the region, what may be in it, and where that certainly is; returns on which anything is left.
+    /// Puts the rays of a tile of 4×4 into the batch, each with what a form of the tile leaves of a
+    /// segment, and if that is not `within` the region, what may be in it, and where that certainly
+    /// is; returns on which anything is left.
     #[inline(always)]
     fn place(
         &mut self,

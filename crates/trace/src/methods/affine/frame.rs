@@ -1,8 +1,8 @@
-//! The rays of a picture as points o + a·o₁ + b·o₂ + s·(d + a·d₁ + b·d₂) near the region, in the floats of the
-//! kernels.
+//! The rays of a picture as points o + a·o₁ + b·o₂ + s·(d + a·d₁ + b·d₂) near the region, in the
+//! floats of the kernels.
 //!
-//! Screen coordinates (a, b) are those of the [`RayGrid`]; s is the ray's t less that of a plane through the region's centre,
-//! so that `f32` is spent on the region and not on the way to it.
+//! Screen coordinates (a, b) are those of the [`RayGrid`]; s is the ray's t less that of a plane
+//! through the region's centre, so that `f32` is spent on the region and not on the way to it.
 
 use super::screens::{Ends, Rays};
 use crate::grid::RayGrid;
@@ -27,7 +27,8 @@ pub(super) struct Frame {
     pub direction: [DVec3; 3],
     /// The largest screen coordinates of a picture's rays.
     pub reach: [f64; 2],
-    /// Bounds on the error of coordinates that are computed in `f64`, from this frame or for the rays themselves.
+    /// Bounds on the error of coordinates that are computed in `f64`, from this frame or for the
+    /// rays themselves.
     pub error: DVec3,
 }
 
@@ -50,7 +51,8 @@ impl Frame {
             ([at, start * right, start * up], [forward, right, up])
         };
         let reach = rays.reach;
-        // The way from the eye in f64: a dozen roundings of what is added up, here and in the ray itself.
+        // The way from the eye in f64: a dozen roundings of what is added up, here and in the ray
+        // itself.
         let farthest = far.max(start);
         let error = 16.0
             * f64::EPSILON
@@ -65,12 +67,14 @@ impl Frame {
         self.span[0].abs().max(self.span[1].abs())
     }
 
-    /// What `T` tells apart along a ray: the length of the shortest segments, or some times what coordinates are rounded by.
+    /// What `T` tells apart along a ray: the length of the shortest segments, or some times what
+    /// coordinates are rounded by.
     pub fn resolution<T: Scalar>(&self) -> f64 {
         (T::GRAIN * self.size()).max(BLURS * self.error_in::<T>(self.size()).max_element())
     }
 
-    /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within `most` of 0.
+    /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within
+    /// `most` of 0.
     ///
     /// Room is left for underflow, and a part is rounded to `T` first.
     pub fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
@@ -118,8 +122,8 @@ impl Frame {
         [region.low(), region.high(), self.error].map(|ends| ends.to_array())
     }
 
-    /// Shortens segments to what of them may be in the region on some ray of their tile; the ends of one that is not reached
-    /// come out in the wrong order.
+    /// Shortens segments to what of them may be in the region on some ray of their tile; the ends
+    /// of one that is not reached come out in the wrong order.
     #[inline(always)]
     pub fn clip<S: Simd>(&self, simd: S, rays: Rays<'_>, region: &Region, ends: &mut Ends) {
         let rays = Wide::new(simd, rays);
@@ -129,7 +133,8 @@ impl Frame {
             for axis in 0..3 {
                 let [o, d] = [rays.range(origin[axis], k), rays.range(direction[axis], k)];
                 let (low, high) = (low[axis] - error[axis], high[axis] + error[axis]);
-                // Where all rays go the same way, they come in after the first that can and leave before the last that can.
+                // Where all rays go the same way, they come in after the first that can and leave
+                // before the last that can.
                 let (up, down) = (d[0].simd_gt(0.0), d[1].simd_lt(0.0));
                 let enter = up.select(low - o[1], o[0] - high);
                 let leave = up.select(high - o[0], o[1] - low);
@@ -149,9 +154,10 @@ impl Frame {
         f64::narrow(fars, &mut ends[1]);
     }
 
-    /// Shortens segments of single rays to what of them may be in the region, as [`clip`](Self::clip) does, and returns between
-    /// which values of s the rays are certainly between its faces, its clipping plane apart, rounded inward; as
-    /// [`way::between_faces`] has it. No segment reaches farther than `size` from 0.
+    /// Shortens segments of single rays to what of them may be in the region, as
+    /// [`clip`](Self::clip) does, and returns between which values of s the rays are certainly
+    /// between its faces, its clipping plane apart, rounded inward; as [`way::between_faces`] has
+    /// it. No segment reaches farther than `size` from 0.
     #[inline(always)]
     pub fn clip_rays<S: Simd, T: Scalar>(
         &self,
@@ -161,8 +167,8 @@ impl Frame {
         size: f64,
         ends: &mut Ends,
     ) -> [Lanes<T>; 2] {
-        /// Of a slower ray not even the reciprocal need be finite: it is not clipped, and nowhere certainly between the faces,
-        /// unless it stands still.
+        /// Of a slower ray not even the reciprocal need be finite: it is not clipped, and nowhere
+        /// certainly between the faces, unless it stands still.
         const LEVEL: f64 = 1e-200;
         /// More than what these few operations round.
         const ROUNDING: f64 = 1e-12;
@@ -204,8 +210,8 @@ impl Frame {
         inside
     }
 
-    /// The lanes in which all of a tile's rays are in the region from the one end to the other, its clipping plane apart, as
-    /// bits.
+    /// The lanes in which all of a tile's rays are in the region from the one end to the other, its
+    /// clipping plane apart, as bits.
     #[inline(always)]
     pub fn inside<S: Simd>(
         &self,

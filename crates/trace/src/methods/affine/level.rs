@@ -24,17 +24,19 @@ pub(super) struct Level<T: Scalar> {
     tiles: [u8; LANES],
     /// By lane, how often its tile was asked about.
     asked: [u8; LANES],
-    /// Where the tiles are: by lane, or, if they are `within` the region, where they were before lanes were moved.
+    /// Where the tiles are: by lane, or, if they are `within` the region, where they were before
+    /// lanes were moved.
     pub screens: Screens,
-    /// By tile, what comes after the segment in its lane; and by lane, bits, clear where there is none of it.
+    /// By tile, what comes after the segment in its lane; and by lane, bits, clear where there is
+    /// none of it.
     later: [Stack<T>; LANES],
     waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
 }
 
-/// How often a tile is asked about before its parts are looked at, along all that is left of it: one that is far deeper than
-/// wide would be cut into a million.
+/// How often a tile is asked about before its parts are looked at, along all that is left of it:
+/// one that is far deeper than wide would be cut into a million.
 const PATIENCE: u8 = 64;
 
 /// The columns and rows of tiles that are a square of sixteen.
@@ -56,9 +58,9 @@ impl<T: Scalar> Level<T> {
         [self.first[0] + column, self.first[1] + row]
     }
 
-    /// Takes those tiles of a level that are open, by their columns and rows in units of tiles: no more than there are lanes;
-    /// each with what the form of the tile that they are parts of leaves of a segment. If they are `within` the region, they
-    /// need not be clipped to it.
+    /// Takes those tiles of a level that are open, by their columns and rows in units of tiles: no
+    /// more than there are lanes; each with what the form of the tile that they are parts of leaves
+    /// of a segment. If they are `within` the region, they need not be clipped to it.
     #[inline(always)]
     pub fn start(
         &mut self,
@@ -144,7 +146,8 @@ impl<T: Scalar> Level<T> {
         tracer.open_in_square([column, row])
     }
 
-    /// Puts the tiles into the batch, and what is left of segments; returns the lanes in which anything is.
+    /// Puts the tiles into the batch, and what is left of segments; returns the lanes in which
+    /// anything is.
     #[inline(always)]
     fn shorten<S: Simd>(
         &mut self,
@@ -180,7 +183,8 @@ impl<T: Scalar> Level<T> {
         self.waiting |= 1 << lane;
     }
 
-    /// Counts that all tiles were asked about; returns the lanes of those that were so often enough.
+    /// Counts that all tiles were asked about; returns the lanes of those that were so often
+    /// enough.
     #[inline(always)]
     pub fn tire(&mut self, simd: impl Simd) -> u16 {
         let asked = u8x16::simd_from(simd, self.asked) + 1;
@@ -200,7 +204,8 @@ impl<T: Scalar> Level<T> {
         }
     }
 
-    /// Keeps the segments in these lanes; returns those of others in whose tiles something was put aside.
+    /// Keeps the segments in these lanes; returns those of others in whose tiles something was put
+    /// aside.
     #[inline(always)]
     pub fn keep(&mut self, kept: u16) -> u16 {
         let done = self.live & !kept;
@@ -208,7 +213,8 @@ impl<T: Scalar> Level<T> {
         done & self.waiting
     }
 
-    /// Goes on with what was put aside of the tile in a lane, if it `is_open`, or else lets go of it.
+    /// Goes on with what was put aside of the tile in a lane, if it `is_open`, or else lets go of
+    /// it.
     #[inline(always)]
     pub fn go_on(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);

@@ -41,7 +41,8 @@ pub(super) enum Step {
 /// Narrows segments in `T`.
 pub(super) struct Narrower<'a, T: Scalar> {
     pub segments: &'a dyn Kernel<ContractSegments, T>,
-    /// Of the function and of its cleared form's denominator, where the segments' forms are those of the numerator.
+    /// Of the function and of its cleared form's denominator, where the segments' forms are those
+    /// of the numerator.
     cleared: Option<[&'a dyn Kernel<Enclose, T>; 2]>,
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
@@ -52,7 +53,8 @@ pub(super) struct Narrower<'a, T: Scalar> {
     hands_on: bool,
 }
 
-/// What is still to be looked at of a ray, the nearest part last. Memory that is used again and again.
+/// What is still to be looked at of a ray, the nearest part last. Memory that is used again and
+/// again.
 #[derive(Default)]
 pub(super) struct Scratch<T: Scalar> {
     stacks: [Stack; LANES],
@@ -62,15 +64,19 @@ pub(super) struct Scratch<T: Scalar> {
 
 /// A segment that stays longer than this share of what it was is cut.
 pub(super) const STALLED: f64 = 0.6;
-/// A segment that got shorter than this share of what it was did so by a form that is as good as linear.
+/// A segment that got shorter than this share of what it was did so by a form that is as good as
+/// linear.
 pub(super) const STEADY: f64 = 0.35;
 /// What share of the longest bracket is allowed where that was not so.
 pub(super) const UNSTEADY: f64 = 1.0 / 32.0;
-/// Where arithmetic stalls at segments of so many times the shortest, it is rounding that stalls it: better arithmetic goes on.
+/// Where arithmetic stalls at segments of so many times the shortest, it is rounding that stalls
+/// it: better arithmetic goes on.
 pub(super) const COARSE: f64 = 32.0;
-/// A segment that stays open at no more than so many times the shortest does so for lack of digits, not of effort.
+/// A segment that stays open at no more than so many times the shortest does so for lack of digits,
+/// not of effort.
 const SPENT: f64 = 1024.0;
-/// Of segments shorter than this share of what their coordinates are rounded by no more can be told.
+/// Of segments shorter than this share of what their coordinates are rounded by no more can be
+/// told.
 pub(super) const BLURRED: f64 = 0.125;
 /// Segments looked at on one ray before the shortest get longer.
 const PATIENCE: u32 = 96;
@@ -86,7 +92,8 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         Ok(Self {
             segments: kernels.segments()?,
             cleared,
-            // What is looked at in `f64` in any case need not be asked of intervals first, one short segment after another.
+            // What is looked at in `f64` in any case need not be asked of intervals first, one
+            // short segment after another.
             zeros: if ideas.intervals && !hands_on { kernels.zeros().ok() } else { None },
             region,
             contracts: ideas.contract,
@@ -212,7 +219,8 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             && denominator.facts(0).has(Facts::CONTINUOUS)
     }
 
-    /// Whether there may be a zero in a segment, by intervals, and branch by branch where the function jumps.
+    /// Whether there may be a zero in a segment, by intervals, and branch by branch where the
+    /// function jumps.
     fn may_vanish(&self, way: &Way, segment: [f64; 2]) -> bool {
         let Some(kernel) = self.zeros else { return true };
         let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
@@ -222,7 +230,8 @@ impl<'a, T: Scalar> Narrower<'a, T> {
     }
 }
 
-/// Puts a ray's segment on its stack, its ends rounded outward; returns the length of the shortest segments.
+/// Puts a ray's segment on its stack, its ends rounded outward; returns the length of the shortest
+/// segments.
 fn begin<T: Scalar>(way: &Way, [near, far]: [f64; 2], stack: &mut Stack) -> f64 {
     let slack = T::PATH_ERROR * (near.abs() + far.abs());
     let outward = |end: f64, slack: f64| {
@@ -231,7 +240,8 @@ fn begin<T: Scalar>(way: &Way, [near, far]: [f64; 2], stack: &mut Stack) -> f64 
         if float == end { end } else { T::nearest(end + slack).into() }
     };
     let (near, far) = (outward(near, -slack), outward(far, slack));
-    // Where the ray leaves the region no sign is known: the ends that round beyond are looked at apart.
+    // Where the ray leaves the region no sign is known: the ends that round beyond are looked at
+    // apart.
     let mut inside = way.inside;
     let within = inside[0] <= near && far <= inside[1];
     if !within {
@@ -253,16 +263,17 @@ fn begin<T: Scalar>(way: &Way, [near, far]: [f64; 2], stack: &mut Stack) -> f64 
     (T::GRAIN * near.abs().max(far.abs()).max(way.span[1] - way.span[0])).max(BLURRED * blur)
 }
 
-/// How short the bracket of a hit is to be. Where segments got much shorter at once, the function is as good as linear, and its
-/// gradient near the root is that at the root. Elsewhere roots are close together or multiple: normals there hang on where
-/// exactly they are taken.
+/// How short the bracket of a hit is to be. Where segments got much shorter at once, the function
+/// is as good as linear, and its gradient near the root is that at the root. Elsewhere roots are
+/// close together or multiple: normals there hang on where exactly they are taken.
 #[inline]
 fn enough(longest: f64, steady: bool) -> f64 {
     if steady { longest } else { UNSTEADY * longest }
 }
 
-/// Whether the parts of a segment that is cut are shorter than what it was narrowed from: where floats are as coarse as the
-/// segment is short, it may come out longer, and would come back for ever. Not so of one that is not finite.
+/// Whether the parts of a segment that is cut are shorter than what it was narrowed from: where
+/// floats are as coarse as the segment is short, it may come out longer, and would come back for
+/// ever. Not so of one that is not finite.
 fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
     near < cut && cut < far && cut - near < length && far - cut < length
 }

@@ -10,7 +10,8 @@ use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes};
 
-/// More than what the sums round that make a distance of a bracket, as a share of it; far below what kernels leave of one.
+/// More than what the sums round that make a distance of a bracket, as a share of it; far below
+/// what kernels leave of one.
 const ROUNDED: f64 = 1e-13;
 
 /// A tile of 4×4 pixels. Its lanes and bits are pixels, row by row.
@@ -141,7 +142,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         found
     }
 
-    /// Writes a hit in the middle of a bracket, as the others are found by [`Self::between`], and notes that its ray is finished.
+    /// Writes a hit in the middle of a bracket, as the others are found by [`Self::between`], and
+    /// notes that its ray is finished.
     #[inline(always)]
     pub(super) fn add_hit(&mut self, ray: &TileRay<T>, [near, far]: [f64; 2]) {
         let middle = self.frame.start + 0.5 * (near + far);
@@ -163,7 +165,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let mut a = f64::wide(simd, &screens[0]);
         let b = f64::wide(simd, &screens[1]);
         for (a, b) in a.iter_mut().zip(b) {
-            // Rounded product by product, as `length` rounds: which of the two a pixel gets hangs on its neighbours.
+            // Rounded product by product, as `length` rounds: which of the two a pixel gets hangs
+            // on its neighbours.
             *a = (1.0 + *a * *a + b * b).sqrt();
         }
         a
@@ -209,7 +212,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let screen = |lane: usize| screens.each_ref().map(|lanes| lanes[lane]);
         let mut insides = [f64::NEG_INFINITY, f64::INFINITY].map(Lanes::splat);
         if rays.iter().any(|(ray, _)| !ray.within) {
-            // As closely as f64 knows where they leave the region, which may be all that is left to tell.
+            // As closely as f64 knows where they leave the region, which may be all that is left to
+            // tell.
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }

@@ -1,4 +1,5 @@
-//! What the form of a tile says of the zeros on its rays: they lie near a plane in screen coordinates and s.
+//! What the form of a tile says of the zeros on its rays: they lie near a plane in screen
+//! coordinates and s.
 
 use super::screens::{Ends, Rays};
 use crate::scalar::Scalar;
@@ -50,7 +51,8 @@ impl Plane {
         along
     }
 
-    /// Shortens segments to what is left of them; the ends of one of which nothing is come out in the wrong order.
+    /// Shortens segments to what is left of them; the ends of one of which nothing is come out in
+    /// the wrong order.
     #[inline(always)]
     pub fn narrow<S: Simd, T: Scalar>(&self, simd: S, (centre, half): Rays<'_>, ends: &mut Ends) {
         let [across, upward] = self.per_screen.map(f64::abs);
@@ -63,7 +65,8 @@ impl Plane {
         }
         let [mut near, mut far] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
         for (k, s) in self.at(simd, centre).into_iter().enumerate() {
-            // More than what these sums are rounded by; and so what overflows is not a number, which bounds nothing.
+            // More than what these sums are rounded by; and so what overflows is not a number,
+            // which bounds nothing.
             let reach = s.abs().mul_add(T::PATH_ERROR, reach[k]);
             near[k] = (s - reach).max_precise(near[k]);
             far[k] = (s + reach).min_precise(far[k]);

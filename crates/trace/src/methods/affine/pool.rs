@@ -1,10 +1,11 @@
 //! Rays of several tiles, followed together to the end.
 //!
-//! When the rays of a tile were asked once, few of them are left, and a kernel takes sixteen in little more time than one. So
-//! those wait here until there are sixteen, and so do rays of which a tile has few from the start. What is left of a segment after it was asked stays in its lane: all of it where it
-//! got much shorter, else its nearer part, and the other one comes later. Set apart to be followed one by one are rays on which
-//! the arithmetic of tiles is at its end, what may be a hit of a cleared form, and all rays of tiles that a clipping plane or
-//! the edge of a ball cuts.
+//! When the rays of a tile were asked once, few of them are left, and a kernel takes sixteen in
+//! little more time than one. So those wait here until there are sixteen, and so do rays of which a
+//! tile has few from the start. What is left of a segment after it was asked stays in its lane: all
+//! of it where it got much shorter, else its nearer part, and the other one comes later. Set apart
+//! to be followed one by one are rays on which the arithmetic of tiles is at its end, what may be a
+//! hit of a cleared form, and all rays of tiles that a clipping plane or the edge of a ball cuts.
 //!
 //! A ray is here once at most: nothing that comes later is asked of its tile before it is finished.
 
@@ -16,7 +17,8 @@ use crate::scalar::Scalar;
 use fearless_simd::{mask8x16, mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
-/// Where a tile of 4×4 is in its band: its row in the upper half of the bits, its column in the lower.
+/// Where a tile of 4×4 is in its band: its row in the upper half of the bits, its column in the
+/// lower.
 pub(super) type TileAt = u32;
 
 /// That of the tile in this column and row.
@@ -105,8 +107,9 @@ impl<T: Scalar> Pool<T> {
         self.waiting |= 1 << lane;
     }
 
-    /// Puts the parts of a segment aside that lie behind where its ray is certainly in the region, and those in it that lie
-    /// behind others: where a ray leaves the region no sign is known, so those parts are looked at apart.
+    /// Puts the parts of a segment aside that lie behind where its ray is certainly in the region,
+    /// and those in it that lie behind others: where a ray leaves the region no sign is known, so
+    /// those parts are looked at apart.
     pub fn cut_at_faces(&mut self, lane: usize, [first, last]: [T; 2]) {
         let segments = &self.asked.segments;
         (self.inside[0][lane], self.inside[1][lane]) = (first, last);
@@ -127,7 +130,8 @@ impl<T: Scalar> Pool<T> {
         self.asked.segments.far[lane] = here;
     }
 
-    /// Lets go of a lane; returns its ray, and how far what was put aside of it reaches, if anything was.
+    /// Lets go of a lane; returns its ray, and how far what was put aside of it reaches, if
+    /// anything was.
     #[inline(always)]
     pub fn finish(&mut self, lane: usize) -> (TileRay<T>, Option<T>) {
         self.live &= !(1 << lane);
@@ -146,7 +150,8 @@ impl<T: Scalar> Pool<T> {
         (ray, last)
     }
 
-    /// Goes on with what was put aside of the rays in lanes of which nothing is left, and lets go of the others.
+    /// Goes on with what was put aside of the rays in lanes of which nothing is left, and lets go
+    /// of the others.
     #[inline(always)]
     pub fn go_on(&mut self, done: u16) {
         self.live &= !done;
@@ -162,8 +167,8 @@ impl<T: Scalar> Pool<T> {
         }
     }
 
-    /// Whether a ray of a tile is here, given by its place; or of one of the tiles that it consists of, if these many bits of
-    /// their places do not count.
+    /// Whether a ray of a tile is here, given by its place; or of one of the tiles that it consists
+    /// of, if these many bits of their places do not count.
     #[inline(always)]
     pub fn has_ray_of<S: Simd>(&self, simd: S, place: [usize; 2], finer: u32) -> bool {
         let counts = !tile_at([(1 << finer) - 1; 2]);
@@ -173,7 +178,8 @@ impl<T: Scalar> Pool<T> {
         same & self.live != 0 || self.apart.iter().any(|(ray, _)| ray.tile & counts == tile)
     }
 
-    /// Takes in rays of a tile from their lanes in a batch, which are their bits, into as many lanes.
+    /// Takes in rays of a tile from their lanes in a batch, which are their bits, into as many
+    /// lanes.
     #[inline(always)]
     pub fn take<S: Simd>(
         &mut self,

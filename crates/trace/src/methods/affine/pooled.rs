@@ -21,9 +21,9 @@ fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
 }
 
 impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
-    /// Puts rays of a tile that were asked so often into the pool, from their lanes among the rays of the tile, which are their
-    /// bits: as many as there is room for, and at least one. Returns their lanes there and in the pool, in order, and takes
-    /// them from the `rest`.
+    /// Puts rays of a tile that were asked so often into the pool, from their lanes among the rays
+    /// of the tile, which are their bits: as many as there is room for, and at least one. Returns
+    /// their lanes there and in the pool, in order, and takes them from the `rest`.
     #[inline(always)]
     pub(super) fn admit(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
         while self.memory.pool.live == u16::MAX {
@@ -67,8 +67,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Asks the rays in the pool once, or if there are none follows those that were set apart; returns `false` if there are
-    /// none either.
+    /// Asks the rays in the pool once, or if there are none follows those that were set apart;
+    /// returns `false` if there are none either.
     #[inline(always)]
     pub(super) fn follow_more(&mut self) -> bool {
         if self.memory.pool.live != 0 {

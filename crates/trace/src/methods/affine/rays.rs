@@ -1,4 +1,5 @@
-//! Single rays, sixteen at a time: from a segment to a proven hit, to nothing, or to what stays open.
+//! Single rays, sixteen at a time: from a segment to a proven hit, to nothing, or to what stays
+//! open.
 
 use super::FINE;
 use super::frame::BLURS;
@@ -29,7 +30,8 @@ pub(super) struct Follower<'a, T: Scalar> {
     task: Task<'a>,
 }
 
-/// A stretch that is looked at in `f64` is so many times as long as the part that stayed open in `f32`.
+/// A stretch that is looked at in `f64` is so many times as long as the part that stayed open in
+/// `f32`.
 const STRETCH: f64 = 256.0;
 
 impl<'a, T: Scalar> Follower<'a, T> {
@@ -91,7 +93,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
                 let rest = |from: f64| (from < way.span[1]).then_some([from, way.span[1]]);
                 pending[lane] = match steps[lane] {
                     Step::Empty => None,
-                    // What a ray starts on does not count. What is left of it in `f64` may be too short for `T` to get past.
+                    // What a ray starts on does not count. What is left of it in `f64` may be too
+                    // short for `T` to get past.
                     Step::Hit([near, far]) | Step::Open([near, far], _)
                         if start == Start::OnSurface && near <= way.span[0] =>
                     {
@@ -130,8 +133,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         outcomes
     }
 
-    /// Looks in `f64` at what stayed open in `f32`, and at what lies behind it: where one segment is below the rounding of
-    /// `f32`, so are many, and each time the stretch is longer.
+    /// Looks in `f64` at what stayed open in `f32`, and at what lies behind it: where one segment
+    /// is below the rounding of `f32`, so are many, and each time the stretch is longer.
     fn refine(
         &self,
         ways: &[Way],

@@ -34,7 +34,8 @@ pub(super) const UNMOVED: [u8; LANES] = {
     things
 };
 
-/// Whether fewer vectors of `T` hold the live lanes once they are the first ones. Kernels have vectors as wide as these.
+/// Whether fewer vectors of `T` hold the live lanes once they are the first ones. Kernels have
+/// vectors as wide as these.
 #[inline(always)]
 pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
     let lanes = (S::f32s::LEN * size_of::<f32>() / size_of::<T>()) as u32;
@@ -53,8 +54,9 @@ pub(super) fn packed(live: u16) -> u16 {
 /// The parts of segments that are left, a lane each: from the first to the second.
 pub(super) type Ends = [Lanes<f64>; 2];
 
-/// Writes what is left of segments as floats, rounded outward where it is less than was `asked`, whose ends are floats; returns
-/// the lanes in which anything is left, as bits. No segment reaches farther than `size` from 0.
+/// Writes what is left of segments as floats, rounded outward where it is less than was `asked`,
+/// whose ends are floats; returns the lanes in which anything is left, as bits. No segment reaches
+/// farther than `size` from 0.
 #[inline(always)]
 pub(super) fn outward<S: Simd, T: Scalar>(
     simd: S,

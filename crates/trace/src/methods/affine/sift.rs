@@ -27,7 +27,8 @@ pub(super) struct Asked<T: Scalar> {
 pub(super) struct Sifted {
     /// Nothing is left.
     pub empty: u16,
-    /// What is left is short enough for a bracket, and got so at once, or else is far shorter; its ends have opposite signs.
+    /// What is left is short enough for a bracket, and got so at once, or else is far shorter; its
+    /// ends have opposite signs.
     pub short: u16,
     /// It got much shorter.
     pub shorter: u16,
@@ -38,15 +39,17 @@ pub(super) struct Sifted {
 }
 
 impl Sifted {
-    /// Leaves open whether there is a zero in a bracket: one of a numerator is none of the function's.
+    /// Leaves open whether there is a zero in a bracket: one of a numerator is none of the
+    /// function's.
     pub fn doubt(&mut self) {
         self.open |= std::mem::take(&mut self.short);
     }
 }
 
 impl<T: Scalar> Asked<T> {
-    /// Tells the segments in these lanes apart by what was asked of them, and puts what is left of each, or its nearer part,
-    /// in its place. `inside`: between which values of s each ray is certainly in the region, if not all are throughout.
+    /// Tells the segments in these lanes apart by what was asked of them, and puts what is left of
+    /// each, or its nearer part, in its place. `inside`: between which values of s each ray is
+    /// certainly in the region, if not all are throughout.
     #[inline(always)]
     pub fn sift<S: Simd>(
         &mut self,

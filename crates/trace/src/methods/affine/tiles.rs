@@ -20,15 +20,19 @@ use zeroset_eval::{LANES, Lanes};
 
 /// A tile is split once its segment is no longer than so many times what it is wide, by level.
 const SLENDER: [f64; 2] = [3.0, 4.0];
-/// The same of tiles that are patches: along an outline surfaces are deep and a patch is thin, and its rays are all there.
+/// The same of tiles that are patches: along an outline surfaces are deep and a patch is thin, and
+/// its rays are all there.
 const SLENDER_PATCH: f64 = 12.0;
-/// Or once its form changes so much more across the tile that what else it may be off by is no larger than so many times
-/// that: then the surface is steep rather than curved, and a part of the tile needs a shorter segment.
+/// Or once its form changes so much more across the tile that what else it may be off by is no
+/// larger than so many times that: then the surface is steep rather than curved, and a part of the
+/// tile needs a shorter segment.
 const TILTED: f64 = 2.0;
-/// A segment that stays longer than this share of what it was is not asked again, but that of a tile to be split, or cut.
+/// A segment that stays longer than this share of what it was is not asked again, but that of a
+/// tile to be split, or cut.
 const STALLED: f64 = 0.85;
 
-/// What a thread needs for a band. Bands use it one after another: to make it takes a few hundred allocations.
+/// What a thread needs for a band. Bands use it one after another: to make it takes a few hundred
+/// allocations.
 #[derive(Default)]
 pub(super) struct Room<T: Scalar> {
     levels: [Level<T>; SIDES.len()],
@@ -165,8 +169,8 @@ fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: b
     }
 }
 
-/// What is to be done with tiles that were asked about, and that may hold a zero: a bit a lane, each in one of the first four
-/// at most.
+/// What is to be done with tiles that were asked about, and that may hold a zero: a bit a lane,
+/// each in one of the first four at most.
 struct Verdicts<T> {
     /// The form proves a zero on each ray, and tells it from its neighbours closely enough.
     flat: u16,
@@ -205,7 +209,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Goes on with what was put aside of the tiles in these lanes, each once none of its rays is followed any more.
+    /// Goes on with what was put aside of the tiles in these lanes, each once none of its rays is
+    /// followed any more.
     #[inline(always)]
     fn go_on(&mut self, level: &mut Level<T>, mut lanes: u16, depth: usize) {
         while lanes != 0 && !self.over {
@@ -223,8 +228,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// What is to be done with the tiles that may hold a zero. What is left of their segments, or the nearer part of what is
-    /// cut, takes their place.
+    /// What is to be done with the tiles that may hold a zero. What is left of their segments, or
+    /// the nearer part of what is cut, takes their place.
     #[inline(always)]
     fn verdicts<const DEPTH: usize>(
         &self,

@@ -1,4 +1,5 @@
-//! What is known of a band while it is traced: where its tiles are, and which of their pixels are not finished.
+//! What is known of a band while it is traced: where its tiles are, and which of their pixels are
+//! not finished.
 
 use super::Affine;
 use super::frame::Frame;
@@ -53,7 +54,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         [range(column, self.band.width), range(row, self.band.height)]
     }
 
-    /// The screen coordinate in the middle of a column of tiles, and how far its rays are from that.
+    /// The screen coordinate in the middle of a column of tiles, and how far its rays are from
+    /// that.
     #[inline(always)]
     pub(super) fn across(&self, column: usize, level: usize) -> [f64; 2] {
         let [columns, _] = self.pixels([column, 0], level);
@@ -78,8 +80,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         [centre, (last - first) as f64 * self.rays.unit]
     }
 
-    /// The first column and row of these tiles, if they are a square of sixteen of the last level with all of their pixels in
-    /// the picture.
+    /// The first column and row of these tiles, if they are a square of sixteen of the last level
+    /// with all of their pixels in the picture.
     #[inline(always)]
     pub(super) fn square(
         &self,
@@ -147,7 +149,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         self.rays.footprint(self.frame.start + s)
     }
 
-    /// Whether nobody wants what is still to be found. Not asked each time: to look at a clock takes as long as a short call.
+    /// Whether nobody wants what is still to be found. Not asked each time: to look at a clock
+    /// takes as long as a short call.
     #[inline(always)]
     pub(super) fn is_over(&mut self) -> bool {
         let calls = self.work.tiles.calls + self.work.segments.calls;

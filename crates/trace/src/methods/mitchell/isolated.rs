@@ -1,4 +1,5 @@
-//! A root that is isolated, brought within the tolerance: signs are certain at both ends of what is left.
+//! A root that is isolated, brought within the tolerance: signs are certain at both ends of what is
+//! left.
 
 use crate::methods::slope::Slopes;
 use crate::methods::way::{Way, bounds};
@@ -22,7 +23,8 @@ pub(super) struct Isolated {
     enough: f64,
 }
 
-/// Rounds, at most. Every third halves, so that a ray's way of 2⁻²² shares is reached, as fine as `f32` tells.
+/// Rounds, at most. Every third halves, so that a ray's way of 2⁻²² shares is reached, as fine as
+/// `f32` tells.
 const ROUNDS: u32 = 66;
 /// How far beyond the interpolated root the other end is looked for, as a share of the tolerance.
 const BEYOND: f64 = 0.75;
@@ -86,13 +88,14 @@ impl Isolated {
         let [near, far] = self.longer();
         let middle = 0.5 * (near + far);
         let is_short = self.ends[1] - self.ends[0] <= self.enough;
-        // What is unsure stays so: its ends are as near as they get when they are within a share of the tolerance.
+        // What is unsure stays so: its ends are as near as they get when they are within a share of
+        // the tolerance.
         let is_near = self.unsure.is_some() && far - near <= 0.125 * self.enough;
         is_short || is_near || !(near < middle && middle < far)
     }
 
-    /// Where to look next: where a line meets 0, then a little beyond, so that the other end comes near as well, then in the
-    /// middle.
+    /// Where to look next: where a line meets 0, then a little beyond, so that the other end comes
+    /// near as well, then in the middle.
     fn next(&self, round: u32) -> f64 {
         let ([near, far], [a, b]) = (self.ends, self.values);
         let [from, to] = self.longer();

@@ -186,7 +186,8 @@ impl<'a> Search<'a> {
     fn new<T: Scalar>(way: &'a Way, start: Start) -> Self {
         let [near, far] = way.span;
         let [first, last] = [way.inside[0].max(near), way.inside[1].min(far)];
-        // Where the ray crosses the region's faces no sign is known: what rounding leaves open there is looked at apart.
+        // Where the ray crosses the region's faces no sign is known: what rounding leaves open
+        // there is looked at apart.
         let mut parts = Vec::with_capacity(16);
         if first < last {
             parts.extend([[last, far], [first, last], [near, first]]);
