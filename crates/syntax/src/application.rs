@@ -1,8 +1,8 @@
 //! Functions and what they are applied to: brackets, or the implicit product up to the next
 //! function.
 
-use crate::ast::{Expr, ExprKind, Function, NamedValue, ProductSign};
-use crate::build::{Builder, number_only, product_of};
+use crate::ast::{Expr, ExprKind, Function, NamedValue};
+use crate::build::{Builder, number_only, product_of, quotient_of};
 use crate::closed::{is_vector, native};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
@@ -172,7 +172,7 @@ impl Builder<'_> {
             self.note(span.to(second), NoteKind::FunctionOfProduct { name, read });
         }
         self.note_powers(&factors);
-        let product = product_of(factors.into_iter().map(|f| (ProductSign::Times, f)).collect())?;
+        let product = product_of(factors)?;
         number_only(&product)?;
         if matches!(callee, Callee::BuiltIn(name) if matches!(name.as_str(), "sqrt" | "cbrt"))
             && items.is_empty()
@@ -222,9 +222,7 @@ impl Builder<'_> {
             // SymPy and MATLAB have the mean at 0.
             (Callee::BuiltIn(name), [_]) if name == "heaviside" && typed == "Heaviside" => {
                 let number = |digits| Expr::of_digits(digits, span);
-                let half = vec![(ProductSign::Over, number("2"))];
-                let half = ExprKind::Product(Box::new(number("1")), half);
-                arguments.push(Expr::new(half, span));
+                arguments.push(number("1").over(number("2"), span));
             }
             // `Clip[x, {a, b}]`
             (
@@ -237,9 +235,7 @@ impl Builder<'_> {
             }
             // Typst has fractions so.
             (Callee::BuiltIn(name), [_, _]) if name == "frac" => {
-                let (divisor, top) = (arguments.remove(1), arguments.remove(0));
-                let parts = vec![(ProductSign::Times, top), (ProductSign::Over, divisor)];
-                return product_of(parts);
+                return quotient_of(arguments);
             }
             (Callee::Logarithm(base), [_]) => {
                 let base = Expr::of_digits(base.as_str(), span);
@@ -287,8 +283,7 @@ impl Builder<'_> {
             // That of numpy is sin(πa)/(πa).
             let pi = ExprKind::Name(NamedValue::Constant(NamedConstant::Pi));
             let pi = Expr::new(pi, argument.span);
-            *argument =
-                product_of(vec![(ProductSign::Times, pi), (ProductSign::Times, argument.clone())])?;
+            *argument = product_of([pi, argument.clone()])?;
             self.note(span.to(place), NoteKind::SincOfNumpy);
         }
         Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
@@ -329,8 +324,7 @@ fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
         let place = expr.span;
         native(Op::Ln, expr, place)
     };
-    let quotient = vec![(ProductSign::Over, ln(base))];
-    Expr::new(ExprKind::Product(Box::new(ln(argument)), quotient), span)
+    ln(argument).over(ln(base), span)
 }
 
 /// How a function of the language is called, with its line of help.

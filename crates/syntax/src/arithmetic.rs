@@ -1,8 +1,8 @@
 //! Arithmetic that other systems write as functions, `Plus[a, b]`, and functions that stand for a
 //! formula of ours: `Boole[c]`, `ChebyshevT[n, x]`.
 
-use crate::ast::{Expr, ExprKind, Function, ProductSign, SumSign};
-use crate::build::{Builder, product_of, sum_of};
+use crate::ast::{Chain, Expr, ExprKind, Function, Sign};
+use crate::build::{Builder, chain_of, product_of, quotient_of};
 use crate::error::{Error, ErrorKind, Fallible, plural};
 use crate::grammar::Pair;
 use crate::span::Span;
@@ -11,11 +11,9 @@ use zeroset_ops::{Op, VectorFunction};
 /// What a name stands for before brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Arithmetic {
-    Plus,
-    Times,
+    /// All values joined so, two if they are inverted.
+    Chain(Chain, Sign),
     Minus,
-    Difference,
-    Quotient,
     /// The sum of a vector's components.
     Total,
     /// 1 where a condition holds, else 0.
@@ -32,11 +30,11 @@ const MOST_DEGREE: u32 = 30;
 /// The arithmetic that a function called `name` is elsewhere; `square` is whether its brackets are.
 pub(crate) fn arithmetic(name: &str, square: bool) -> Option<Arithmetic> {
     Some(match name {
-        "Plus" => Arithmetic::Plus,
-        "Times" => Arithmetic::Times,
+        "Plus" => Arithmetic::Chain(Chain::Sum, Sign::Direct),
+        "Times" => Arithmetic::Chain(Chain::Product, Sign::Direct),
         "Minus" if square => Arithmetic::Minus,
-        "Subtract" if square => Arithmetic::Difference,
-        "Divide" | "Rational" => Arithmetic::Quotient,
+        "Subtract" if square => Arithmetic::Chain(Chain::Sum, Sign::Inverse),
+        "Divide" | "Rational" => Arithmetic::Chain(Chain::Product, Sign::Inverse),
         "Total" => Arithmetic::Total,
         "Boole" => Arithmetic::Boole,
         "fmod" => Arithmetic::Remainder,
@@ -62,12 +60,11 @@ impl Builder<'_> {
             return Ok(Expr::new(ExprKind::Choice(pieces, Some(Box::new(number("0")))), place));
         }
         let count = match kind {
-            Arithmetic::Plus | Arithmetic::Times => parts.len().max(1),
+            Arithmetic::Chain(_, Sign::Direct) => parts.len().max(1),
             Arithmetic::Minus | Arithmetic::Total | Arithmetic::Boole => 1,
-            Arithmetic::Difference
-            | Arithmetic::Quotient
-            | Arithmetic::Chebyshev
-            | Arithmetic::Remainder => 2,
+            Arithmetic::Chain(_, Sign::Inverse) | Arithmetic::Chebyshev | Arithmetic::Remainder => {
+                2
+            }
         };
         if parts.len() != count {
             let name = self.text[span.range()].to_owned();
@@ -82,17 +79,9 @@ impl Builder<'_> {
             return Err(Error::new(place, ErrorKind::EmptyBrackets));
         };
         let expr = match kind {
-            Arithmetic::Plus | Arithmetic::Difference => {
-                let sign = if kind == Arithmetic::Plus { SumSign::Plus } else { SumSign::Minus };
-                let rest: Vec<(SumSign, Expr)> = values.map(|value| (sign, value)).collect();
-                if rest.is_empty() { first } else { sum_of(first, rest, place) }
-            }
-            Arithmetic::Times | Arithmetic::Quotient => {
-                let sign =
-                    if kind == Arithmetic::Times { ProductSign::Times } else { ProductSign::Over };
-                let mut factors = vec![(ProductSign::Times, first)];
-                factors.extend(values.map(|value| (sign, value)));
-                product_of(factors)?
+            Arithmetic::Chain(chain, sign) => {
+                let all = std::iter::once(first).chain(values);
+                chain_of(chain, all.map(|value| (sign, value)).collect())?
             }
             Arithmetic::Minus => first.negated(place),
             Arithmetic::Total => {
@@ -107,7 +96,7 @@ impl Builder<'_> {
                 let Some(degree) = degree else {
                     return Err(Error::new(first.span, ErrorKind::Degree { limit: MOST_DEGREE }));
                 };
-                chebyshev(degree, &values.next().unwrap_or(first), place)
+                chebyshev(degree, &values.next().unwrap_or(first), place)?
             }
         };
         Ok(Expr::new(expr.kind, place))
@@ -117,16 +106,15 @@ impl Builder<'_> {
 /// a − b trunc(a/b)
 fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
     let Some(b) = divisor else { return Ok(a) };
-    let quotient =
-        product_of(vec![(ProductSign::Times, a.clone()), (ProductSign::Over, b.clone())])?;
+    let quotient = quotient_of([a.clone(), b.clone()])?;
     let whole = Expr::new(ExprKind::Call(Function::Native(Op::Trunc), vec![quotient]), span);
-    let multiple = product_of(vec![(ProductSign::Times, b), (ProductSign::Times, whole)])?;
-    Ok(sum_of(a, vec![(SumSign::Minus, multiple)], span))
+    let multiple = product_of([b, whole])?;
+    chain_of(Chain::Sum, vec![(Sign::Direct, a), (Sign::Inverse, multiple)])
 }
 
 /// The Chebyshev polynomial of the first kind of that degree, written out: T(n + 1) = 2a T(n) − T(n
 /// − 1).
-fn chebyshev(degree: u32, a: &Expr, span: Span) -> Expr {
+fn chebyshev(degree: u32, a: &Expr, span: Span) -> Fallible<Expr> {
     let (mut before, mut now): (Vec<i64>, Vec<i64>) = (vec![1], vec![0, 1]);
     for _ in 0..degree {
         let mut next = vec![0; now.len() + 1];
@@ -154,12 +142,11 @@ fn chebyshev(degree: u32, a: &Expr, span: Span) -> Expr {
             None => number(*factor),
             Some(power) if factor.abs() == 1 => power,
             Some(power) => {
-                let rest = vec![(ProductSign::Times, power)];
-                Expr::new(ExprKind::Product(Box::new(number(*factor)), rest), span)
+                let rest = vec![(Sign::Direct, power)];
+                Expr::chain(Chain::Product, number(*factor), rest, span)
             }
         };
-        terms.push((if *factor < 0 { SumSign::Minus } else { SumSign::Plus }, term));
+        terms.push((if *factor < 0 { Sign::Inverse } else { Sign::Direct }, term));
     }
-    let (_, first) = terms.remove(0);
-    if terms.is_empty() { first } else { sum_of(first, terms, span) }
+    chain_of(Chain::Sum, terms)
 }

@@ -69,11 +69,8 @@ impl Expr {
             ExprKind::Negate(inner) | ExprKind::Not(inner) | ExprKind::Component(inner, _) => {
                 vec![inner]
             }
-            ExprKind::Sum(first, rest) => {
-                std::iter::once(&**first).chain(rest.iter().map(|(_, term)| term)).collect()
-            }
-            ExprKind::Product(first, rest) => {
-                std::iter::once(&**first).chain(rest.iter().map(|(_, factor)| factor)).collect()
+            ExprKind::Chain(_, first, rest) => {
+                std::iter::once(&**first).chain(rest.iter().map(|(_, operand)| operand)).collect()
             }
             ExprKind::Compare(first, rest) => {
                 std::iter::once(&**first).chain(rest.iter().map(|(_, side)| side)).collect()
@@ -102,6 +99,35 @@ impl Expr {
         all
     }
 
+    /// A sum or a product of two or more operands; one of the same kind in its first place is
+    /// opened, since it means the same.
+    pub(crate) fn chain(kind: Chain, first: Self, mut more: Vec<(Sign, Self)>, span: Span) -> Self {
+        let (first, rest) = match first.kind {
+            ExprKind::Chain(inner, first, mut rest) if inner == kind => {
+                rest.append(&mut more);
+                (first, rest)
+            }
+            other => (Box::new(Self::new(other, first.span)), more),
+        };
+        Self::new(ExprKind::Chain(kind, first, rest), span)
+    }
+
+    /// `self/divisor`, which stands at `span`.
+    pub(crate) fn over(self, divisor: Self, span: Span) -> Self {
+        Self::chain(Chain::Product, self, vec![(Sign::Inverse, divisor)], span)
+    }
+
+    /// Both parts, if this is the quotient of two.
+    pub(crate) fn quotient(&self) -> Option<(&Self, &Self)> {
+        match &self.kind {
+            ExprKind::Chain(Chain::Product, top, rest) => match rest.as_slice() {
+                [(Sign::Inverse, bottom)] => Some((top, bottom)),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
     /// `-self`, which stands at `span`.
     pub(crate) fn negated(self, span: Span) -> Self {
         Self::new(ExprKind::Negate(Box::new(self)), span)
@@ -117,10 +143,8 @@ pub enum ExprKind {
     Name(NamedValue),
     /// `-a`.
     Negate(Box<Expr>),
-    /// `a + b - c`: a first term, and one or more further ones.
-    Sum(Box<Expr>, Vec<(SumSign, Expr)>),
-    /// `a*b/c`: a first factor, and one or more further ones.
-    Product(Box<Expr>, Vec<(ProductSign, Expr)>),
+    /// `a + b - c` or `a*b/c`: a first operand, and one or more further ones.
+    Chain(Chain, Box<Expr>, Vec<(Sign, Expr)>),
     /// `a^b`.
     Power(Box<Expr>, Box<Expr>),
     /// A function of its arguments.
@@ -162,40 +186,32 @@ pub struct Series {
     pub body: Expr,
 }
 
-/// How a further term joins a sum.
+/// What a chain of operands makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SumSign {
-    /// `+`
-    Plus,
-    /// `-`
-    Minus,
+pub enum Chain {
+    /// A sum of terms.
+    Sum,
+    /// A product of factors.
+    Product,
 }
 
-impl SumSign {
-    /// The operation that joins it.
-    pub(crate) fn op(self) -> Op {
-        match self {
-            Self::Plus => Op::Add,
-            Self::Minus => Op::Sub,
-        }
-    }
-}
-
-/// How a further factor joins a product.
+/// How a further operand joins a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProductSign {
-    /// `*`, or nothing.
-    Times,
-    /// `/`
-    Over,
+pub enum Sign {
+    /// As it is: by `+`, by `*` or by nothing.
+    Direct,
+    /// Inverted: by `-` or `/`.
+    Inverse,
 }
 
-impl ProductSign {
-    /// The operation that joins it.
-    pub(crate) fn op(self) -> Op {
-        match self {
-            Self::Times => Op::Mul,
-            Self::Over => Op::Div,
+impl Chain {
+    /// The operation that joins an operand.
+    pub(crate) fn op(self, sign: Sign) -> Op {
+        match (self, sign) {
+            (Self::Sum, Sign::Direct) => Op::Add,
+            (Self::Sum, Sign::Inverse) => Op::Sub,
+            (Self::Product, Sign::Direct) => Op::Mul,
+            (Self::Product, Sign::Inverse) => Op::Div,
         }
     }
 }

@@ -2,7 +2,7 @@
 //! shapes.
 
 use crate::aliases::Aliases;
-use crate::ast::{Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, SumSign};
+use crate::ast::{Chain, Expr, ExprKind, Function, Name, NamedValue, Relation, Sign};
 use crate::diagnose::recognise;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
@@ -36,7 +36,7 @@ pub(crate) struct Builder<'a> {
 }
 
 /// Signs before a term or in an exponent.
-pub(crate) type Signs = Vec<(SumSign, Span)>;
+pub(crate) type Signs = Vec<(Sign, Span)>;
 
 impl<'a> Builder<'a> {
     pub(crate) fn new(
@@ -218,14 +218,14 @@ impl<'a> Builder<'a> {
     #[inline(never)]
     pub(crate) fn sum(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let mut pairs = pair.into_inner();
-        let mut before = SumSign::Plus;
+        let mut before = Sign::Direct;
         let mut terms = Vec::new();
         loop {
             terms.push((before, self.term(&mut pairs)?));
             // A term ends before a plus or a minus.
             match pairs.next() {
                 Some(operator) => before = sign(&operator),
-                None => return sum_of_terms(terms),
+                None => return chain_of(Chain::Sum, terms),
             }
         }
     }
@@ -254,13 +254,13 @@ impl<'a> Builder<'a> {
     /// What `build` makes, negated once for every minus sign of `signs`.
     pub(crate) fn signed(
         &mut self,
-        signs: &[(SumSign, Span)],
+        signs: &[(Sign, Span)],
         build: impl FnOnce(&mut Self) -> Fallible<Expr>,
     ) -> Fallible<Expr> {
         let Some((_, first)) = signs.first() else {
             return build(self);
         };
-        let minus = signs.iter().filter(|(sign, _)| *sign == SumSign::Minus);
+        let minus = signs.iter().filter(|(sign, _)| *sign == Sign::Inverse);
         negated(self.deeper(*first, minus.count(), build)?, signs)
     }
 
@@ -268,8 +268,8 @@ impl<'a> Builder<'a> {
     /// of.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
-        let mut joint = Joint { sign: ProductSign::Times, function: None };
-        let mut factors: Vec<(ProductSign, Expr)> = Vec::new();
+        let mut joint = Joint { sign: Sign::Direct, function: None };
+        let mut factors: Vec<(Sign, Expr)> = Vec::new();
         loop {
             let signs = self.signs(pairs);
             let run = self.run(pairs)?;
@@ -277,12 +277,13 @@ impl<'a> Builder<'a> {
             if pairs.peek().is_some_and(|pair| is_remainder(&pair)) {
                 // Of all that is left of it, as in every language that writes it so.
                 let signs = std::mem::take(&mut before);
-                let whole = self.signed(&signs, |_| product_of(std::mem::take(&mut factors)))?;
-                factors.push((ProductSign::Times, whole));
+                let whole = self
+                    .signed(&signs, |_| chain_of(Chain::Product, std::mem::take(&mut factors)))?;
+                factors.push((Sign::Direct, whole));
             }
             match self.joint(pairs) {
                 Some(next) => joint = next,
-                None => return product_of(factors),
+                None => return chain_of(Chain::Product, factors),
             }
         }
     }
@@ -292,16 +293,16 @@ impl<'a> Builder<'a> {
     fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<Joint> {
         let operator = pairs.peek()?;
         let (sign, function) = match operator.as_str() {
-            "*" => (ProductSign::Times, None),
-            "/" => (ProductSign::Over, None),
-            "⊙" => (ProductSign::Times, Some(Function::OfVectors(VectorFunction::Dot))),
+            "*" => (Sign::Direct, None),
+            "/" => (Sign::Inverse, None),
+            "⊙" => (Sign::Direct, Some(Function::OfVectors(VectorFunction::Dot))),
             "٪" => {
                 // Nobody takes the word for another remainder.
                 if self.typed(&operator).contains('%') {
                     self.note(self.span(&operator), NoteKind::Remainder);
                 }
                 let remainder = self.scope.forms(&Callee::BuiltIn("mod".to_owned()));
-                (ProductSign::Times, remainder.function(2))
+                (Sign::Direct, remainder.function(2))
             }
             _ => return None,
         };
@@ -313,7 +314,7 @@ impl<'a> Builder<'a> {
     #[inline(never)]
     fn join(
         &mut self,
-        factors: &mut Vec<(ProductSign, Expr)>,
+        factors: &mut Vec<(Sign, Expr)>,
         mut joint: Joint,
         signs: &Signs,
         run: Vec<Expr>,
@@ -333,16 +334,16 @@ impl<'a> Builder<'a> {
                 first
             }
         };
-        if joint.sign == ProductSign::Over {
+        if joint.sign == Sign::Inverse {
             self.note_division(factors, &first, &others);
         }
         factors.push((joint.sign, first));
-        factors.extend(others.into_iter().map(|f| (ProductSign::Times, f)));
+        factors.extend(others.into_iter().map(|f| (Sign::Direct, f)));
         Ok(())
     }
 
     /// Notes a division that may be meant to end elsewhere.
-    fn note_division(&mut self, before: &[(ProductSign, Expr)], divisor: &Expr, others: &[Expr]) {
+    fn note_division(&mut self, before: &[(Sign, Expr)], divisor: &Expr, others: &[Expr]) {
         let Some((_, numerator)) = before.last() else {
             return;
         };
@@ -358,7 +359,7 @@ impl<'a> Builder<'a> {
 
 /// How a run is joined to the factors before it.
 struct Joint {
-    sign: ProductSign,
+    sign: Sign,
     /// What is made of the last factor and the next.
     function: Option<Function>,
 }
@@ -398,9 +399,9 @@ fn compared(mut sides: Sides) -> Fallible<Expr> {
 
 /// The opposite of a number for each minus sign.
 #[inline(never)]
-fn negated(mut expr: Expr, signs: &[(SumSign, Span)]) -> Fallible<Expr> {
+fn negated(mut expr: Expr, signs: &[(Sign, Span)]) -> Fallible<Expr> {
     number_only(&expr)?;
-    for (_, span) in signs.iter().rev().filter(|(sign, _)| *sign == SumSign::Minus) {
+    for (_, span) in signs.iter().rev().filter(|(sign, _)| *sign == Sign::Inverse) {
         let span = span.to(expr.span);
         expr = expr.negated(span);
     }
@@ -445,58 +446,35 @@ pub(crate) fn root_text(radicand: &Expr, index: u32) -> String {
     }
 }
 
-/// A sum of terms with their signs, the first a plus; a term alone is itself.
-#[inline(never)]
-fn sum_of_terms(mut terms: Vec<(SumSign, Expr)>) -> Fallible<Expr> {
-    if terms.len() > 1 {
-        numbers_only(terms.iter().map(|(_, term)| term))?;
-    }
-    let (_, first) = terms.remove(0);
-    let Some((_, last)) = terms.last() else { return Ok(first) };
-    let span = first.span.to(last.span);
-    Ok(sum_of(first, terms, span))
-}
-
 /// Whether this is the operator that takes remainders.
 fn is_remainder(pair: &Pair<'_>) -> bool {
     pair.as_str() == "٪"
 }
 
-/// A product of one or more factors, which must be numbers; one inside its first factor is opened,
-/// since it means the same.
+/// A sum or a product of one or more operands, several of which must be numbers; the sign of the
+/// first does not count.
 #[inline(never)]
-pub(crate) fn product_of(mut factors: Vec<(ProductSign, Expr)>) -> Fallible<Expr> {
-    let (_, first) = factors.remove(0);
-    let Some((_, last)) = factors.last() else {
-        return Ok(first);
-    };
+pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(Sign, Expr)>) -> Fallible<Expr> {
+    let (_, first) = operands.remove(0);
+    let Some((_, last)) = operands.last() else { return Ok(first) };
     let span = first.span.to(last.span);
-    numbers_only(std::iter::once(&first).chain(factors.iter().map(|(_, factor)| factor)))?;
-    let (first, rest) = match first.kind {
-        ExprKind::Product(first, mut rest) => {
-            rest.append(&mut factors);
-            (first, rest)
-        }
-        kind => (Box::new(Expr::new(kind, first.span)), factors),
-    };
-    Ok(Expr::new(ExprKind::Product(first, rest), span))
+    numbers_only(std::iter::once(&first).chain(operands.iter().map(|(_, operand)| operand)))?;
+    Ok(Expr::chain(kind, first, operands, span))
 }
 
-/// A sum of two or more terms; one inside its first term is opened, since it means the same.
-pub(crate) fn sum_of(first: Expr, mut more: Vec<(SumSign, Expr)>, span: Span) -> Expr {
-    let (first, rest) = match first.kind {
-        ExprKind::Sum(first, mut rest) => {
-            rest.append(&mut more);
-            (first, rest)
-        }
-        kind => (Box::new(Expr::new(kind, first.span)), more),
-    };
-    Expr::new(ExprKind::Sum(first, rest), span)
+/// The product of one or more factors.
+pub(crate) fn product_of(factors: impl IntoIterator<Item = Expr>) -> Fallible<Expr> {
+    chain_of(Chain::Product, factors.into_iter().map(|part| (Sign::Direct, part)).collect())
+}
+
+/// The first part over each of the others.
+pub(crate) fn quotient_of(parts: impl IntoIterator<Item = Expr>) -> Fallible<Expr> {
+    chain_of(Chain::Product, parts.into_iter().map(|part| (Sign::Inverse, part)).collect())
 }
 
 #[inline(never)]
-pub(crate) fn sign(pair: &Pair<'_>) -> SumSign {
-    if pair.as_str() == "+" { SumSign::Plus } else { SumSign::Minus }
+pub(crate) fn sign(pair: &Pair<'_>) -> Sign {
+    if pair.as_str() == "+" { Sign::Direct } else { Sign::Inverse }
 }
 
 pub(crate) fn relation(pair: &Pair<'_>) -> Relation {

@@ -5,7 +5,7 @@
 //! it jumps there is no zero. As everywhere, a comparison does not hold where a side of it has no
 //! value; and where no piece holds, and there is no last value, a choice has none.
 
-use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation, Series};
+use crate::ast::{Expr, ExprKind, Function, Relation, Series};
 use crate::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::{Locals, Lowering};
@@ -279,13 +279,9 @@ fn as_sinc<'e>(
 ) -> Option<(usize, &'e Expr)> {
     let ([(condition, one)], Some(quotient)) = (pieces, otherwise) else { return None };
     let ExprKind::Compare(left, rest) = &condition.kind else { return None };
-    let ([(Relation::Equal, zero)], ExprKind::Product(sine, over)) =
-        (rest.as_slice(), &quotient.kind)
-    else {
-        return None;
-    };
+    let [(Relation::Equal, zero)] = rest.as_slice() else { return None };
+    let (sine, divisor) = quotient.quotient()?;
     let is_number = |expr: &Expr, value| expr.whole_number() == Some(value);
-    let [(ProductSign::Over, divisor)] = over.as_slice() else { return None };
     let ExprKind::Call(Function::Native(Op::Sin), arguments) = &sine.kind else { return None };
     let is_sinc = is_number(zero, 0)
         && is_number(one, 1)

@@ -1,7 +1,7 @@
 //! What is one factor whatever surrounds it: brackets, braces, bars, fractions, roots, choices.
 
-use crate::ast::{Expr, ExprKind, Function, ProductSign};
-use crate::build::{Builder, number_only, product_of};
+use crate::ast::{Chain, Expr, ExprKind, Function};
+use crate::build::{Builder, number_only, quotient_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
 use crate::scope::Callee;
@@ -89,11 +89,8 @@ impl Builder<'_> {
 
     #[inline(never)]
     fn fraction(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        let mut parts = Vec::with_capacity(2);
-        for part in pair.into_inner() {
-            parts.push((ProductSign::Over, self.part(part)?));
-        }
-        let mut quotient = product_of(parts)?;
+        let parts: Fallible<Vec<Expr>> = pair.into_inner().map(|part| self.part(part)).collect();
+        let mut quotient = quotient_of(parts?)?;
         quotient.span = span;
         Ok(quotient)
     }
@@ -140,8 +137,7 @@ fn first_part(pair: Pair<'_>) -> Pair<'_> {
 fn vulgar_fraction(typed: &str, span: Span) -> Fallible<Expr> {
     let digits = typed.chars().next().and_then(vulgar);
     let digits = digits.expect("the scanner knows no others");
-    let part = |digit: char| (ProductSign::Over, Expr::of_digits(digit, span));
-    product_of(digits.map(part).to_vec())
+    quotient_of(digits.map(|digit| Expr::of_digits(digit, span)))
 }
 
 /// Whether an expression is a vector by its form alone.
@@ -152,7 +148,7 @@ pub(crate) fn is_vector(expr: &Expr) -> bool {
         // An operation on a vector is one.
         ExprKind::Call(Function::Native(_), arguments) => arguments.iter().any(is_vector),
         ExprKind::Negate(inner) => is_vector(inner),
-        ExprKind::Sum(first, rest) => is_vector(first) || rest.iter().any(|(_, e)| is_vector(e)),
+        ExprKind::Chain(Chain::Sum, ..) => expr.parts().into_iter().any(is_vector),
         _ => false,
     }
 }

@@ -4,9 +4,7 @@
 //! sum is bounded here, and which take a further piece of stack where little is left. Every
 //! expansion is remembered by its arguments, so repeated use costs nothing.
 
-use crate::ast::{
-    Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, SumSign,
-};
+use crate::ast::{Chain, Definition, Expr, ExprKind, Function, NamedValue, Relation, Sign};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::limits::Limits;
 use crate::note::Note;
@@ -178,8 +176,7 @@ impl<'a> Lowering<'a> {
             ExprKind::Number(text) => Ok(self.decimal(text)),
             ExprKind::Name(value) => self.named(value, expr.span, locals),
             ExprKind::Negate(inner) => self.negated(inner, locals),
-            ExprKind::Sum(first, rest) => self.chain(first, rest, SumSign::op, locals),
-            ExprKind::Product(first, rest) => self.chain(first, rest, ProductSign::op, locals),
+            ExprKind::Chain(kind, first, rest) => self.chain(*kind, first, rest, locals),
             ExprKind::Power(base, exponent) => {
                 let operands = [base.as_ref(), exponent.as_ref()];
                 let operands = self.values_of(operands.into_iter(), locals)?;
@@ -224,18 +221,18 @@ impl<'a> Lowering<'a> {
         exprs.map(|expr| self.value_of(expr, locals)).collect()
     }
 
-    /// A sum or a product, from the left: `op` is the operation of each sign.
+    /// A sum or a product, from the left.
     #[inline(never)]
-    fn chain<S: Copy>(
+    fn chain(
         &mut self,
+        kind: Chain,
         first: &'a Expr,
-        rest: &'a [(S, Expr)],
-        op: impl Fn(S) -> Op,
+        rest: &'a [(Sign, Expr)],
         locals: &Locals<'a>,
     ) -> Fallible<Value> {
         let mut all = self.value_of(first, locals)?;
         for (sign, next) in rest {
-            let op = op(*sign);
+            let op = kind.op(*sign);
             let operands = [all, self.value_of(next, locals)?];
             self.note_product(op, &operands[0], &operands[1], first.span.to(next.span));
             all = self.native(op, &operands, next.span)?;

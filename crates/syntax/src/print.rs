@@ -3,8 +3,7 @@
 //! Parsing what is printed gives an equal tree; a property test holds this module to it.
 
 use crate::ast::{
-    Definition, Expr, ExprKind, Function, NamedValue, ProductSign, Relation, Series, Statement,
-    SumSign,
+    Chain, Definition, Expr, ExprKind, Function, NamedValue, Relation, Series, Sign, Statement,
 };
 use crate::spelling::{in_name, is_setting, symbol};
 use std::fmt;
@@ -29,8 +28,8 @@ fn tightness(expr: &Expr) -> Tightness {
         ExprKind::And(_) => Tightness::And,
         ExprKind::Not(_) => Tightness::Not,
         ExprKind::Compare(..) => Tightness::Compare,
-        ExprKind::Negate(_) | ExprKind::Sum(..) => Tightness::Sum,
-        ExprKind::Product(..) => Tightness::Product,
+        ExprKind::Negate(_) | ExprKind::Chain(Chain::Sum, ..) => Tightness::Sum,
+        ExprKind::Chain(Chain::Product, ..) => Tightness::Product,
         ExprKind::Power(..) => Tightness::Power,
         ExprKind::Number(_)
         | ExprKind::Name(_)
@@ -70,29 +69,19 @@ impl fmt::Display for Expr {
                 f.write_str("-")?;
                 write(f, inner, Tightness::Product)
             }
-            ExprKind::Sum(first, rest) => {
+            ExprKind::Chain(kind, first, rest) => {
+                let (needed, signs) = match kind {
+                    Chain::Sum => (Tightness::Product, [" + ", " - "]),
+                    Chain::Product => (Tightness::Power, ["*", "/"]),
+                };
                 // A sign in front of the first term needs no brackets: -a + b is (-a) + b.
-                match first.kind {
-                    ExprKind::Negate(_) => write(f, first, Tightness::Sum)?,
-                    _ => write(f, first, Tightness::Product)?,
+                match (kind, &first.kind) {
+                    (Chain::Sum, ExprKind::Negate(_)) => write(f, first, Tightness::Sum)?,
+                    _ => write(f, first, needed)?,
                 }
-                for (sign, term) in rest {
-                    f.write_str(match sign {
-                        SumSign::Plus => " + ",
-                        SumSign::Minus => " - ",
-                    })?;
-                    write(f, term, Tightness::Product)?;
-                }
-                Ok(())
-            }
-            ExprKind::Product(first, rest) => {
-                write(f, first, Tightness::Power)?;
-                for (sign, factor) in rest {
-                    f.write_str(match sign {
-                        ProductSign::Times => "*",
-                        ProductSign::Over => "/",
-                    })?;
-                    write(f, factor, Tightness::Power)?;
+                for (sign, operand) in rest {
+                    f.write_str(signs[usize::from(*sign == Sign::Inverse)])?;
+                    write(f, operand, needed)?;
                 }
                 Ok(())
             }

@@ -4,7 +4,7 @@
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
 use crate::arithmetic::{Arithmetic, arithmetic};
-use crate::ast::{Expr, ExprKind, LETTERS, NamedValue, ProductSign};
+use crate::ast::{Expr, ExprKind, LETTERS, NamedValue};
 use crate::build::{Builder, Signs, number_only, root_text};
 use crate::closed::native;
 use crate::error::{Error, ErrorKind, Fallible};
@@ -387,10 +387,7 @@ impl Builder<'_> {
 
     /// Notes that `x^(1/3)` is defined only for x ≥ 0, though the root exists for all x.
     fn odd_root(&mut self, base: &Expr, exponent: &Expr) {
-        let ExprKind::Product(top, rest) = &exponent.kind else {
-            return;
-        };
-        let [(ProductSign::Over, bottom)] = rest.as_slice() else {
+        let Some((top, bottom)) = exponent.quotient() else {
             return;
         };
         let (Some(top), Some(bottom)) = (top.whole_number(), bottom.whole_number()) else {
@@ -532,8 +529,7 @@ impl Builder<'_> {
 /// What a degree is.
 fn degree(span: Span) -> Expr {
     let pi = Expr::new(ExprKind::Name(NamedValue::Constant(NamedConstant::Pi)), span);
-    let rest = vec![(ProductSign::Over, Expr::of_digits("180", span))];
-    Expr::new(ExprKind::Product(Box::new(pi), rest), span)
+    pi.over(Expr::of_digits("180", span), span)
 }
 
 /// Whether a dot behind this is no component: behind a coordinate without brackets.

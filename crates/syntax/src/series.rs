@@ -1,7 +1,7 @@
 //! Sums and products over whole numbers, in the spellings of several languages.
 
-use crate::ast::{Expr, ExprKind, Name, Series, SumSign};
-use crate::build::{Builder, number_only, numbers_only, sum_of};
+use crate::ast::{Chain, Expr, ExprKind, Name, Series, Sign};
+use crate::build::{Builder, number_only, numbers_only};
 use crate::choice::MOST_TERMS;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
@@ -66,7 +66,8 @@ impl Builder<'_> {
         if let Some(end) = built.get_mut(1) {
             let span = end.span;
             let past = std::mem::replace(end, Expr::of_digits("0", place));
-            *end = sum_of(past, vec![(SumSign::Minus, Expr::of_digits("1", place))], span);
+            let one = vec![(Sign::Inverse, Expr::of_digits("1", place))];
+            *end = Expr::chain(Chain::Sum, past, one, span);
         }
         Ok((index, built))
     }

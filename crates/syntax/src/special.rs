@@ -1,7 +1,7 @@
 //! Forms: what looks like a function and takes more than numbers, in the spellings of several
 //! languages.
 
-use crate::ast::{Expr, ExprKind, Function, ProductSign, Relation};
+use crate::ast::{Expr, ExprKind, Function, Relation};
 use crate::build::{Builder, condition_only, joined, product_of};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Rule};
@@ -147,7 +147,7 @@ impl Builder<'_> {
     fn multiply(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
         let [left, right] = parts else { return Ok(None) };
         let (left, right) = (self.argument(left.clone())?, self.argument(right.clone())?);
-        let product = product_of(vec![(ProductSign::Times, left), (ProductSign::Times, right)])?;
+        let product = product_of([left, right])?;
         Ok(Some(Expr::new(product.kind, place)))
     }
 

@@ -7,7 +7,7 @@ use proptest::test_runner::RngSeed;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Notation, TABLE, VectorFunction};
 use zeroset_syntax::ast::{
-    Expr, ExprKind, Function, Name, NamedValue, ProductSign, Relation, Series, Statement, SumSign,
+    Chain, Expr, ExprKind, Function, Name, NamedValue, Relation, Series, Sign, Statement,
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
@@ -26,24 +26,14 @@ fn expr(kind: ExprKind) -> Expr {
     Expr::new(kind, Span::default())
 }
 
-/// A sum as the parser makes it: a sum in the first place is opened.
-fn sum(first: Expr, mut rest: Vec<(SumSign, Expr)>) -> Expr {
+/// A sum or a product as the parser makes it: one of its kind in the first place is opened.
+fn chain(kind: Chain, first: Expr, mut rest: Vec<(Sign, Expr)>) -> Expr {
     match first.kind {
-        ExprKind::Sum(inner, mut terms) => {
-            terms.append(&mut rest);
-            expr(ExprKind::Sum(inner, terms))
+        ExprKind::Chain(of_first, inner, mut operands) if of_first == kind => {
+            operands.append(&mut rest);
+            expr(ExprKind::Chain(kind, inner, operands))
         }
-        kind => expr(ExprKind::Sum(Box::new(expr(kind)), rest)),
-    }
-}
-
-fn product(first: Expr, mut rest: Vec<(ProductSign, Expr)>) -> Expr {
-    match first.kind {
-        ExprKind::Product(inner, mut factors) => {
-            factors.append(&mut rest);
-            expr(ExprKind::Product(inner, factors))
-        }
-        kind => expr(ExprKind::Product(Box::new(expr(kind)), rest)),
+        other => expr(ExprKind::Chain(kind, Box::new(expr(other)), rest)),
     }
 }
 
@@ -105,15 +95,16 @@ fn series(is_product: bool, mut ends: Vec<Expr>, step: Option<Expr>) -> Expr {
 
 fn number() -> impl Strategy<Value = Expr> {
     leaf().prop_recursive(6, 40, 4, |inner| {
-        let sign = prop::sample::select(vec![SumSign::Plus, SumSign::Minus]);
-        let joint = prop::sample::select(vec![ProductSign::Times, ProductSign::Over]);
+        let sign = prop::sample::select(vec![Sign::Direct, Sign::Inverse]);
+        let chains = |kind| {
+            (inner.clone(), vec((sign.clone(), inner.clone()), 1..4))
+                .prop_map(move |(first, rest)| chain(kind, first, rest))
+        };
         let function = prop::sample::select(functions());
         prop_oneof![
             inner.clone().prop_map(|e| expr(ExprKind::Negate(Box::new(e)))),
-            (inner.clone(), vec((sign, inner.clone()), 1..4))
-                .prop_map(|(first, rest)| sum(first, rest)),
-            (inner.clone(), vec((joint, inner.clone()), 1..4))
-                .prop_map(|(first, rest)| product(first, rest)),
+            chains(Chain::Sum),
+            chains(Chain::Product),
             (inner.clone(), inner.clone()).prop_map(|(base, exponent)| expr(ExprKind::Power(
                 Box::new(base),
                 Box::new(exponent)
