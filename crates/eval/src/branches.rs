@@ -8,7 +8,8 @@ use crate::domain::ValueDomain;
 use crate::real::Real;
 use crate::tape::{Step, Tape, may_vanish};
 use zeroset_interval::{
-    Branch, Enclosure, Fact, Format, Interval, Machine, Operand, Split, enclose, enclose_branch,
+    Branch, Claims, Enclosure, Fact, Format, Interval, Machine, Operand, Split, enclose,
+    enclose_branch,
 };
 use zeroset_ops::Op;
 
@@ -253,7 +254,7 @@ fn enclose_step<T: Real, M: Machine>(
     let whole = enclose(m, T::FORMAT, op, &operands);
     let made = now.made[choice];
     // Where it does not jump, there is no choice to be made.
-    let jumps = whole.continuous.not(m, T::FORMAT);
+    let jumps = whole.facts.continuous.not(m, T::FORMAT);
     (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
 }
 
@@ -275,15 +276,15 @@ fn pick<M: Machine>(
         let (whole, part) = (whole.and(m, mask), part.and(m, others));
         whole.or(m, part)
     };
-    let nowhere = fact(whole.nowhere, part.nowhere);
-    let defined = fact(whole.defined, part.defined);
-    let continuous = fact(whole.continuous, part.continuous);
+    let facts = Claims {
+        nowhere: fact(whole.facts.nowhere, part.facts.nowhere),
+        defined: fact(whole.facts.defined, part.facts.defined),
+        continuous: fact(whole.facts.continuous, part.facts.continuous),
+    };
     Enclosure {
         neg_lo: m.select(lanes, whole.neg_lo, part.neg_lo),
         hi: m.select(lanes, whole.hi, part.hi),
-        nowhere,
-        defined,
-        continuous,
+        facts,
     }
 }
 

@@ -76,7 +76,7 @@ fn smooth<T: Real, M: Machine>(
     value: Enclosure<M::V>,
 ) -> Smooth<M::V> {
     let a = &operands[0];
-    let continuous = value.continuous;
+    let continuous = value.facts.continuous;
     let row = op.row();
     let (own_lipschitz, own_differentiable) = match row.class {
         Class::Negation
@@ -104,7 +104,7 @@ fn smooth<T: Real, M: Machine>(
         Class::Extremum => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
         Class::Choice => {
             // The bounds of a choice that is defined in places only say nothing of the others.
-            let defined = a.value.value.defined;
+            let defined = a.value.value.facts.defined;
             let negative = below::<T, M>(m, a, 0.0).and(m, defined);
             let other = at_least::<T, M>(m, a, 0.0).and(m, defined);
             let [b, c] = [operands[1].value, operands[2].value];
@@ -120,7 +120,7 @@ fn smooth<T: Real, M: Machine>(
         }
         // Restricted to where the other operand allows it, and equal to the first there.
         Class::Fallback | Class::Restriction(_) => {
-            let defined = value.defined.and(m, a.value.value.defined);
+            let defined = value.facts.defined.and(m, a.value.value.facts.defined);
             return Smooth {
                 value,
                 lipschitz: a.value.lipschitz.and(m, defined),

@@ -145,9 +145,9 @@ impl Question for Enclose {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> Answer<M::V> {
-        let Enclosure { neg_lo, hi, nowhere, defined, continuous } =
-            tape.evaluate(m, &mut Bounds(loader))[0];
-        Answer { quantities: vec![neg_lo, hi], masks: vec![nowhere, defined, continuous] }
+        let Enclosure { neg_lo, hi, facts } = tape.evaluate(m, &mut Bounds(loader))[0];
+        let masks = vec![facts.nowhere, facts.defined, facts.continuous];
+        Answer { quantities: vec![neg_lo, hi], masks }
     }
 }
 
@@ -175,7 +175,7 @@ impl Question for FindZeros {
                 let largest = m.number(T::FORMAT, T::LARGEST.into());
                 Fact::Lanes(m.lt(largest, most))
             };
-            vec![possible, unbounded, value.continuous.not(m, T::FORMAT)]
+            vec![possible, unbounded, value.facts.continuous.not(m, T::FORMAT)]
         };
         Answer { quantities: Vec::new(), masks }
     }
@@ -197,8 +197,8 @@ impl Question for EncloseGradient {
         let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
         for derivative in derivatives {
             // Where the rule for a derivative gives no value, it bounds none.
-            lipschitz = lipschitz.and(m, derivative.value.defined);
-            differentiable = differentiable.and(m, derivative.value.defined);
+            lipschitz = lipschitz.and(m, derivative.value.facts.defined);
+            differentiable = differentiable.and(m, derivative.value.facts.defined);
         }
         let lower = derivatives.iter().map(|derivative| derivative.value.neg_lo);
         let upper = derivatives.iter().map(|derivative| derivative.value.hi);

@@ -231,7 +231,7 @@ pub(crate) fn may_vanish<M: Machine>(
     let zero = m.number(format, 0.0);
     let least = m.min(value.neg_lo, value.hi);
     let holds_zero = Fact::Lanes(m.le(zero, least));
-    let somewhere = value.nowhere.not(m, format);
+    let somewhere = value.facts.nowhere.not(m, format);
     holds_zero.and(m, somewhere)
 }
 
@@ -278,7 +278,8 @@ fn range_of<T: Real>(
             let value = enclose(&mut Software::new(), T::FORMAT, *op, &operands);
             // 0 − x gives 0 for a zero of either sign.
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
-            let nowhere = T::bits(value.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
+            let nowhere =
+                T::bits(value.facts.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
             let range = match Interval::new(lo, hi) {
                 Some(range) if !nowhere => {
                     op.row().excess.map_or(range, |[f32, f64]| match T::FORMAT {

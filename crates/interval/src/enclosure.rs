@@ -3,19 +3,15 @@
 use crate::bounds::Interval;
 use crate::machine::{Format, Machine};
 
-/// Lanes of enclosures: −lo and hi, and three facts.
+/// Lanes of enclosures: −lo and hi, and what is known of the expression's domain.
 #[derive(Clone, Copy, Debug)]
 pub struct Enclosure<V> {
     /// The negated lower ends. Never NaN, never −∞.
     pub neg_lo: V,
     /// The upper ends. Never NaN, never −∞.
     pub hi: V,
-    /// Lanes where the expression is defined nowhere in the box.
-    pub nowhere: Fact<V>,
-    /// Lanes where it is defined throughout the box.
-    pub defined: Fact<V>,
-    /// Lanes where it is defined and continuous throughout the box.
-    pub continuous: Fact<V>,
+    /// Where the expression is defined and continuous.
+    pub facts: Claims<V>,
 }
 
 impl<V: Copy> Enclosure<V> {
@@ -25,14 +21,14 @@ impl<V: Copy> Enclosure<V> {
     }
 }
 
-/// The facts of an [`Enclosure`], without its bounds.
+/// What is known of an expression's domain: three facts.
 #[derive(Clone, Copy, Debug)]
 pub struct Claims<V> {
-    /// Lanes where the expression is defined nowhere.
+    /// Lanes where the expression is defined nowhere in the box.
     pub nowhere: Fact<V>,
-    /// Lanes where it is defined throughout.
+    /// Lanes where it is defined throughout the box.
     pub defined: Fact<V>,
-    /// Lanes where it is defined and continuous throughout.
+    /// Lanes where it is defined and continuous throughout the box.
     pub continuous: Fact<V>,
 }
 
@@ -40,13 +36,8 @@ impl<V: Copy> Claims<V> {
     pub(crate) const TOTAL: Self =
         Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
 
-    pub(crate) fn of(value: &Enclosure<V>) -> Self {
-        Self { nowhere: value.nowhere, defined: value.defined, continuous: value.continuous }
-    }
-
-    pub(crate) fn with(self, bounds: [V; 2]) -> Enclosure<V> {
-        let Self { nowhere, defined, continuous } = self;
-        Enclosure { neg_lo: bounds[0], hi: bounds[1], nowhere, defined, continuous }
+    pub(crate) fn with(self, [neg_lo, hi]: [V; 2]) -> Enclosure<V> {
+        Enclosure { neg_lo, hi, facts: self }
     }
 
     pub(crate) fn and<M: Machine<V = V>>(self, m: &mut M, other: &Self) -> Self {

@@ -1,7 +1,7 @@
 //! Operations on software intervals, for constants and range analysis.
 
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Exponent, Fact, Operand};
+use crate::enclosure::{Claims, Exponent, Fact, Operand};
 use crate::facts::Facts;
 use crate::machine::Format;
 use crate::rules;
@@ -54,22 +54,21 @@ pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Fac
             let fact = |bit: Facts| {
                 if facts.has(bit) { Fact::True } else { Fact::False }
             };
-            let value = Enclosure {
-                neg_lo: Vector128::from_f64([-range.lo; 2]),
-                hi: Vector128::from_f64([range.hi; 2]),
+            let facts = Claims {
                 nowhere: fact(Facts::NOWHERE),
                 defined: fact(Facts::DEFINED),
                 continuous: fact(Facts::CONTINUOUS),
             };
-            Operand { value, range, exponent }
+            let bounds = [-range.lo, range.hi].map(|end| Vector128::from_f64([end; 2]));
+            Operand { value: facts.with(bounds), range, exponent }
         })
         .collect();
     let value = rules::enclose(&mut Software::new(), Format::F64, op, &operands);
     let (neg_lo, hi) = (value.neg_lo.f64()[0], value.hi.f64()[0]);
     let facts = [
-        (value.nowhere, Facts::NOWHERE),
-        (value.defined, Facts::DEFINED),
-        (value.continuous, Facts::CONTINUOUS),
+        (value.facts.nowhere, Facts::NOWHERE),
+        (value.facts.defined, Facts::DEFINED),
+        (value.facts.continuous, Facts::CONTINUOUS),
     ]
     .into_iter()
     .filter(|(fact, _)| fact.mask(&mut Software::new(), Format::F64).bits_64()[0] != 0)

@@ -16,7 +16,7 @@ impl<M: Machine> Rule<'_, M> {
         a: &Operand<M::V>,
         b: &Operand<M::V>,
     ) -> Enclosure<M::V> {
-        Claims::of(&a.value).and(self.m, &Claims::of(&b.value)).with([neg_lo, hi])
+        a.value.facts.and(self.m, &b.value.facts).with([neg_lo, hi])
     }
 
     /// An enclosure with the facts of one more operation: the lanes where it is defined at no
@@ -27,12 +27,8 @@ impl<M: Machine> Rule<'_, M> {
         nowhere: Fact<M::V>,
         throughout: Fact<M::V>,
     ) -> Enclosure<M::V> {
-        Enclosure {
-            nowhere: value.nowhere.or(self.m, nowhere),
-            defined: value.defined.and(self.m, throughout),
-            continuous: value.continuous.and(self.m, throughout),
-            ..value
-        }
+        let own = Claims { nowhere, defined: throughout, continuous: throughout };
+        Enclosure { facts: value.facts.and(self.m, &own), ..value }
     }
 
     pub(super) fn add(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {

@@ -2,7 +2,7 @@
 
 use super::Rule;
 use crate::branch::Branch;
-use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::Machine;
 
 impl<M: Machine> Rule<'_, M> {
@@ -52,18 +52,13 @@ impl<M: Machine> Rule<'_, M> {
             let both = b.and(self.m, c);
             (either, both)
         };
-        let (nowhere, nowhere_both) = fact(b.nowhere, c.nowhere);
-        let (defined, defined_both) = fact(b.defined, c.defined);
-        let (continuous, _) = fact(b.continuous, c.continuous);
+        let (nowhere, nowhere_both) = fact(b.facts.nowhere, c.facts.nowhere);
+        let (defined, defined_both) = fact(b.facts.defined, c.facts.defined);
+        let (continuous, _) = fact(b.facts.continuous, c.facts.continuous);
         let nowhere = nowhere.or(self.m, nowhere_both);
         let defined = defined.or(self.m, defined_both);
-        Enclosure {
-            neg_lo,
-            hi,
-            nowhere: nowhere.or(self.m, a.value.nowhere),
-            defined: defined.and(self.m, a.value.defined),
-            continuous: continuous.and(self.m, a.value.continuous),
-        }
+        let own = Claims { nowhere, defined, continuous };
+        own.and(self.m, &a.value.facts).with([neg_lo, hi])
     }
 
     /// a where it is defined, else b; their hull where a is defined in a part of the box, but for a
@@ -75,8 +70,9 @@ impl<M: Machine> Rule<'_, M> {
         branch: Branch,
     ) -> Enclosure<M::V> {
         let (a, b) = (&a.value, &b.value);
-        let only_a = a.defined.mask(self.m, self.format);
-        let only_b = a.nowhere.mask(self.m, self.format);
+        let (own, other) = (a.facts, b.facts);
+        let only_a = own.defined.mask(self.m, self.format);
+        let only_b = own.nowhere.mask(self.m, self.format);
         let pick = |rule: &mut Self, a: M::V, b: M::V| {
             let both = match branch {
                 Branch::Whole | Branch::Middle => rule.m.max(a, b),
@@ -88,14 +84,13 @@ impl<M: Machine> Rule<'_, M> {
         };
         let neg_lo = pick(self, a.neg_lo, b.neg_lo);
         let hi = pick(self, a.hi, b.hi);
-        let continuous_b = b.continuous.and(self.m, a.nowhere);
-        Enclosure {
-            neg_lo,
-            hi,
-            nowhere: a.nowhere.and(self.m, b.nowhere),
-            defined: a.defined.or(self.m, b.defined),
-            continuous: a.continuous.or(self.m, continuous_b),
-        }
+        let continuous_b = other.continuous.and(self.m, own.nowhere);
+        let facts = Claims {
+            nowhere: own.nowhere.and(self.m, other.nowhere),
+            defined: own.defined.or(self.m, other.defined),
+            continuous: own.continuous.or(self.m, continuous_b),
+        };
+        facts.with([neg_lo, hi])
     }
 
     /// `a` with its bounds, defined only where `b` is.
@@ -105,8 +100,9 @@ impl<M: Machine> Rule<'_, M> {
         b: &Operand<M::V>,
     ) -> Enclosure<M::V> {
         // Only the definition of b matters, not its continuity.
-        let value = self.combine(a.value.neg_lo, a.value.hi, a, b);
-        Enclosure { continuous: a.value.continuous.and(self.m, b.value.defined), ..value }
+        let (own, other) = (a.value.facts, b.value.facts);
+        let allowed = Claims { continuous: other.defined, ..other };
+        Enclosure { facts: own.and(self.m, &allowed), ..a.value }
     }
 
     /// `a`, defined only where `b` lies in a domain: `domain` gives the lanes where it does nowhere

@@ -5,7 +5,7 @@ use super::elementary::approximator::by_halves;
 use super::elementary::logarithm::Base;
 use crate::bounds::Interval;
 use crate::branch::Branch;
-use crate::enclosure::{Enclosure, Exponent, Operand, Sign};
+use crate::enclosure::{Claims, Enclosure, Exponent, Operand, Sign};
 use crate::machine::{Format, Machine};
 
 impl<M: Machine> Rule<'_, M> {
@@ -66,7 +66,8 @@ impl<M: Machine> Rule<'_, M> {
         match n {
             0 => {
                 let (one, minus_one) = (self.number(1.0), self.number(-1.0));
-                Enclosure { neg_lo: minus_one, hi: one, continuous: a.value.defined, ..a.value }
+                let facts = a.value.facts;
+                Claims { continuous: facts.defined, ..facts }.with([minus_one, one])
             }
             1 => a.value,
             n if n % 2 == 0 => {

@@ -3,7 +3,7 @@
 use super::Rule;
 use crate::bounds::Interval;
 use crate::branch::Branch;
-use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::Machine;
 
 impl<M: Machine> Rule<'_, M> {
@@ -22,8 +22,8 @@ impl<M: Machine> Rule<'_, M> {
         // lo = hi, as −(−lo) = hi; ∞ − ∞ is NaN and claims nothing.
         let lo = self.m.neg(neg_lo);
         let one_value = self.m.eq(lo, hi);
-        let continuous = a.value.continuous.and(self.m, Fact::Lanes(one_value));
-        Enclosure { neg_lo, hi, continuous, ..a.value }
+        let continuous = a.value.facts.continuous.and(self.m, Fact::Lanes(one_value));
+        Claims { continuous, ..a.value.facts }.with([neg_lo, hi])
     }
 
     /// The integers within bounds that belong to a branch; one of them at least, also where none

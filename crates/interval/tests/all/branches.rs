@@ -51,7 +51,7 @@ fn operand(bounds: Interval, exponent: Exponent) -> Operand<Vector128> {
 fn over(op: Op, operands: &[Operand<Vector128>], branch: Branch) -> (f64, f64, [bool; 3]) {
     let value = enclose_branch(&mut Software::new(), Format::F64, op, operands, branch);
     let is = |fact: Fact<Vector128>| fact.mask(&mut Software::new(), Format::F64).bits_64()[0] != 0;
-    let facts = [is(value.nowhere), is(value.defined), is(value.continuous)];
+    let facts = [value.facts.nowhere, value.facts.defined, value.facts.continuous].map(is);
     (0.0 - value.neg_lo.f64()[0], 0.0 + value.hi.f64()[0], facts)
 }
 

@@ -372,11 +372,11 @@ impl<M: Machine> Rule<'_, M> {
         b: &FormOperand<M::V, N>,
     ) -> Form<M::V, N> {
         let logarithm = if a.value.slopes.is_some() {
-            self.form_curve(Op::Ln, a)
+            self.form_curve(Op::Ln, Self::shape_of_ln, a)
         } else {
             self.bounded(Op::Ln, &[*a])
         };
         let product = self.form_product(&FormOperand::new(logarithm), &FormOperand::new(b.value));
-        self.form_curve(Op::Exp, &FormOperand::new(product))
+        self.form_curve(Op::Exp, Self::shape_of_exp, &FormOperand::new(product))
     }
 }

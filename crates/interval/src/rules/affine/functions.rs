@@ -10,11 +10,28 @@ use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::Machine;
 use crate::rules::{Rule, enclose};
-use std::f64::consts::{LOG2_E, LOG10_E};
 use zeroset_ops::Op;
 
+/// Where a function's slope and bend are asked for.
+pub(super) struct Curve<V> {
+    /// The middle of the bounds.
+    x: V,
+    /// The same as an operand.
+    point: Operand<V>,
+    /// Minus the lower end of the bounds.
+    neg_lo: V,
+    /// The largest magnitude within the bounds.
+    most: V,
+    /// The function's enclosures at the middle, and over the bounds.
+    here: Enclosure<V>,
+    value: Enclosure<V>,
+}
+
+/// Tells the slope of a function, and its bend.
+type ShapeOf<R, V> = fn(&mut R, &Curve<V>) -> Shape<V>;
+
 /// What is known of a function's slope at the middle, and of its bend over the bounds.
-struct Shape<V> {
+pub(super) struct Shape<V> {
     /// α.
     slope: V,
     /// At least |f′(m) − α|.
@@ -51,20 +68,23 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
+    /// The form of a function whose slope and bend `shape` tells. Where it is not smooth the bend
+    /// is not finite, or the bounds are.
     pub(super) fn form_curve<const N: usize>(
         &mut self,
         op: Op,
+        shape: ShapeOf<Self, M::V>,
         a: &FormOperand<M::V, N>,
     ) -> Form<M::V, N> {
         let bounds = self.operand(a);
+        let Enclosure { neg_lo, hi, .. } = bounds.value;
         let value = enclose(self.m, self.format, op, &[bounds]);
-        let (middle, reach) = self.middle(bounds.value.neg_lo, bounds.value.hi);
-        let point = self.point(middle, &bounds);
+        let (x, reach) = self.middle(neg_lo, hi);
+        let point = self.point(x, &bounds);
         let here = enclose(self.m, self.format, op, &[point]);
-        let Some(shape) = self.shape(op, &bounds, &point, &here, &value) else {
-            return self.form_between(&value);
-        };
-        let form = self.form_taylor(&a.value, [middle, reach], &here, &shape);
+        let most = self.m.max(neg_lo, hi);
+        let shape = shape(self, &Curve { x, point, neg_lo, most, here, value });
+        let form = self.form_taylor(&a.value, [x, reach], &here, &shape);
         self.beside(&form, &value)
     }
 
@@ -115,121 +135,23 @@ impl<M: Machine> Rule<'_, M> {
         Form { centre, error, magnitude: Some(magnitude), units: 0.0, ..*a }
     }
 
-    /// The slope of `op` at a point, and its bend over bounds in which it has the enclosure
-    /// `value`; `None` if this is not how its form is made. Where it is not smooth the bend is not
-    /// finite, or the bounds are.
-    fn shape(
-        &mut self,
-        op: Op,
-        bounds: &Operand<M::V>,
-        point: &Operand<M::V>,
-        here: &Enclosure<M::V>,
-        value: &Enclosure<M::V>,
-    ) -> Option<Shape<M::V>> {
-        let (zero, one) = (self.zero(), self.number(1.0));
-        let x = point.value.hi;
-        let square = self.m.mul(x, x);
-        let most = self.m.max(bounds.value.neg_lo, bounds.value.hi);
-        Some(match op {
-            // Its own slope and bend.
-            Op::Exp => {
-                let (slope, off) = self.middle(here.neg_lo, here.hi);
-                Shape { slope, off, bend: [zero, value.hi] }
-            }
-            Op::Ln => self.shape_of_logarithm(1.0, x, bounds.value.neg_lo),
-            Op::Log2 => self.shape_of_logarithm(LOG2_E, x, bounds.value.neg_lo),
-            Op::Log10 => self.shape_of_logarithm(LOG10_E, x, bounds.value.neg_lo),
-            Op::Cbrt => self.shape_of_cbrt(here, value),
-            // 1 + tan² and 2·tan·(1 + tan²).
-            Op::Tan => {
-                let [neg_lo, hi] = self.one_plus_square(here);
-                let (slope, off) = self.middle(neg_lo, hi);
-                let most = self.m.max(value.neg_lo, value.hi);
-                let power = self.m.mul(most, most);
-                let power = self.m.add(power, one);
-                let twice = self.m.add(most, most);
-                let bend = self.m.mul(power, twice);
-                Shape { slope, off, bend: [bend, bend] }
-            }
-            Op::Asin => self.shape_of_asin(x, most),
-            Op::Acos => {
-                let shape = self.shape_of_asin(x, most);
-                Shape { slope: self.m.neg(shape.slope), ..shape }
-            }
-            // 1/(1 + x²) and −2x/(1 + x²)², at most 3√3/8.
-            Op::Atan => {
-                let divisor = self.m.add(square, one);
-                let slope = self.m.div(one, divisor);
-                let bend = self.m.add(most, most);
-                let limit = self.number(0.656_25);
-                let bend = self.m.min(bend, limit);
-                self.algebraic(slope, bend)
-            }
-            // Each is the other's slope, and its own bend.
-            Op::Sinh | Op::Cosh => {
-                let other = if op == Op::Sinh { Op::Cosh } else { Op::Sinh };
-                let derivative = enclose(self.m, self.format, other, &[*point]);
-                let (slope, off) = self.middle(derivative.neg_lo, derivative.hi);
-                let bend = [value.neg_lo, value.hi].map(|end| self.m.max(end, zero));
-                Shape { slope, off, bend }
-            }
-            // 1 − tanh² and −2·tanh·(1 − tanh²), at most 4/(3√3).
-            Op::Tanh => {
-                let [neg_lo, hi] = self.one_plus_square(here);
-                // 1 − t² = 2 − (1 + t²).
-                let two = self.number(2.0);
-                let (most, neg_least) = (self.m.add(two, neg_lo), self.m.sub(hi, two));
-                let (slope, off) = self.middle(neg_least, most);
-                let limit = self.number(0.781_25);
-                Shape { slope, off, bend: [limit, limit] }
-            }
-            // 1/√(x² + 1) and −x/(x² + 1)^1.5, at most 2/(3√3).
-            Op::Asinh => {
-                let sum = self.m.add(square, one);
-                let root = self.m.sqrt(sum);
-                let slope = self.m.div(one, root);
-                let limit = self.number(0.390_625);
-                let bend = self.m.min(most, limit);
-                self.algebraic(slope, bend)
-            }
-            Op::Acosh => self.shape_of_acosh(x, bounds.value.neg_lo),
-            Op::Atanh => self.shape_of_atanh(x, most),
-            Op::Neg
-            | Op::Abs
-            | Op::Sign
-            | Op::Floor
-            | Op::Ceil
-            | Op::Round
-            | Op::Trunc
-            | Op::Fract
-            | Op::Sqr
-            | Op::Sqrt
-            | Op::Sin
-            | Op::Cos
-            | Op::Add
-            | Op::Sub
-            | Op::Mul
-            | Op::Div
-            | Op::Pow
-            | Op::Mod
-            | Op::Atan2
-            | Op::Min
-            | Op::Max
-            | Op::SelectNegative
-            | Op::Otherwise
-            | Op::WhereNonneg
-            | Op::WherePositive
-            | Op::WhereNonzero
-            | Op::WhereDefined => return None,
-        })
+    /// Its own slope and bend.
+    pub(super) fn shape_of_exp(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+        let (slope, off) = self.middle(at.here.neg_lo, at.here.hi);
+        Shape { slope, off, bend: [self.zero(), at.value.hi] }
+    }
+
+    /// 1/x and −1/x².
+    pub(super) fn shape_of_ln(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+        self.shape_of_logarithm(1.0, at)
     }
 
     /// 1/x and −1/x², times the logarithm of e.
-    fn shape_of_logarithm(&mut self, log_e: f64, x: M::V, neg_lo: M::V) -> Shape<M::V> {
+    pub(super) fn shape_of_logarithm(&mut self, log_e: f64, at: &Curve<M::V>) -> Shape<M::V> {
         let zero = self.zero();
         let base = self.nearest(log_e);
-        let slope = self.m.div(base, x);
-        let lo = self.m.neg(neg_lo);
+        let slope = self.m.div(base, at.x);
+        let lo = self.m.neg(at.neg_lo);
         let least = self.m.max(lo, zero);
         let bend = self.m.div(base, least);
         let bend = self.m.div(bend, least);
@@ -238,7 +160,8 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// 1/(3c²) and −2/(9c⁵) for c = ∛x: the bend is greatest nearest to 0.
-    fn shape_of_cbrt(&mut self, here: &Enclosure<M::V>, value: &Enclosure<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_cbrt(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+        let Curve { here, value, .. } = at;
         let one = self.number(1.0);
         let zero = self.zero();
         let (near, _) = self.middle(here.neg_lo, here.hi);
@@ -270,32 +193,91 @@ impl<M: Machine> Rule<'_, M> {
         Shape { off: self.m.add(shape.off, carried), ..shape }
     }
 
-    /// 1/√(1 − x²) and x/(1 − x²)^1.5.
-    fn shape_of_asin(&mut self, x: M::V, most: M::V) -> Shape<M::V> {
+    /// 1 + tan² and 2·tan·(1 + tan²).
+    pub(super) fn shape_of_tan(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
-        let (above, below) = (self.m.add(one, x), self.m.sub(one, x));
-        let product = self.m.mul(above, below);
+        let [neg_lo, hi] = self.one_plus_square(&at.here);
+        let (slope, off) = self.middle(neg_lo, hi);
+        let most = self.m.max(at.value.neg_lo, at.value.hi);
+        let power = self.m.mul(most, most);
+        let power = self.m.add(power, one);
+        let twice = self.m.add(most, most);
+        let bend = self.m.mul(power, twice);
+        Shape { slope, off, bend: [bend, bend] }
+    }
+
+    /// 1/√(1 − x²) and x/(1 − x²)^1.5.
+    pub(super) fn shape_of_asin(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+        let one = self.number(1.0);
+        let product = self.difference_of_squares(one, at.x);
         let root = self.m.sqrt(product);
         let slope = self.m.div(one, root);
-        let (above, below) = (self.m.add(one, most), self.m.sub(one, most));
-        let product = self.m.mul(above, below);
+        let product = self.difference_of_squares(one, at.most);
         let root = self.m.sqrt(product);
         let cube = self.m.mul(root, product);
-        let bend = self.m.div(most, cube);
+        let bend = self.m.div(at.most, cube);
+        self.algebraic(slope, bend)
+    }
+
+    /// Those of the arcsine, the other way up.
+    pub(super) fn shape_of_acos(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+        let shape = self.shape_of_asin(at);
+        Shape { slope: self.m.neg(shape.slope), ..shape }
+    }
+
+    /// 1/(1 + x²) and −2x/(1 + x²)², at most 3√3/8.
+    pub(super) fn shape_of_atan(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+        let one = self.number(1.0);
+        let square = self.m.mul(at.x, at.x);
+        let divisor = self.m.add(square, one);
+        let slope = self.m.div(one, divisor);
+        let bend = self.m.add(at.most, at.most);
+        let limit = self.number(0.656_25);
+        let bend = self.m.min(bend, limit);
+        self.algebraic(slope, bend)
+    }
+
+    /// `slope` and its own bend, of the hyperbolic sine and cosine: each is the other's slope.
+    pub(super) fn shape_of_hyperbolic(&mut self, slope: Op, at: &Curve<M::V>) -> Shape<M::V> {
+        let zero = self.zero();
+        let derivative = enclose(self.m, self.format, slope, &[at.point]);
+        let (slope, off) = self.middle(derivative.neg_lo, derivative.hi);
+        let bend = [at.value.neg_lo, at.value.hi].map(|end| self.m.max(end, zero));
+        Shape { slope, off, bend }
+    }
+
+    /// 1 − tanh² and −2·tanh·(1 − tanh²), at most 4/(3√3).
+    pub(super) fn shape_of_tanh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+        let [neg_lo, hi] = self.one_plus_square(&at.here);
+        // 1 − t² = 2 − (1 + t²).
+        let two = self.number(2.0);
+        let (most, neg_least) = (self.m.add(two, neg_lo), self.m.sub(hi, two));
+        let (slope, off) = self.middle(neg_least, most);
+        let limit = self.number(0.781_25);
+        Shape { slope, off, bend: [limit, limit] }
+    }
+
+    /// 1/√(x² + 1) and −x/(x² + 1)^1.5, at most 2/(3√3).
+    pub(super) fn shape_of_asinh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+        let one = self.number(1.0);
+        let square = self.m.mul(at.x, at.x);
+        let sum = self.m.add(square, one);
+        let root = self.m.sqrt(sum);
+        let slope = self.m.div(one, root);
+        let limit = self.number(0.390_625);
+        let bend = self.m.min(at.most, limit);
         self.algebraic(slope, bend)
     }
 
     /// 1/√(x² − 1) and −x/(x² − 1)^1.5, greatest at the lower end.
-    fn shape_of_acosh(&mut self, x: M::V, neg_lo: M::V) -> Shape<M::V> {
+    pub(super) fn shape_of_acosh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
-        let (above, below) = (self.m.add(x, one), self.m.sub(x, one));
-        let product = self.m.mul(above, below);
+        let product = self.difference_of_squares(at.x, one);
         let root = self.m.sqrt(product);
         let slope = self.m.div(one, root);
-        let lo = self.m.neg(neg_lo);
+        let lo = self.m.neg(at.neg_lo);
         let lo = self.m.max(lo, one);
-        let (above, below) = (self.m.add(lo, one), self.m.sub(lo, one));
-        let square = self.m.mul(above, below);
+        let square = self.difference_of_squares(lo, one);
         let root = self.m.sqrt(square);
         let bend = self.m.div(lo, square);
         let bend = self.m.div(bend, root);
@@ -306,19 +288,24 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// 1/(1 − x²) and 2x/(1 − x²)².
-    fn shape_of_atanh(&mut self, x: M::V, most: M::V) -> Shape<M::V> {
+    pub(super) fn shape_of_atanh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
         let zero = self.zero();
-        let (above, below) = (self.m.add(one, x), self.m.sub(one, x));
-        let product = self.m.mul(above, below);
+        let product = self.difference_of_squares(one, at.x);
         let slope = self.m.div(one, product);
-        let (above, below) = (self.m.add(one, most), self.m.sub(one, most));
+        let (above, below) = (self.m.add(one, at.most), self.m.sub(one, at.most));
         let below = self.m.max(below, zero);
         let product = self.m.mul(above, below);
         let product = self.m.mul(product, product);
-        let twice = self.m.add(most, most);
+        let twice = self.m.add(at.most, at.most);
         let bend = self.m.div(twice, product);
         self.algebraic(slope, bend)
+    }
+
+    /// a² − b² as (a + b)(a − b).
+    fn difference_of_squares(&mut self, a: M::V, b: M::V) -> M::V {
+        let (above, below) = (self.m.add(a, b), self.m.sub(a, b));
+        self.m.mul(above, below)
     }
 
     /// −lo and hi of 1 + x².

@@ -19,6 +19,7 @@ use crate::enclosure::{Claims, Enclosure, Exponent, Operand, Term};
 use crate::machine::{Format, Machine};
 use crate::rules::{Rule, enclose};
 use crate::software::{Software, Vector128};
+use std::f64::consts::{LOG2_E, LOG10_E};
 use zeroset_ops::Op;
 
 pub use solve::{Contraction, contract};
@@ -168,21 +169,21 @@ pub fn linearise<M: Machine, const N: usize>(
             let both = rule.form_waves(a);
             both[usize::from(op == Op::Cos)]
         }
-        Op::Exp
-        | Op::Ln
-        | Op::Log2
-        | Op::Log10
-        | Op::Cbrt
-        | Op::Tan
-        | Op::Asin
-        | Op::Acos
-        | Op::Atan
-        | Op::Sinh
-        | Op::Cosh
-        | Op::Tanh
-        | Op::Asinh
-        | Op::Acosh
-        | Op::Atanh => rule.form_curve(op, a),
+        Op::Exp => rule.form_curve(op, Rule::shape_of_exp, a),
+        Op::Ln => rule.form_curve(op, Rule::shape_of_ln, a),
+        Op::Log2 => rule.form_curve(op, |rule, at| rule.shape_of_logarithm(LOG2_E, at), a),
+        Op::Log10 => rule.form_curve(op, |rule, at| rule.shape_of_logarithm(LOG10_E, at), a),
+        Op::Cbrt => rule.form_curve(op, Rule::shape_of_cbrt, a),
+        Op::Tan => rule.form_curve(op, Rule::shape_of_tan, a),
+        Op::Asin => rule.form_curve(op, Rule::shape_of_asin, a),
+        Op::Acos => rule.form_curve(op, Rule::shape_of_acos, a),
+        Op::Atan => rule.form_curve(op, Rule::shape_of_atan, a),
+        Op::Sinh => rule.form_curve(op, |rule, at| rule.shape_of_hyperbolic(Op::Cosh, at), a),
+        Op::Cosh => rule.form_curve(op, |rule, at| rule.shape_of_hyperbolic(Op::Sinh, at), a),
+        Op::Tanh => rule.form_curve(op, Rule::shape_of_tanh, a),
+        Op::Asinh => rule.form_curve(op, Rule::shape_of_asinh, a),
+        Op::Acosh => rule.form_curve(op, Rule::shape_of_acosh, a),
+        Op::Atanh => rule.form_curve(op, Rule::shape_of_atanh, a),
         Op::Sign | Op::Floor | Op::Ceil | Op::Round | Op::Trunc | Op::Atan2 => {
             rule.bounded(op, operands)
         }
@@ -270,7 +271,7 @@ impl<M: Machine> Rule<'_, M> {
         let (centre, error) = self.middle(value.neg_lo, value.hi);
         Form {
             bounds: Some([value.neg_lo, value.hi]),
-            facts: Claims::of(value),
+            facts: value.facts,
             ..Form::total(centre, None, Some(error))
         }
     }
@@ -382,7 +383,7 @@ impl<M: Machine> Rule<'_, M> {
     ) -> Form<M::V, N> {
         let plain = self.form_between::<N>(value);
         let (Some(error), Some(width)) = (self.error_of(form), plain.error) else {
-            return Form { facts: Claims::of(value), bounds: plain.bounds, ..*form };
+            return Form { facts: value.facts, bounds: plain.bounds, ..*form };
         };
         let better = self.m.lt(error, width);
         let zero = self.zero();

@@ -7,7 +7,7 @@
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
 use crate::branch::Branch;
-use crate::enclosure::{Claims, Enclosure, Fact, Operand};
+use crate::enclosure::{Enclosure, Fact, Operand};
 use crate::machine::Machine;
 use crate::rules::Rule;
 use zeroset_ops::Op;
@@ -151,14 +151,14 @@ impl<M: Machine> Rule<'_, M> {
         let plain = self.form_between(&value);
         let zero = self.zero();
         let a = &bounds[0].value;
-        let defined = a.defined.mask(self.m, self.format);
+        let defined = a.facts.defined.mask(self.m, self.format);
         let negative = self.m.lt(a.hi, zero);
         let negative = self.m.and(negative, defined);
         let other = self.m.le(a.neg_lo, zero);
         let other = self.m.and(other, defined);
         let form = self.form_select(other, &operands[2].value, &plain);
         let form = self.form_select(negative, &operands[1].value, &form);
-        Form { facts: Claims::of(&value), bounds: plain.bounds, ..form }
+        Form { facts: value.facts, bounds: plain.bounds, ..form }
     }
 
     /// a where it is defined, else b.
@@ -173,7 +173,7 @@ impl<M: Machine> Rule<'_, M> {
             defined => defined.mask(self.m, self.format),
         };
         let form = self.form_select(defined, &operands[0].value, &plain);
-        Form { facts: Claims::of(&value), bounds: plain.bounds, ..form }
+        Form { facts: value.facts, bounds: plain.bounds, ..form }
     }
 
     /// The first operand, defined only where the second allows it.
@@ -183,6 +183,6 @@ impl<M: Machine> Rule<'_, M> {
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
         let (_, value) = self.enclosed(op, operands);
-        Form { facts: Claims::of(&value), ..operands[0].value }
+        Form { facts: value.facts, ..operands[0].value }
     }
 }

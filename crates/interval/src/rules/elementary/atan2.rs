@@ -82,8 +82,9 @@ impl<M: Machine> Rule<'_, M> {
         }
         let value = self.combine(neg_lo, hi, a, b);
         let throughout = a_nonzero.or(self.m, b_nonzero);
-        let value = self.restrict(value, origin, throughout);
-        Enclosure { continuous: value.continuous.and(self.m, smooth), ..value }
+        let mut value = self.restrict(value, origin, throughout);
+        value.facts.continuous = value.facts.continuous.and(self.m, smooth);
+        value
     }
 
     /// −lo and hi from the corners (y, x) with the least and the greatest angle.
