@@ -44,37 +44,30 @@ pub(crate) fn neg(graph: &mut Graph, a: NodeId) -> NodeId {
 
 /// `a + b`
 pub(crate) fn add(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
-    if is_zero(graph, a) {
-        return b;
-    }
-    if is_zero(graph, b) {
-        return a;
-    }
-    if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b)) {
-        let sum = p + q;
-        return graph.constant(Constant::rational(sum));
-    }
-    match negated(graph, b) {
-        Some(inner) => graph.apply(Op::Sub, &[a, inner]),
-        None => graph.apply(Op::Add, &[a, b]),
-    }
+    sum(graph, Op::Add, a, b)
 }
 
 /// `a - b`
 pub(crate) fn sub(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    sum(graph, Op::Sub, a, b)
+}
+
+/// The sum, or the difference if `op` is one.
+pub(crate) fn sum(graph: &mut Graph, op: Op, a: NodeId, b: NodeId) -> NodeId {
+    let minus = op == Op::Sub;
     if is_zero(graph, b) {
         return a;
     }
     if is_zero(graph, a) {
-        return neg(graph, b);
+        return if minus { neg(graph, b) } else { b };
     }
     if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b)) {
-        let difference = p - q;
-        return graph.constant(Constant::rational(difference));
+        let sum = if minus { p - q } else { p + q };
+        return graph.constant(Constant::rational(sum));
     }
     match negated(graph, b) {
-        Some(inner) => graph.apply(Op::Add, &[a, inner]),
-        None => graph.apply(Op::Sub, &[a, b]),
+        Some(inner) => graph.apply(if minus { Op::Add } else { Op::Sub }, &[a, inner]),
+        None => graph.apply(op, &[a, b]),
     }
 }
 

@@ -3,7 +3,7 @@
 //! Near a pole every enclosure of `1/x − y` is unbounded and so proves nothing. Its numerator
 //! `1 − x·y` is tame: where that has no zero the function has none, pole or not.
 
-use crate::algebra::{add, div, is_one, is_zero, mul, neg, powi, sub};
+use crate::algebra::{div, is_one, is_zero, mul, neg, powi, sum};
 use crate::graph::{Graph, Node, NodeId};
 use crate::rank::{Rank, ranks};
 use std::collections::{BTreeMap, BTreeSet};
@@ -146,7 +146,7 @@ fn combine(
             let numerator = neg(graph, parts[0].numerator);
             Some(Fraction { numerator, ..parts[0].clone() })
         }
-        Class::Sum if !whole => Some(sum(graph, op, &parts[0], &parts[1])),
+        Class::Sum if !whole => Some(added(graph, op, &parts[0], &parts[1])),
         Class::Product if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
         Class::Quotient if !whole || ranks[operands[1].index()] == Rank::Varying => {
             let inverse = inverted(graph, &parts[1], ranks)?;
@@ -191,7 +191,7 @@ fn combine(
 }
 
 /// Over the least common denominator, so that shared denominators are not multiplied.
-fn sum(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
+fn added(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
     let mut below = a.below.clone();
     for (base, n) in &b.below {
         let exponent = below.entry(*base).or_insert(0);
@@ -207,7 +207,7 @@ fn sum(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
         product(graph, numerator, &missing)
     };
     let (left, right) = (over(a), over(b));
-    let numerator = if op == Op::Add { add(graph, left, right) } else { sub(graph, left, right) };
+    let numerator = sum(graph, op, left, right);
     let mut excluded = &a.excluded | &b.excluded;
     excluded.extend(a.above.keys().chain(b.above.keys()));
     Fraction { numerator, above: Factors::new(), below, excluded }

@@ -50,17 +50,17 @@ impl Rewriter<'_> {
     }
 
     fn function_of(&mut self, op: Op, law: Law, a: NodeId) -> Product {
-        let known = *self.known(a);
+        let range = self.range(a);
         match law {
-            Law::Magnitude if known.range.lo >= 0.0 => return self.product_of_node(a),
-            Law::Magnitude if known.range.hi <= 0.0 => {
+            Law::Magnitude if range.lo >= 0.0 => return self.product_of_node(a),
+            Law::Magnitude if range.hi <= 0.0 => {
                 let product = self.product_of_node(a);
                 return Product { coefficient: -product.coefficient, ..product };
             }
             Law::Magnitude if self.graph.operands(a, op).is_some() => return Product::power(a, 1),
-            Law::Sign if known.excludes_zero() => {
+            Law::Sign if !range.contains(0.0) => {
                 let one = BigRational::one();
-                let mut result = Product::number(if known.range.lo > 0.0 { one } else { -one });
+                let mut result = Product::number(if range.lo > 0.0 { one } else { -one });
                 self.require(&mut result.conditions, Condition(Restriction::Defined, a));
                 return result;
             }
@@ -157,7 +157,7 @@ impl Rewriter<'_> {
         if a == b {
             return Form::Node(a);
         }
-        let (low, high) = (self.known(a).range, self.known(b).range);
+        let (low, high) = (self.range(a), self.range(b));
         let below = low.hi <= high.lo;
         if below || high.hi <= low.lo {
             let (chosen, other) = if below == smallest { (a, b) } else { (b, a) };
@@ -177,7 +177,7 @@ impl Rewriter<'_> {
         let a = self.emit_product(&condition);
         let b = self.node_of(second);
         let c = self.node_of(third);
-        let range = self.known(a).range;
+        let range = self.range(a);
         let chosen = if range.hi < 0.0 || b == c {
             b
         } else if range.lo >= 0.0 {

@@ -12,7 +12,6 @@ mod functions;
 mod numbers;
 mod powers;
 mod products;
-mod ranges;
 mod sums;
 
 #[cfg(test)]
@@ -26,9 +25,8 @@ use crate::rank::{Rank, ranks};
 use form::{Condition, Form, Product, Sum};
 use num_rational::BigRational;
 use num_traits::One;
-use ranges::Known;
 use rustc_hash::FxHashMap;
-use zeroset_interval::{Facts, Interval};
+use zeroset_interval::{Decorated, Facts, Interval};
 use zeroset_ops::{Class, Op, Restriction};
 
 /// A graph that holds only what `roots` need, with the same values and the same domains of
@@ -89,6 +87,7 @@ pub fn rewrite(
     let mut rewriter = Rewriter {
         graph: Graph::new(),
         known: Vec::new(),
+        ranks: Vec::new(),
         sums: FxHashMap::default(),
         products: FxHashMap::default(),
         domain,
@@ -150,8 +149,10 @@ pub fn rewrite(
 /// The new graph, and what is known of its nodes.
 struct Rewriter<'a> {
     graph: Graph,
-    /// By node.
-    known: Vec<Known>,
+    /// Bounds of each node's value, wherever in the domain it is defined, and facts over all of it.
+    known: Vec<Decorated>,
+    /// What each node varies with.
+    ranks: Vec<Rank>,
     /// The terms of nodes that are sums of several.
     sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
     /// The factors of nodes that are products or powers.
@@ -161,28 +162,36 @@ struct Rewriter<'a> {
 }
 
 impl Rewriter<'_> {
-    fn known(&self, id: NodeId) -> &Known {
-        &self.known[id.index()]
+    fn known(&self, id: NodeId) -> Decorated {
+        self.known[id.index()]
+    }
+
+    fn range(&self, id: NodeId) -> Interval {
+        self.known(id).bounds
+    }
+
+    fn rank(&self, id: NodeId) -> Rank {
+        self.ranks[id.index()]
     }
 
     fn leaf(&mut self, node: &Node) -> NodeId {
-        let (id, range, rank) = match node {
+        let within = |range: Interval| (range, Facts::TOTAL).into();
+        let (id, value, rank) = match node {
             Node::Variable(axis) => {
                 let range = self.domain[*axis as usize];
-                (self.graph.variable(*axis), range, Rank::Varying)
+                (self.graph.variable(*axis), within(range), Rank::Varying)
             }
             Node::Parameter(number) => {
                 let range = self.parameters.get(*number as usize);
                 let range = range.copied().unwrap_or(Interval::ENTIRE);
-                (self.graph.parameter(*number), range, Rank::Uniform)
+                (self.graph.parameter(*number), within(range), Rank::Uniform)
             }
             Node::Constant(constant) => {
-                let range = constant.bounds();
-                (self.graph.constant(constant.clone()), range, Rank::Constant)
+                (self.graph.constant(constant.clone()), constant.value(), Rank::Constant)
             }
             Node::Apply(..) => unreachable!("not a leaf"),
         };
-        self.note(id, Known { range, facts: Facts::TOTAL, rank });
+        self.note(id, value, rank);
         id
     }
 
@@ -193,29 +202,17 @@ impl Rewriter<'_> {
     fn node(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
         let id = self.graph.apply(op, operands);
         if id.index() == self.known.len() {
-            let enclosed: Vec<zeroset_interval::Decorated> = operands
-                .iter()
-                .map(|&id| {
-                    let exponent = self.graph.number(id).map(Constant::exponent);
-                    let known = self.known(id);
-                    zeroset_interval::Decorated {
-                        bounds: known.range,
-                        facts: known.facts,
-                        exponent: exponent.unwrap_or_default(),
-                    }
-                })
-                .collect();
-            let (range, facts) = zeroset_interval::fold(op, &enclosed);
-            let rank =
-                operands.iter().map(|id| self.known(*id).rank).max().unwrap_or(Rank::Constant);
-            self.note(id, Known { range, facts, rank });
+            let known: Vec<Decorated> = operands.iter().map(|&id| self.known(id)).collect();
+            let rank = operands.iter().map(|&id| self.rank(id)).max().unwrap_or(Rank::Constant);
+            self.note(id, zeroset_interval::fold(op, &known).into(), rank);
         }
         id
     }
 
-    fn note(&mut self, id: NodeId, known: Known) {
+    fn note(&mut self, id: NodeId, known: Decorated, rank: Rank) {
         if id.index() == self.known.len() {
             self.known.push(known);
+            self.ranks.push(rank);
         }
     }
 
@@ -260,13 +257,13 @@ impl Rewriter<'_> {
         let known = self.known(other);
         let holds = match restriction {
             Restriction::Defined => true,
-            Restriction::Nonzero => known.excludes_zero(),
-            Restriction::Nonneg => known.range.lo >= 0.0,
-            Restriction::Positive => known.range.lo > 0.0,
+            Restriction::Nonzero => !known.bounds.contains(0.0),
+            Restriction::Nonneg => known.bounds.lo >= 0.0,
+            Restriction::Positive => known.bounds.lo > 0.0,
         };
         if !holds {
             conditions.push(condition);
-        } else if !known.defined() {
+        } else if !known.facts.has(Facts::DEFINED) {
             conditions.push(Condition(Restriction::Defined, other));
         }
     }

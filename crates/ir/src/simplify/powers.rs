@@ -3,7 +3,6 @@
 use super::Rewriter;
 use super::form::{Condition, Form, Product};
 use super::numbers;
-use super::ranges::Known;
 use crate::graph::NodeId;
 use crate::rank::Rank;
 use num_rational::BigRational;
@@ -45,12 +44,11 @@ impl Rewriter<'_> {
             }
             let base = self.node_of(Form::Product(base));
             let power = Form::Node(self.node(Op::Pow, &[base, exponent]));
-            let Known { rank, range, .. } = *self.known(exponent);
-            if fixed || rank != Rank::Constant {
+            if fixed || self.rank(exponent) != Rank::Constant {
                 return power;
             }
             // Folding would find an integer only in a range of one number, whose sign is known.
-            return self.real_power(power, base, range.hi > 0.0);
+            return self.real_power(power, base, self.range(exponent).hi > 0.0);
         }
         let Product { coefficient: number, conditions, .. } = exponent;
         if fixed && conditions.is_empty() {
@@ -97,7 +95,7 @@ impl Rewriter<'_> {
         }
         let base = self.node_of(Form::Product(base));
         let exponent = self.number(exponent.clone());
-        debug_assert_eq!(self.known(exponent).rank, Rank::Constant);
+        debug_assert_eq!(self.rank(exponent), Rank::Constant);
         Form::Node(self.node(Op::Pow, &[base, exponent]))
     }
 }

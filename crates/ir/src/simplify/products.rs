@@ -104,7 +104,7 @@ impl Rewriter<'_> {
             false
         });
         for factor in factors.iter_mut().filter(|f| f.nonzero && f.exponent > 0) {
-            if !self.known(factor.base).excludes_zero() {
+            if self.range(factor.base).contains(0.0) {
                 conditions.push(Condition(Restriction::Nonzero, factor.base));
             }
             factor.nonzero = false;
@@ -155,7 +155,7 @@ impl Rewriter<'_> {
         for factor in std::mem::take(&mut p.factors) {
             let number = self.exact(factor.base).and_then(|n| numbers::power(n, factor.exponent));
             match number.and_then(|n| numbers::moderate(n * &p.coefficient)) {
-                Some(number) if !factor.nonzero || !self.known(factor.base).range.contains(0.0) => {
+                Some(number) if !factor.nonzero || !self.range(factor.base).contains(0.0) => {
                     p.coefficient = number;
                     changed = true;
                 }
@@ -169,7 +169,7 @@ impl Rewriter<'_> {
     /// `u` where it is known to be ≥ 0: the restriction that says so does not narrow an enclosure,
     /// the maximum does.
     pub(super) fn nonneg_part(&mut self, u: NodeId) -> NodeId {
-        if self.known(u).range.lo >= 0.0 {
+        if self.range(u).lo >= 0.0 {
             return u;
         }
         let zero = self.number(BigRational::zero());
@@ -213,7 +213,7 @@ impl Rewriter<'_> {
         let mut varying = [Vec::new(), Vec::new()];
         for rank in [Rank::Constant, Rank::Uniform] {
             for factor in &p.factors {
-                if self.known(factor.base).rank == rank {
+                if self.rank(factor.base) == rank {
                     let side = usize::from(factor.exponent < 0);
                     let power = self.emit_power(factor.base, factor.exponent.unsigned_abs());
                     uniform[side] = Some(self.multiply(uniform[side], power));
@@ -221,7 +221,7 @@ impl Rewriter<'_> {
             }
         }
         for factor in &p.factors {
-            if self.known(factor.base).rank == Rank::Varying {
+            if self.rank(factor.base) == Rank::Varying {
                 let side = usize::from(factor.exponent < 0);
                 varying[side].push((factor.base, factor.exponent.unsigned_abs()));
             }

@@ -201,7 +201,7 @@ impl Rewriter<'_> {
 
     /// Whether `(t + half)² − half²` encloses better than `t² + 2·half·t`.
     fn square_pays(&self, t: NodeId, half: &BigRational) -> bool {
-        let range = self.known(t).range;
+        let range = self.range(t);
         // Where both terms rise or fall together the natural enclosure is exact already.
         let together =
             (range.lo >= 0.0 && half.is_positive()) || (range.hi <= 0.0 && half.is_negative());
@@ -218,7 +218,7 @@ impl Rewriter<'_> {
         let mut fixed = [Vec::new(), Vec::new()];
         let mut varying = Vec::new();
         for (term, c) in terms {
-            match self.known(*term).rank {
+            match self.rank(*term) {
                 Rank::Constant => fixed[0].push((*term, c.clone())),
                 Rank::Uniform => fixed[1].push((*term, c.clone())),
                 Rank::Varying => varying.push((*term, c.clone())),
