@@ -6,12 +6,7 @@
 
 use crate::constant::Constant;
 use crate::graph::{Graph, NodeId};
-use num_rational::BigRational;
 use zeroset_ops::Op;
-
-fn exact(graph: &Graph, id: NodeId) -> Option<&BigRational> {
-    graph.number(id)?.exact()
-}
 
 fn is_integer(graph: &Graph, id: NodeId, value: i64) -> bool {
     graph.number(id).is_some_and(|number| number.as_integer() == Some(value))
@@ -33,7 +28,7 @@ pub(crate) fn is_one(graph: &Graph, id: NodeId) -> bool {
 
 /// `-a`
 pub(crate) fn neg(graph: &mut Graph, a: NodeId) -> NodeId {
-    if let Some(value) = exact(graph, a).cloned() {
+    if let Some(value) = graph.exact(a).cloned() {
         return graph.constant(Constant::rational(-value));
     }
     match negated(graph, a) {
@@ -61,7 +56,7 @@ pub(crate) fn sum(graph: &mut Graph, op: Op, a: NodeId, b: NodeId) -> NodeId {
     if is_zero(graph, a) {
         return if minus { neg(graph, b) } else { b };
     }
-    if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b)) {
+    if let (Some(p), Some(q)) = (graph.exact(a), graph.exact(b)) {
         let sum = if minus { p - q } else { p + q };
         return graph.constant(Constant::rational(sum));
     }
@@ -85,7 +80,7 @@ pub(crate) fn mul(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     if is_integer(graph, b, -1) {
         return neg(graph, a);
     }
-    if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b)) {
+    if let (Some(p), Some(q)) = (graph.exact(a), graph.exact(b)) {
         let product = p * q;
         return graph.constant(Constant::rational(product));
     }
@@ -100,7 +95,7 @@ pub(crate) fn div(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     if is_one(graph, b) || (is_zero(graph, a) && !is_zero(graph, b)) {
         return a;
     }
-    if let (Some(p), Some(q)) = (exact(graph, a), exact(graph, b))
+    if let (Some(p), Some(q)) = (graph.exact(a), graph.exact(b))
         && !is_zero(graph, b)
     {
         let quotient = p / q;

@@ -4,7 +4,7 @@
 //! recursion: the depth of a graph is not limited by the stack, and its length by [`TEXT_LIMIT`].
 
 use crate::constant::Constant;
-use crate::graph::{Axis, Graph, Node, NodeId};
+use crate::graph::{Graph, Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Notation};
@@ -61,14 +61,7 @@ pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
 fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
     let text = |text: &str| Piece::Text(text.into());
     match graph.node(id) {
-        Node::Variable(axis) => {
-            let name = match axis {
-                Axis::X => "x",
-                Axis::Y => "y",
-                Axis::Z => "z",
-            };
-            (Binding::Atom, vec![text(name)])
-        }
+        Node::Variable(axis) => (Binding::Atom, vec![text(axis.name())]),
         Node::Parameter(number) => {
             let name = names
                 .get(*number as usize)
@@ -170,6 +163,7 @@ fn decimal(value: &BigRational) -> Option<String> {
 mod tests {
     use super::*;
     use crate::constant::NamedConstant;
+    use crate::graph::Axis;
     use zeroset_ops::Op;
 
     #[test]

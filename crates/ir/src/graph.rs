@@ -1,6 +1,7 @@
 //! The graph itself.
 
 use crate::constant::Constant;
+use num_rational::BigRational;
 use rustc_hash::FxHashMap;
 use zeroset_ops::Op;
 
@@ -18,6 +19,15 @@ pub enum Axis {
 impl Axis {
     /// All three, in order.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// How it is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+        }
+    }
 }
 
 /// A node's place in its [`Graph`]. Operands have smaller ids than the nodes that use them.
@@ -117,6 +127,11 @@ impl Graph {
             Node::Constant(value) => Some(value),
             Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
         }
+    }
+
+    /// The rational number that `id` is, if it is known exactly.
+    pub(crate) fn exact(&self, id: NodeId) -> Option<&BigRational> {
+        self.number(id)?.exact()
     }
 
     /// The operands of `id`, if it applies `op`.

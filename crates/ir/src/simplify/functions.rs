@@ -117,12 +117,9 @@ impl Rewriter<'_> {
 
     /// Whether a node is the result of rounding to an integer.
     fn is_whole(&self, a: NodeId) -> bool {
-        match self.graph.node(a) {
-            Node::Apply(op, _) => {
-                matches!(op.row().class, Class::Function(Law::Rounding(_) | Law::Sign))
-            }
-            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => false,
-        }
+        let is_integral =
+            |op: &Op| matches!(op.row().class, Class::Function(Law::Rounding(_) | Law::Sign));
+        matches!(self.graph.node(a), Node::Apply(op, _) if is_integral(op))
     }
 
     /// `mod(a, b)`

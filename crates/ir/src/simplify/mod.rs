@@ -216,11 +216,6 @@ impl Rewriter<'_> {
         }
     }
 
-    /// The exact number that a node is.
-    fn exact(&self, id: NodeId) -> Option<&BigRational> {
-        self.graph.number(id)?.exact()
-    }
-
     /// A value as a node, coefficient and conditions included.
     fn node_of(&mut self, value: Form) -> NodeId {
         match value {

@@ -35,7 +35,7 @@ impl Rewriter<'_> {
             conditions.push(Condition(restriction, operands[1]));
             id = operands[0];
         }
-        if let Some(number) = self.exact(id) {
+        if let Some(number) = self.graph.exact(id) {
             return Product { conditions, ..Product::number(number.clone()) };
         }
         // A shared product stays one factor, so that it stays shared; a shared power shows its
@@ -153,7 +153,8 @@ impl Rewriter<'_> {
         // What came to light may be a number or a product itself.
         let mut opened = Vec::new();
         for factor in std::mem::take(&mut p.factors) {
-            let number = self.exact(factor.base).and_then(|n| numbers::power(n, factor.exponent));
+            let number =
+                self.graph.exact(factor.base).and_then(|n| numbers::power(n, factor.exponent));
             match number.and_then(|n| numbers::moderate(n * &p.coefficient)) {
                 Some(number) if !factor.nonzero || !self.range(factor.base).contains(0.0) => {
                     p.coefficient = number;
