@@ -54,10 +54,7 @@ impl Builder<'_> {
         let place = span.to(self.span(&group));
         let parts: Vec<Pair<'_>> = group.into_inner().collect();
         if let (Arithmetic::Boole, [only]) = (kind, parts.as_slice()) {
-            let condition = self.condition_of(only.clone())?;
-            let number = |digits| Expr::of_digits(digits, place);
-            let pieces = vec![(condition, number("1"))];
-            return Ok(Expr::new(ExprKind::Choice(pieces, Some(Box::new(number("0")))), place));
+            return Ok(self.condition_of(only.clone())?.flag(place));
         }
         let count = match kind {
             Arithmetic::Chain(_, Sign::Direct) => parts.len().max(1),

@@ -38,7 +38,19 @@ impl Expr {
     /// The equation of two, at the place of the first.
     pub(crate) fn equals(self, right: Self) -> Self {
         let span = self.span;
-        Self::new(ExprKind::Compare(Box::new(self), vec![(Relation::Equal, right)]), span)
+        self.compared(Relation::Equal, right, span)
+    }
+
+    /// The comparison of two, which stands at `span`.
+    pub(crate) fn compared(self, relation: Relation, right: Self, span: Span) -> Self {
+        Self::new(ExprKind::Compare(Box::new(self), vec![(relation, right)]), span)
+    }
+
+    /// 1 where this condition holds, else 0, all at `span`.
+    pub(crate) fn flag(self, span: Span) -> Self {
+        let number = |digits| Self::of_digits(digits, span);
+        let pieces = vec![(self, number("1"))];
+        Self::new(ExprKind::Choice(pieces, Some(Box::new(number("0")))), span)
     }
 
     /// Whether this is a condition (true or false) rather than a number.
@@ -166,6 +178,18 @@ pub enum ExprKind {
     Not(Box<Expr>),
 }
 
+impl ExprKind {
+    /// The name of the document that this is, or that it calls.
+    pub(crate) fn defined(&self) -> Option<&str> {
+        match self {
+            Self::Name(NamedValue::Defined(name)) | Self::Call(Function::Defined(name), _) => {
+                Some(name)
+            }
+            _ => None,
+        }
+    }
+}
+
 /// The letters of a vector's components.
 pub(crate) const LETTERS: &str = "xyzw";
 
@@ -278,9 +302,7 @@ impl NamedValue {
     /// The name as printed.
     pub fn name(&self) -> &str {
         match self {
-            Self::Coordinate(Axis::X) => "x",
-            Self::Coordinate(Axis::Y) => "y",
-            Self::Coordinate(Axis::Z) => "z",
+            Self::Coordinate(axis) => axis.name(),
             Self::Time => "t",
             Self::Constant(constant) => constant.name(),
             Self::Local(name) | Self::Defined(name) => name,

@@ -2,7 +2,7 @@
 //! shapes.
 
 use crate::aliases::Aliases;
-use crate::ast::{Chain, Expr, ExprKind, Function, Name, NamedValue, Relation, Sign};
+use crate::ast::{Chain, Expr, ExprKind, Function, Name, Relation, Sign};
 use crate::diagnose::recognise;
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::grammar::{Pair, Pairs, Rule};
@@ -13,6 +13,7 @@ use crate::scan::Piece;
 use crate::scope::{Callee, Scope};
 use crate::span::Span;
 use crate::spelling::{plain_text, short_formula};
+use crate::token::span_of;
 use rustc_hash::FxHashSet;
 use zeroset_ops::VectorFunction;
 
@@ -60,21 +61,14 @@ impl<'a> Builder<'a> {
         if hidden.is_some_and(|at| at >= self.parameters) {
             return None;
         }
-        if let ExprKind::Call(Function::Defined(name), _)
-        | ExprKind::Name(NamedValue::Defined(name)) = kind
-        {
-            self.used.insert(name.clone());
-        }
+        self.used.extend(kind.defined().map(str::to_owned));
         Some(kind.clone())
     }
 
     pub(crate) fn span(&self, pair: &Pair<'_>) -> Span {
         let (start, end) = (pair.as_span().start(), pair.as_span().end());
         let tokens = &self.piece.tokens[self.piece.index(start)..self.piece.index(end)];
-        tokens
-            .first()
-            .zip(tokens.last())
-            .map_or(Span::at(self.piece.span.end), |(first, last)| first.span.to(last.span))
+        span_of(tokens).unwrap_or(Span::at(self.piece.span.end))
     }
 
     /// What was typed for `pair`.

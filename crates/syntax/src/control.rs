@@ -11,7 +11,7 @@ use crate::program::Wrap;
 use crate::reader::{Frame, Reader, Statements};
 use crate::span::Span;
 use crate::steps::Step;
-use crate::token::{Token, closing, split};
+use crate::token::{Token, closing, span_of, split};
 
 /// The most statements that a program runs.
 pub(crate) const MOST_STEPS: usize = 1000;
@@ -182,17 +182,14 @@ impl Reader<'_> {
 
     /// Whether the condition of a loop holds, which must be known.
     fn holds(&self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
-        let (Some(first), Some(last)) = (condition.first(), condition.last()) else {
-            return Ok(true);
-        };
+        let Some(span) = span_of(condition) else { return Ok(true) };
         let known = self.known(condition, frame).map(|holds| holds != 0.0);
-        known.ok_or_else(|| Error::new(first.span.to(last.span), ErrorKind::LoopEnd))
+        known.ok_or_else(|| Error::new(span, ErrorKind::LoopEnd))
     }
 
     /// What a loop over values goes through.
     fn values(&mut self, name: Token, tokens: &[Token], frame: &mut Frame) -> Fallible<Vec<Value>> {
-        let place = tokens.first().zip(tokens.last());
-        let span = place.map_or(name.span, |(first, last)| first.span.to(last.span));
+        let span = span_of(tokens).unwrap_or(name.span);
         let refused = || Error::new(span, ErrorKind::LoopEnd);
         let is_range = tokens.first().is_some_and(|first| self.words.word(*first) == "range");
         let list = if is_range { &tokens[1..] } else { tokens };
@@ -261,8 +258,7 @@ enum Value {
 pub(crate) fn more_than(kind: ExprKind, level: f64) -> Expr {
     let span = Span::default();
     let level = Expr::new(written(level, span), span);
-    let kind = ExprKind::Compare(Box::new(Expr::new(kind, span)), vec![(Relation::Greater, level)]);
-    Expr::new(kind, span)
+    Expr::new(kind, span).compared(Relation::Greater, level, span)
 }
 
 fn leave(level: f64, frame: &mut Frame) {

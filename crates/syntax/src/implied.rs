@@ -26,10 +26,7 @@ pub(crate) fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible
             ["x", "y"] => coordinate(Axis::Z).equals(call),
             _ => continue,
         };
-        let drawn = expr.to_string();
-        let statement = Statement::Draw { expr, restrictions: Vec::new() };
-        let note = Note { span, kind: NoteKind::DrawsFunction { drawn } };
-        return Ok((Built::made(statement, built.span), note));
+        return Ok(drawn(expr, built.span, span));
     }
     let Some((definition, _)) = definitions.last() else {
         return Err(Error::new(Span::at(0), ErrorKind::Empty));
@@ -60,8 +57,12 @@ pub(crate) fn drawn_by_program(program: &Program, built: &[Built]) -> Option<(Bu
     };
     // It stands nowhere in the text.
     let expr = Expr::new(kind, Span::at(name.span.start));
-    let drawn = expr.to_string();
+    Some(drawn(expr, name.span, name.span))
+}
+
+/// What is drawn that the text does not spell out, and the note that says so at `place`.
+fn drawn(expr: Expr, span: Span, place: Span) -> (Built, Note) {
+    let kind = NoteKind::DrawsFunction { drawn: expr.to_string() };
     let statement = Statement::Draw { expr, restrictions: Vec::new() };
-    let note = Note { span: name.span, kind: NoteKind::DrawsFunction { drawn } };
-    Some((Built::made(statement, name.span), note))
+    (Built::made(statement, span), Note { span: place, kind })
 }

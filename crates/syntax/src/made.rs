@@ -1,7 +1,7 @@
 //! Statements with their trees, and those that a text does not spell out: what branches, loops and
 //! calls are written out to.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, LETTERS, NamedValue, Statement};
+use crate::ast::{Expr, ExprKind, Function, LETTERS, Statement};
 use crate::note::Note;
 use crate::span::Span;
 use rustc_hash::FxHashSet;
@@ -18,16 +18,8 @@ pub(crate) struct Built {
 impl Built {
     /// A statement that the text does not spell out.
     pub(crate) fn made(statement: Statement, span: Span) -> Self {
-        let mut used = FxHashSet::default();
-        let (Statement::Draw { expr, .. } | Statement::Define(Definition { body: expr, .. })) =
-            &statement;
-        for part in expr.all_parts() {
-            if let ExprKind::Name(NamedValue::Defined(name))
-            | ExprKind::Call(Function::Defined(name), _) = &part.kind
-            {
-                used.insert(name.clone());
-            }
-        }
+        let parts = statement.expressions().into_iter().flat_map(Expr::all_parts);
+        let used = parts.filter_map(|part| part.kind.defined()).map(str::to_owned).collect();
         Self { statement, span, notes: Vec::new(), used }
     }
 }

@@ -8,7 +8,7 @@ use crate::note::{Note, NoteKind};
 use crate::program_words::Words;
 use crate::span::Span;
 use crate::spelling::plain_name;
-use crate::token::{Token, bracketed, closing, in_brackets, outside, split};
+use crate::token::{Token, bracketed, closing, in_brackets, outside, span_of, split};
 
 /// Commands that plot their first argument.
 const PLOTS: &[&str] = &[
@@ -258,10 +258,7 @@ impl Words<'_> {
     /// Ranges as a `domain` line, and a note that says so.
     fn domain(self, ranges: &[Range], place: Span) -> (Option<Vec<Token>>, Option<Note>) {
         let Some(first) = ranges.first() else { return (None, None) };
-        let typed = |tokens: &[Token]| {
-            let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
-            self.text[span.range()].to_owned()
-        };
+        let typed = |tokens: &[Token]| span_of(tokens).map_or("", |span| &self.text[span.range()]);
         let at = Span::at(first.low[0].span.start);
         let is_known = |token: &Token| {
             let name = plain_name(self.word(*token)).to_lowercase();

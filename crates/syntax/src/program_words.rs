@@ -232,13 +232,8 @@ impl<'a> Words<'a> {
         let is_word = matches!(self.word(rest[0]), "function" | "proc") || rest[0].symbol == '@';
         let is_capture =
             rest[0].symbol == '[' && rest.get(1).is_some_and(|next| next.symbol == ']');
-        let rest = &rest[if is_word {
-            1
-        } else if is_capture {
-            2
-        } else {
-            0
-        }..];
+        let before = if is_word { 1 } else { 2 * usize::from(is_capture) };
+        let rest = &rest[before..];
         let (parameters, value) = bracketed(rest).filter(|_| rest[0].symbol == '(')?;
         let parameters = split(parameters, ',');
         match value {

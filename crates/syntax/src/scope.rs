@@ -216,12 +216,7 @@ impl Scope {
 
 /// The axis along which `name` is the coordinate.
 pub(crate) fn coordinate(name: &str) -> Option<Axis> {
-    match name {
-        "x" => Some(Axis::X),
-        "y" => Some(Axis::Y),
-        "z" => Some(Axis::Z),
-        _ => None,
-    }
+    Axis::ALL.into_iter().find(|axis| axis.name() == name)
 }
 
 /// The candidate most like `name`: few edits for its length, then the nearest in length, so that a

@@ -323,8 +323,7 @@ impl Builder<'_> {
                 let [left, right] = parts.as_slice() else { return Err(needs("if")) };
                 let left = self.value(left.clone())?;
                 let right = self.value(right.clone())?;
-                let kind = ExprKind::Compare(Box::new(left), vec![(relation, right)]);
-                Ok(Expr::new(kind, place))
+                Ok(left.compared(relation, right, place))
             }
         }
     }

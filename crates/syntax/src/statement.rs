@@ -1,6 +1,6 @@
 //! Statements: which kind each is, and its trees.
 
-use crate::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement};
+use crate::ast::{Definition, Expr, ExprKind, Name, NamedValue, Relation, Statement};
 use crate::build::{Builder, relation};
 use crate::diagnose::recognise;
 use crate::error::{Error, ErrorKind, Errors, Fallible, MOST};
@@ -346,28 +346,18 @@ fn set(
     let is_condition = body.is_condition();
     match wrap {
         Some(Wrap::Flag) => {
-            let number = |digits| Expr::of_digits(digits, span);
-            let condition = if is_condition {
-                body
-            } else {
+            if !is_condition {
                 // In C what is not 0 holds.
-                let kind =
-                    ExprKind::Compare(Box::new(body), vec![(Relation::Unequal, number("0"))]);
-                Expr::new(kind, span)
-            };
-            let (yes, no) = (number("1"), number("0"));
-            body = Expr::new(ExprKind::Choice(vec![(condition, yes)], Some(Box::new(no))), span);
+                body = body.compared(Relation::Unequal, Expr::of_digits("0", span), span);
+            }
+            body = body.flag(span);
         }
         _ if is_condition => return Err(Error::new(span, ErrorKind::ConditionAsValue)),
         Some(Wrap::Pick(letter)) => {
             body = Expr::new(ExprKind::Component(Box::new(body), letter.to_string()), span);
         }
         Some(Wrap::Write { letters, before, size }) => {
-            if let ExprKind::Name(NamedValue::Defined(name))
-            | ExprKind::Call(Function::Defined(name), _) = before
-            {
-                builder.used.insert(name.clone());
-            }
+            builder.used.extend(before.defined().map(str::to_owned));
             if let ExprKind::Name(NamedValue::Defined(name)) = before {
                 let meaning = builder.scope.meaning(name, &builder.locals);
                 if !matches!(meaning, Meaning::Value(NamedValue::Defined(_))) {

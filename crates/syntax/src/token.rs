@@ -81,6 +81,11 @@ pub(crate) fn bracketed(tokens: &[Token]) -> Option<(&[Token], &[Token])> {
     Some((&tokens[1..end], &tokens[end + 1..]))
 }
 
+/// From the first of `tokens` to the last.
+pub(crate) fn span_of(tokens: &[Token]) -> Option<Span> {
+    Some(tokens.first()?.span.to(tokens.last()?.span))
+}
+
 /// `tokens` in brackets that were not typed.
 pub(crate) fn in_brackets(tokens: &[Token]) -> Vec<Token> {
     let start = tokens.first().map_or(0, |first| first.span.start);
