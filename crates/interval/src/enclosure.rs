@@ -19,6 +19,11 @@ impl<V: Copy> Enclosure<V> {
     pub fn total(neg_lo: V, hi: V) -> Self {
         Claims::TOTAL.with([neg_lo, hi])
     }
+
+    /// The same, defined and continuous only where an operation of it is.
+    pub(crate) fn restricted<M: Machine<V = V>>(self, m: &mut M, own: &Claims<V>) -> Self {
+        Self { facts: self.facts.and(m, own), ..self }
+    }
 }
 
 /// What is known of an expression's domain: three facts.
@@ -35,6 +40,12 @@ pub struct Claims<V> {
 impl<V: Copy> Claims<V> {
     pub(crate) const TOTAL: Self =
         Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
+
+    /// Those of an operation that is continuous where it is defined: the lanes where it is defined
+    /// at no point, and those where it is at every point.
+    pub(crate) fn of_domain(nowhere: Fact<V>, throughout: Fact<V>) -> Self {
+        Self { nowhere, defined: throughout, continuous: throughout }
+    }
 
     pub(crate) fn with(self, [neg_lo, hi]: [V; 2]) -> Enclosure<V> {
         Enclosure { neg_lo, hi, facts: self }

@@ -19,18 +19,6 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &b.value.facts).with([neg_lo, hi])
     }
 
-    /// An enclosure with the facts of one more operation: the lanes where it is defined at no
-    /// point, and those where it is defined and continuous at every point.
-    pub(super) fn restrict(
-        &mut self,
-        value: Enclosure<M::V>,
-        nowhere: Fact<M::V>,
-        throughout: Fact<M::V>,
-    ) -> Enclosure<M::V> {
-        let own = Claims { nowhere, defined: throughout, continuous: throughout };
-        Enclosure { facts: value.facts.and(self.m, &own), ..value }
-    }
-
     pub(super) fn add(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         // No bound is −∞, so no sum is NaN.
         let neg_lo = self.m.add(a.value.neg_lo, b.value.neg_lo);
@@ -240,22 +228,24 @@ impl<M: Machine> Rule<'_, M> {
         let hi = self.m.div(x_hi, hi_by);
         let hi = self.m.select(straddles, infinity, hi);
         let value = self.combine(neg_lo, hi, a, b);
-        let (nowhere, throughout) = self.nonzero(b);
-        self.restrict(value, nowhere, throughout)
+        let own = self.nonzero(b);
+        value.restricted(self.m, &own)
     }
 
-    /// Lanes where an operand is the number 0, and those where it does not contain 0.
-    pub(super) fn nonzero(&mut self, a: &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>) {
-        if a.range.lo > 0.0 || a.range.hi < 0.0 {
-            return (Fact::False, Fact::True);
+    /// What is defined where an operand is not 0: nowhere in the lanes where it is the number 0,
+    /// throughout where it does not contain 0.
+    pub(super) fn nonzero(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
+        if !a.range.contains(0.0) {
+            return Claims::TOTAL;
         }
         if a.range == Interval::ZERO {
-            return (Fact::True, Fact::False);
+            return Claims::of_domain(Fact::True, Fact::False);
         }
         let zero = self.zero();
         let largest = self.m.max(a.value.neg_lo, a.value.hi);
         let least = self.m.min(a.value.neg_lo, a.value.hi);
         // max(−lo, hi) = 0 only for [0, 0]; min(−lo, hi) < 0 only off zero.
-        (Fact::Lanes(self.m.le(largest, zero)), Fact::Lanes(self.m.lt(least, zero)))
+        let nowhere = self.m.le(largest, zero);
+        Claims::of_domain(Fact::Lanes(nowhere), Fact::Lanes(self.m.lt(least, zero)))
     }
 }

@@ -105,36 +105,34 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { facts: own.and(self.m, &allowed), ..a.value }
     }
 
-    /// `a`, defined only where `b` lies in a domain: `domain` gives the lanes where it does nowhere
-    /// in the box, and those where it does throughout.
+    /// `a`, defined only where `b` lies in a domain: `domain` tells what is defined there.
     pub(super) fn where_in(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
-        domain: impl FnOnce(&mut Self, &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>),
+        domain: impl FnOnce(&mut Self, &Operand<M::V>) -> Claims<M::V>,
     ) -> Enclosure<M::V> {
-        let (nowhere, throughout) = domain(self, b);
-        let value = self.with_facts_of(a, b);
-        self.restrict(value, nowhere, throughout)
+        let own = domain(self, b);
+        self.with_facts_of(a, b).restricted(self.m, &own)
     }
 
-    /// Lanes where an operand is entirely < 0, and those where it is entirely ≥ 0.
-    pub(super) fn nonneg(&mut self, a: &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>) {
+    /// What is defined where an operand is ≥ 0.
+    pub(super) fn nonneg(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if a.range.lo >= 0.0 {
-            return (Fact::False, Fact::True);
+            return Claims::TOTAL;
         }
         let zero = self.zero();
         let nowhere = self.m.lt(a.value.hi, zero);
-        (Fact::Lanes(nowhere), Fact::Lanes(self.m.le(a.value.neg_lo, zero)))
+        Claims::of_domain(Fact::Lanes(nowhere), Fact::Lanes(self.m.le(a.value.neg_lo, zero)))
     }
 
-    /// Lanes where an operand is entirely ≤ 0, and those where it is entirely > 0.
-    pub(super) fn positive(&mut self, a: &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>) {
+    /// What is defined where an operand is > 0.
+    pub(super) fn positive(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if a.range.lo > 0.0 {
-            return (Fact::False, Fact::True);
+            return Claims::TOTAL;
         }
         let zero = self.zero();
         let nowhere = self.m.le(a.value.hi, zero);
-        (Fact::Lanes(nowhere), Fact::Lanes(self.m.lt(a.value.neg_lo, zero)))
+        Claims::of_domain(Fact::Lanes(nowhere), Fact::Lanes(self.m.lt(a.value.neg_lo, zero)))
     }
 }

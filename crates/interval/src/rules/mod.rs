@@ -174,6 +174,14 @@ impl<M: Machine> Rule<'_, M> {
         self.m.xor(mask, ones)
     }
 
+    /// a + b, where `None` stands for 0.
+    fn sum_of(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {
+        match (a, b) {
+            (Some(a), Some(b)) => Some(self.m.add(a, b)),
+            (a, b) => a.or(b),
+        }
+    }
+
     /// `a` with NaN replaced by +∞.
     fn close(&mut self, a: M::V) -> M::V {
         let infinity = self.infinity();

@@ -12,14 +12,13 @@ impl<M: Machine> Rule<'_, M> {
     pub(super) fn sqr(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let neg_mig = self.neg_mignitude(a);
         let mag = self.magnitude(a);
-        let (neg_lo, hi) = self.square_nonneg(neg_mig, mag);
-        Enclosure { neg_lo, hi, ..a.value }
+        a.value.facts.with(self.square_nonneg([neg_mig, mag]))
     }
 
-    /// (−lo, hi) of the square of a nonnegative pair (−lo, hi).
-    fn square_nonneg(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
+    /// −lo and hi of the square of what has these and is not negative.
+    fn square_nonneg(&mut self, [neg_lo, hi]: [M::V; 2]) -> [M::V; 2] {
         let lo = self.m.neg(neg_lo);
-        (self.m.mul(neg_lo, lo), self.m.mul(hi, hi))
+        [self.m.mul(neg_lo, lo), self.m.mul(hi, hi)]
     }
 
     pub(super) fn sqrt(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -39,8 +38,8 @@ impl<M: Machine> Rule<'_, M> {
             m.neg(down)
         });
         let neg_lo = self.m.outward(neg_lo);
-        let (nowhere, throughout) = self.nonneg(a);
-        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+        let own = self.nonneg(a);
+        a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
     pub(super) fn pow(
@@ -73,21 +72,18 @@ impl<M: Machine> Rule<'_, M> {
             n if n % 2 == 0 => {
                 let neg_mig = self.neg_mignitude(a);
                 let mag = self.magnitude(a);
-                let (neg_lo, hi) = self.power_nonneg(neg_mig, mag, n);
-                Enclosure { neg_lo, hi, ..a.value }
+                a.value.facts.with(self.power_nonneg([neg_mig, mag], n))
             }
             n => {
-                let (neg_lo, hi) = match a.sign() {
-                    Sign::Nonneg => self.power_nonneg(a.value.neg_lo, a.value.hi, n),
+                let ends = [a.value.neg_lo, a.value.hi];
+                a.value.facts.with(match a.sign() {
+                    Sign::Nonneg => self.power_nonneg(ends, n),
                     Sign::Nonpos => {
-                        let (lo, neg_hi) = self.power_nonneg(a.value.hi, a.value.neg_lo, n);
-                        (neg_hi, lo)
+                        let [lo, neg_hi] = self.power_nonneg([ends[1], ends[0]], n);
+                        [neg_hi, lo]
                     }
-                    Sign::Unknown => {
-                        (self.odd_power_up(a.value.neg_lo, n), self.odd_power_up(a.value.hi, n))
-                    }
-                };
-                Enclosure { neg_lo, hi, ..a.value }
+                    Sign::Unknown => ends.map(|end| self.odd_power_up(end, n)),
+                })
             }
         }
     }
@@ -111,33 +107,30 @@ impl<M: Machine> Rule<'_, M> {
         if n.range.lo > 0.0 {
             return value;
         }
-        let (nowhere, throughout) = self.nonzero(a);
-        self.restrict(value, nowhere, throughout)
+        let own = self.nonzero(a);
+        value.restricted(self.m, &own)
     }
 
     /// 1/aⁿ.
     fn reciprocal_power(&mut self, a: &Operand<M::V>, n: u32) -> Enclosure<M::V> {
         let value = self.integer_power(a, n);
         // The range of the power is not known here, but that of a nonzero base has no 0 either.
-        let (nowhere, throughout) = self.nonzero(a);
+        let own = self.nonzero(a);
         let power = Operand::new(value, Interval::ENTIRE);
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
         let one = Operand::new(Enclosure::total(minus_one, one), Interval::ONE);
         let quotient = self.div(&one, &power);
-        let facts = self.restrict(value, nowhere, throughout);
-        Enclosure { neg_lo: quotient.neg_lo, hi: quotient.hi, ..facts }
+        value.facts.and(self.m, &own).with([quotient.neg_lo, quotient.hi])
     }
 
-    /// (−lo, hi) of the n-th power, n ≥ 1, of a nonnegative pair, by squaring. Lower ends stay
+    /// −lo and hi of the n-th power, n ≥ 1, of what is not negative, by squaring. Lower ends stay
     /// finite and upper ends of powers of one number are all 0 or all not, so no product is 0·∞.
-    fn power_nonneg(&mut self, neg_lo: M::V, hi: M::V, n: u32) -> (M::V, M::V) {
-        let times = |rule: &mut Self, (neg_lo, hi), other: (M::V, M::V)| {
-            let low = rule.m.neg(other.0);
-            (rule.m.mul(neg_lo, low), rule.m.mul(hi, other.1))
+    fn power_nonneg(&mut self, ends: [M::V; 2], n: u32) -> [M::V; 2] {
+        let times = |rule: &mut Self, [neg_lo, hi]: [M::V; 2], other: [M::V; 2]| {
+            let low = rule.m.neg(other[0]);
+            [rule.m.mul(neg_lo, low), rule.m.mul(hi, other[1])]
         };
-        self.by_squaring((neg_lo, hi), n, times, |rule, (neg_lo, hi)| {
-            rule.square_nonneg(neg_lo, hi)
-        })
+        self.by_squaring(ends, n, times, Self::square_nonneg)
     }
 
     /// The n-th power, n ≥ 1, of whatever can be multiplied.
@@ -168,7 +161,7 @@ impl<M: Machine> Rule<'_, M> {
     fn odd_power_up(&mut self, a: M::V, n: u32) -> M::V {
         let magnitude = self.m.abs(a);
         let negated = self.m.neg(magnitude);
-        let (neg_lo, hi) = self.power_nonneg(negated, magnitude, n - 1);
+        let [neg_lo, hi] = self.power_nonneg([negated, magnitude], n - 1);
         let lo = self.m.neg(neg_lo);
         // a times the enclosure of |a|ⁿ⁻¹: the larger product, whichever sign a has. lo is finite;
         // hi = ∞ only for a ≠ 0.
@@ -187,14 +180,12 @@ impl<M: Machine> Rule<'_, M> {
         };
         let value = self.combine(neg_lo, hi, a, b);
         // Defined for a > 0, or a = 0 and b > 0.
-        let (not_positive, positive) = self.positive(a);
-        let (negative, nonneg) = self.nonneg(a);
-        let (never_up, always_up) = self.positive(b);
-        let nowhere = not_positive.and(self.m, never_up);
-        let nowhere = nowhere.or(self.m, negative);
-        let throughout = nonneg.and(self.m, always_up);
-        let throughout = throughout.or(self.m, positive);
-        self.restrict(value, nowhere, throughout)
+        let (positive, nonneg, up) = (self.positive(a), self.nonneg(a), self.positive(b));
+        let nowhere = positive.nowhere.and(self.m, up.nowhere);
+        let nowhere = nowhere.or(self.m, nonneg.nowhere);
+        let throughout = nonneg.defined.and(self.m, up.defined);
+        let throughout = throughout.or(self.m, positive.defined);
+        value.restricted(self.m, &Claims::of_domain(nowhere, throughout))
     }
 
     /// (−lo, hi) of a power whose base may be positive.

@@ -320,13 +320,6 @@ impl<M: Machine> Rule<'_, M> {
         self.m.nearly(|m| std::array::from_fn(|k| op(m, a[k], b[k])))
     }
 
-    fn sum_of(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {
-        match (a, b) {
-            (Some(a), Some(b)) => Some(self.m.add(a, b)),
-            (a, b) => a.or(b),
-        }
-    }
-
     /// An operand's bounds as the rules of intervals take them: from the form, from bounds known
     /// beside it, and within what holds all over the domain.
     fn operand<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {

@@ -88,7 +88,7 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// `a` in the lanes of a mask, else `b`; bounds and facts left out.
+    /// `a` in the lanes of a mask, else `b`, whose bounds and facts are kept.
     fn form_select<const N: usize>(
         &mut self,
         mask: M::V,
@@ -107,7 +107,11 @@ impl<M: Machine> Rule<'_, M> {
             (None, None) => None,
             (a, b) => Some(self.m.select(mask, a.unwrap_or(zero), b.unwrap_or(zero))),
         };
-        Form::total(self.m.select(mask, a.centre, b.centre), slopes, error)
+        Form {
+            bounds: b.bounds,
+            facts: b.facts,
+            ..Form::total(self.m.select(mask, a.centre, b.centre), slopes, error)
+        }
     }
 
     /// x − floor(x).
@@ -157,8 +161,7 @@ impl<M: Machine> Rule<'_, M> {
         let other = self.m.le(a.neg_lo, zero);
         let other = self.m.and(other, defined);
         let form = self.form_select(other, &operands[2].value, &plain);
-        let form = self.form_select(negative, &operands[1].value, &form);
-        Form { facts: value.facts, bounds: plain.bounds, ..form }
+        self.form_select(negative, &operands[1].value, &form)
     }
 
     /// a where it is defined, else b.
@@ -166,14 +169,12 @@ impl<M: Machine> Rule<'_, M> {
         &mut self,
         operands: &[FormOperand<M::V, N>],
     ) -> Form<M::V, N> {
-        let (_, value) = self.enclosed(Op::Otherwise, operands);
-        let plain = self.form_between(&value);
+        let plain = self.bounded(Op::Otherwise, operands);
         let defined = match operands[0].value.facts.defined {
             Fact::False => return plain,
             defined => defined.mask(self.m, self.format),
         };
-        let form = self.form_select(defined, &operands[0].value, &plain);
-        Form { facts: value.facts, bounds: plain.bounds, ..form }
+        self.form_select(defined, &operands[0].value, &plain)
     }
 
     /// The first operand, defined only where the second allows it.

@@ -6,7 +6,7 @@
 
 use super::approximator::{Approximator, at_ends};
 use crate::branch::Branch;
-use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::Machine;
 use crate::rules::Rule;
 
@@ -73,16 +73,16 @@ impl<M: Machine> Rule<'_, M> {
             hi = self.m.select(cut, pi, hi);
             smooth = Fact::Lanes(self.not(cut));
         }
-        let ((a_zero, a_nonzero), (b_zero, b_nonzero)) = (self.nonzero(a), self.nonzero(b));
-        let origin = a_zero.and(self.m, b_zero);
+        let (off_x, off_y) = (self.nonzero(a), self.nonzero(b));
+        let origin = off_x.nowhere.and(self.m, off_y.nowhere);
         if !matches!(origin, Fact::False) {
             // Keep lo ≤ hi also where nothing is defined.
             let lo = self.m.neg(neg_lo);
             hi = self.m.max(hi, lo);
         }
         let value = self.combine(neg_lo, hi, a, b);
-        let throughout = a_nonzero.or(self.m, b_nonzero);
-        let mut value = self.restrict(value, origin, throughout);
+        let throughout = off_x.defined.or(self.m, off_y.defined);
+        let mut value = value.restricted(self.m, &Claims::of_domain(origin, throughout));
         value.facts.continuous = value.facts.continuous.and(self.m, smooth);
         value
     }

@@ -10,6 +10,7 @@
 
 use super::approximator::Approximator;
 use crate::machine::{Format, Machine};
+use crate::rules::Rule;
 
 const F64: Format = Format::F64;
 /// Clears the low 27 bits of a significand, so that products of two cleared ones are exact.
@@ -63,10 +64,7 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// The sum of two tails.
     pub(super) fn tails(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {
-        match (a, b) {
-            (Some(a), Some(b)) => Some(self.m.add(a, b)),
-            (tail, None) | (None, tail) => tail,
-        }
+        Rule { m: self.m, format: F64 }.sum_of(a, b)
     }
 
     /// a + b for |a| ≥ |b| or a = 0, to 2⁻¹⁰⁰ of |a| + |b|.

@@ -15,7 +15,7 @@ pub(crate) mod trigonometric;
 
 use super::Rule;
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
 use approximator::{Approximator, at_ends, by_halves};
 use double_double::Approximation;
@@ -94,7 +94,8 @@ impl<M: Machine> Rule<'_, M> {
         let infinity = self.infinity();
         let neg_lo = self.m.select(free, neg_lo, infinity);
         let hi = self.m.select(free, hi, infinity);
-        self.restrict(Enclosure { neg_lo, hi, ..a.value }, Fact::False, Fact::Lanes(free))
+        let own = Claims::of_domain(Fact::False, Fact::Lanes(free));
+        a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
     /// −lo and hi over values at both ends, of which the first is the least where the function

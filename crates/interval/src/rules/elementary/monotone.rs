@@ -5,7 +5,7 @@ use super::approximator::{Approximator, by_halves};
 use super::double_double::Approximation;
 use super::logarithm::Base;
 use crate::bounds::Interval;
-use crate::enclosure::{Enclosure, Fact, Operand};
+use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
@@ -51,8 +51,7 @@ impl<M: Machine> Rule<'_, M> {
         f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
     ) -> Enclosure<M::V> {
         let ends = [self.m.neg(a.value.neg_lo), a.value.hi];
-        let [neg_lo, hi] = self.bounds_at(ends, f);
-        Enclosure { neg_lo, hi, ..a.value }
+        a.value.facts.with(self.bounds_at(ends, f))
     }
 
     /// As [`Self::increasing`], of a function that is unbounded where its operand is, by a routine
@@ -80,8 +79,8 @@ impl<M: Machine> Rule<'_, M> {
 
     pub(in crate::rules) fn exp(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let ends = [a.value.neg_lo, a.value.hi];
-        let [neg_lo, hi] = by_halves(self.m, self.format, ends, |approx, ends| approx.exp(ends));
-        Enclosure { neg_lo, hi, ..a.value }
+        let bounds = by_halves(self.m, self.format, ends, |approx, ends| approx.exp(ends));
+        a.value.facts.with(bounds)
     }
 
     pub(in crate::rules) fn logarithm(&mut self, a: &Operand<M::V>, base: Base) -> Enclosure<M::V> {
@@ -101,8 +100,8 @@ impl<M: Machine> Rule<'_, M> {
             let unbounded = self.m.eq(a.value.hi, infinity);
             hi = self.m.select(unbounded, infinity, hi);
         }
-        let (nowhere, throughout) = self.positive(a);
-        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+        let own = self.positive(a);
+        a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
     /// (lo, hi) raised to the least positive number of the format, where a logarithm can start.
@@ -116,17 +115,17 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(in crate::rules) fn asin(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let (nowhere, throughout) = self.between(a, -1.0, 1.0);
+        let own = self.between(a, -1.0, 1.0);
         let ends = self.limited_ends(a, -1.0, 1.0);
-        let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.asin(x));
-        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+        let bounds = self.bounds_at(ends, |approx, x| approx.asin(x));
+        a.value.facts.and(self.m, &own).with(bounds)
     }
 
     pub(in crate::rules) fn acos(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let (nowhere, throughout) = self.between(a, -1.0, 1.0);
+        let own = self.between(a, -1.0, 1.0);
         let [lo, hi] = self.limited_ends(a, -1.0, 1.0);
-        let [neg_lo, hi] = self.bounds_at([hi, lo], |approx, x| approx.acos(x));
-        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+        let bounds = self.bounds_at([hi, lo], |approx, x| approx.acos(x));
+        a.value.facts.and(self.m, &own).with(bounds)
     }
 
     pub(in crate::rules) fn cosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -147,11 +146,11 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     pub(in crate::rules) fn acosh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
-        let (nowhere, throughout) = self.between(a, 1.0, f64::INFINITY);
+        let own = self.between(a, 1.0, f64::INFINITY);
         let ends = self.limited_ends(a, 1.0, f64::INFINITY);
         let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.acosh(x));
-        let (neg_lo, hi) = (neg_lo, self.infinite_from(a, f64::INFINITY, hi));
-        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+        let hi = self.infinite_from(a, f64::INFINITY, hi);
+        a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
     pub(in crate::rules) fn atanh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
@@ -160,8 +159,8 @@ impl<M: Machine> Rule<'_, M> {
         let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.atanh(x));
         let hi = self.infinite_from(a, 1.0, hi);
         let neg_lo = self.infinite_from(&a.negated(), 1.0, neg_lo);
-        let (nowhere, throughout) = self.between_ones(a);
-        self.restrict(Enclosure { neg_lo, hi, ..a.value }, nowhere, throughout)
+        let own = self.between_ones(a);
+        a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
     /// `bound`, but +∞ where the upper end is `limit` or more.
@@ -187,11 +186,10 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Lanes where an operand is entirely outside a domain with these ends, and those where it is
-    /// entirely inside.
-    fn between(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> (Fact<M::V>, Fact<M::V>) {
+    /// What is defined between these ends.
+    fn between(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> Claims<M::V> {
         if (Interval { lo: least, hi: most }).encloses(a.range) {
-            return (Fact::False, Fact::True);
+            return Claims::TOTAL;
         }
         let (above, below) = (self.number(-least), self.number(-most));
         let (least, most) = (self.number(least), self.number(most));
@@ -201,9 +199,9 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// The same for the domain from −1 to 1 without its ends.
-    fn between_ones(&mut self, a: &Operand<M::V>) -> (Fact<M::V>, Fact<M::V>) {
+    fn between_ones(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if a.range.lo > -1.0 && a.range.hi < 1.0 {
-            return (Fact::False, Fact::True);
+            return Claims::TOTAL;
         }
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
         let ends = [a.value.neg_lo, a.value.hi];
@@ -212,9 +210,9 @@ impl<M: Machine> Rule<'_, M> {
         self.domain(outside, inside)
     }
 
-    fn domain(&mut self, outside: [M::V; 2], inside: [M::V; 2]) -> (Fact<M::V>, Fact<M::V>) {
+    fn domain(&mut self, outside: [M::V; 2], inside: [M::V; 2]) -> Claims<M::V> {
         let nowhere = self.m.or(outside[0], outside[1]);
         let throughout = self.m.and(inside[0], inside[1]);
-        (Fact::Lanes(nowhere), Fact::Lanes(throughout))
+        Claims::of_domain(Fact::Lanes(nowhere), Fact::Lanes(throughout))
     }
 }
