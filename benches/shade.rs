@@ -139,7 +139,7 @@ fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     let mut colours = unset_colours(SIZE * SIZE);
     let parts = colours.chunks_mut(3 * BAND_ROWS * SIZE).collect();
     let source = NormalSource::<f32>::Gradient(&HandedOn);
-    let (buffer, _) = driver.new_picture(0, Kept::default(), &[], parts, |rows, bytes| {
+    let (buffer, _) = driver.new_picture(0, Kept::default(), &[], None, parts, |rows, bytes| {
         let canvas = shader.map(|shader| shader.canvas(bytes));
         canvas.map_or_else(Work::default, |canvas| source.face(rows, rays, 1e-3, Some(canvas)))
     });

@@ -297,7 +297,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 brackets: settings.brackets,
                 caps: is_solid,
             };
-            let (layer, found) = driver.new_picture(surface as u16, kept, only, parts, finish);
+            let (layer, found) =
+                driver.new_picture(surface as u16, kept, only, picture.as_ref(), parts, finish);
             work += found;
             // As if all threads had been busy all the time.
             let shading = shading.into_inner() / rayon::current_num_threads() as u64;

@@ -10,6 +10,7 @@ mod certified;
 mod domains;
 mod framing;
 mod normals;
+mod overlap;
 mod paints;
 mod properties;
 mod property_support;

@@ -19,6 +19,9 @@ pub struct Band<'a> {
     pub(crate) bracket: &'a mut [[f64; 2]],
     /// Whether a pixel is wanted, row by row; empty if all are.
     pub(crate) only: &'a [bool],
+    /// Of each pixel, what is proven of the surfaces that were looked for before, and where they
+    /// are painted; empty if there are none.
+    pub(crate) before: (&'a [Status], &'a [f64]),
     pub(crate) wanted: &'a (dyn Fn() -> bool + Sync),
 }
 

@@ -50,20 +50,23 @@ impl Driver<'_> {
     pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> Work {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
-        work_on(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only))
+        work_on(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only, None))
     }
 
     /// A new picture of the surface with this number, otherwise as [`Driver::picture_where`] makes
-    /// it, with what is to be `kept`. Each [`BAND_ROWS`] rows are handed to `finish` while they are
-    /// in the nearer caches, together with what of `parts` is theirs.
+    /// it, with what is to be `kept`. What lies behind the hits of other surfaces, found `before`,
+    /// need not be found. Each [`BAND_ROWS`] rows are handed to `finish` while they are in the
+    /// nearer caches, together with what of `parts` is theirs.
     ///
     /// # Panics
-    /// If there are fewer parts than bands of rows, or `only` has another number of pixels.
+    /// If there are fewer parts than bands of rows, `only` has another number of pixels, or `before`
+    /// another size.
     pub fn new_picture<E: Send>(
         &self,
         surface: u16,
         kept: Kept,
         only: &[bool],
+        before: Option<&GBuffer>,
         parts: Vec<E>,
         finish: impl Fn(&mut Rows<'_>, E) -> Work + Sync,
     ) -> (GBuffer, Work) {
@@ -71,9 +74,10 @@ impl Driver<'_> {
         let mut buffer = GBuffer::unset(width, height, surface, kept);
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
         assert!(parts.len() >= height.div_ceil(BAND_ROWS), "a part for each band");
+        assert!(before.is_none_or(|before| (before.width, before.height) == (width, height)));
         let make = |(mut rows, part): (Rows<'_>, E)| {
             rows.clear();
-            let mut work = self.rows(&mut rows, only);
+            let mut work = self.rows(&mut rows, only, before);
             work += finish(&mut rows, part);
             work
         };
@@ -81,9 +85,9 @@ impl Driver<'_> {
         (buffer, work)
     }
 
-    fn rows(&self, rows: &mut Rows<'_>, only: &[bool]) -> Work {
+    fn rows(&self, rows: &mut Rows<'_>, only: &[bool], before: Option<&GBuffer>) -> Work {
         let (mut work, wanted) = (Work::default(), || (self.advance)(0));
-        let mut band = rows.band(only, &wanted);
+        let mut band = rows.band(only, before, &wanted);
         if band.is_wanted() {
             self.tracer.band(self.rays, &mut band, &mut work);
             (self.advance)(band.width * band.height);

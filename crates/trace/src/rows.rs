@@ -79,7 +79,7 @@ pub(crate) fn work_on<P: Send>(parts: Vec<P>, work: impl Fn(P) -> Work + Send + 
     if rayon::current_num_threads() == 1 {
         parts.into_iter().map(work).sum()
     } else {
-        parts.into_par_iter().map(work).sum()
+        parts.into_par_iter().with_max_len(1).map(work).sum()
     }
 }
 
@@ -140,13 +140,18 @@ impl Rows<'_> {
     }
 
     /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is
-    /// wanted, if not all are; `wanted` whether the work is to go on.
+    /// wanted, if not all are; `before` holds other surfaces; `wanted` says whether the work is to
+    /// go on.
     pub(crate) fn band<'a>(
         &'a mut self,
         only: &'a [bool],
+        before: Option<&'a GBuffer>,
         wanted: &'a (dyn Fn() -> bool + Sync),
     ) -> Band<'a> {
         let only = if only.is_empty() { only } else { &only[self.pixels()] };
+        let before = before.map_or((&[][..], &[][..]), |before| {
+            (&before.status[self.pixels()], &before.drawn[self.pixels()])
+        });
         Band {
             top: self.first,
             width: self.width,
@@ -157,6 +162,7 @@ impl Rows<'_> {
             drawn: &mut *self.drawn,
             bracket: &mut *self.bracket,
             only,
+            before,
             wanted,
         }
     }

@@ -87,6 +87,7 @@ impl<T: Scalar> Level<T> {
             }
         }
         self.live &= self.shorten(tracer, &asked, plane);
+        self.live &= !tracer.hidden(self, self.live, level);
     }
 
     /// Finds out where some tiles are; returns the lanes of those that are open, as bits.

@@ -281,8 +281,9 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             part.store(far, &mut batch.far);
             part.store(between, &mut cut);
         }
-        let last = !whole;
-        let (possible, crossing) = (possible & !empty, out.crossing);
+        let (last, crossing) = (!whole, out.crossing);
+        let mut possible = possible & !empty;
+        possible &= !self.hidden(level, possible, DEPTH);
         let is_flat = contracts && !self.method.cleared;
         let mut flat = if is_flat { possible & crossing & fine } else { 0 };
         let shorter = possible & shorter & !last;
@@ -331,7 +332,10 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         verdicts: &Verdicts<T>,
     ) {
         for lane in ones(verdicts.cut) {
-            level.put_aside(lane, [level.batch.far[lane], verdicts.far[lane]]);
+            let cut = level.batch.far[lane];
+            if !self.is_hidden(level.place(lane), DEPTH, cut.into()) {
+                level.put_aside(lane, [cut, verdicts.far[lane]]);
+            }
         }
         for lane in ones(verdicts.flat) {
             let plane = Plane::new(&level.batch, &level.out, lane);

@@ -3,10 +3,13 @@
 
 use super::Affine;
 use super::frame::Frame;
+use super::level::Level;
 use super::pool::Memory;
 use super::sift::Limits;
 use crate::band::Band;
+use crate::found::Status;
 use crate::grid::RayGrid;
+use crate::painted::ones;
 use crate::scalar::Scalar;
 use crate::work::Work;
 use fearless_simd::prelude::*;
@@ -16,6 +19,9 @@ use std::ops::Range;
 pub(super) const SIDES: [usize; 2] = [16, 4];
 /// The level of tiles whose parts are rays.
 pub(super) const LAST: usize = SIDES.len() - 1;
+
+/// More than what distances are rounded by, as a share of them.
+const ROUNDED: f64 = 1e-12;
 
 /// Between two looks at whether the work is still wanted, at least so many calls of kernels.
 const POLLED: u64 = 16;
@@ -119,6 +125,43 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             }
             None => [near, far],
         }
+    }
+
+    /// Which of these lanes' tiles are behind hits of other surfaces with all that is left of their
+    /// segments, as bits.
+    #[inline(always)]
+    pub(super) fn hidden(&self, level: &Level<T>, lanes: u16, depth: usize) -> u16 {
+        if self.band.before.0.is_empty() {
+            return 0;
+        }
+        let is_hidden = |lane: &usize| {
+            self.is_hidden(level.place(*lane), depth, level.batch.near[*lane].into())
+        };
+        ones(lanes).filter(is_hidden).map(|lane| 1 << lane).sum()
+    }
+
+    /// Whether all rays of a tile are behind hits of other surfaces from s on.
+    pub(super) fn is_hidden(&self, place: [usize; 2], level: usize, s: f64) -> bool {
+        let (status, drawn) = self.band.before;
+        if status.is_empty() {
+            return false;
+        }
+        let [columns, rows] = self.pixels(place, level);
+        let aside = |axis: usize, [first, last]: [usize; 2]| {
+            let [centre, half] = self.extent(axis, first, last);
+            (centre.abs() - half).max(0.0)
+        };
+        let (a, b) = (aside(0, columns), aside(1, rows.map(|row| self.band.top + row)));
+        // Of all rays the one with the shortest direction is the nearest at s.
+        let shortest = if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
+        // No bracket reaches farther behind what is painted.
+        let bracket = self.method.longest * self.footprint(s);
+        let farthest = (self.frame.start + s - bracket) * shortest * (1.0 - ROUNDED);
+        (rows[0]..=rows[1]).all(|row| {
+            let some = row * self.band.width + columns[0]..=row * self.band.width + columns[1];
+            let mut pixels = status[some.clone()].iter().zip(&drawn[some]);
+            pixels.all(|(status, drawn)| *status == Status::Hit && *drawn <= farthest)
+        })
     }
 
     /// Whether some pixel of a tile is not finished.
