@@ -19,7 +19,7 @@ use crate::enclosure::{Claims, Enclosure, Exponent, Operand, Term};
 use crate::machine::{Format, Machine};
 use crate::rules::{Rule, enclose};
 use crate::software::{Software, Vector128};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 pub use solve::{Contraction, contract};
 
@@ -128,13 +128,12 @@ pub fn linearise<M: Machine, const N: usize>(
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
     let settled: Vec<_>;
-    let operands = match op {
+    let operands = if matches!(op.row().class, Class::Negation | Class::Sum | Class::Product) {
         // What they are made of may wait.
-        Op::Neg | Op::Add | Op::Sub | Op::Mul => operands,
-        _ => {
-            settled = operands.iter().map(|operand| rule.settled(operand)).collect();
-            &settled[..]
-        }
+        operands
+    } else {
+        settled = operands.iter().map(|operand| rule.settled(operand)).collect();
+        &settled[..]
     };
     let a = &operands[0];
     // What varies with no symbol is as well known by its bounds.
