@@ -382,7 +382,7 @@ pub struct ShadingArgs {
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
     pub ambient: Option<f32>,
 
-    /// Background colour: a name of CSS such as white, or hexadecimal digits [default: the
+    /// Background color: a name of CSS such as white, or hexadecimal digits [default: the
     /// document's, else the look's]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,

@@ -24,10 +24,10 @@ pub struct ArrayRow {
 }
 
 /// What writes rows to a file, if that could be begun.
-pub type Begun = io::Result<Box<dyn Rows>>;
+pub type Begun = io::Result<Box<dyn RowWriter>>;
 
 /// A file that is written row by row.
-pub trait Rows {
+pub trait RowWriter {
     /// Writes the next rows of a picture.
     ///
     /// # Errors
@@ -166,7 +166,7 @@ struct Array<T: AutoSerialize, F> {
     add: F,
 }
 
-impl<T, F> Rows for Array<T, F>
+impl<T, F> RowWriter for Array<T, F>
 where
     T: AutoSerialize,
     F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()>,

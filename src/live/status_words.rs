@@ -28,7 +28,7 @@ const WORDS: [(&str, &str); 12] = [
         "90 pixels to be decided",
         "all is drawn; of these pixels the proof takes longer and is being made",
     ),
-    ("24 ms", "what it took to find the surface and to colour it"),
+    ("24 ms", "what it took to find the surface and to color it"),
 ];
 
 /// What a person asks who reads the status line, or comes from another program.

@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 use crate::squares::{RAYS, patches, squares};
 use crate::work::Work;
 use std::fmt;
-use zeroset_eval::{KernelError, Surface};
+use zeroset_eval::{KernelError, SurfaceKernels};
 
 /// A way to find where rays first meet a surface: a row of [`METHODS`](crate::METHODS).
 #[derive(Clone, Copy)]
@@ -34,10 +34,10 @@ pub struct Method {
 #[derive(Clone, Copy)]
 pub(crate) struct Task<'a> {
     /// What rays are to meet.
-    pub surface: &'a dyn Surface,
+    pub surface: &'a dyn SurfaceKernels,
     /// Where they are followed.
     pub region: &'a Region,
-    pub options: Options,
+    pub options: TraceOptions,
 }
 
 /// Asks the surface for kernels, and gets ready to follow rays through the region.
@@ -57,13 +57,13 @@ pub enum Proves {
 /// An option that a method may read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MethodOption {
-    /// [`Options::precision`].
+    /// [`TraceOptions::precision`].
     Precision,
-    /// [`Options::depth`].
+    /// [`TraceOptions::depth`].
     Depth,
-    /// [`Options::tolerance`].
+    /// [`TraceOptions::tolerance`].
     Tolerance,
-    /// [`Options::steps`].
+    /// [`TraceOptions::steps`].
     Steps,
 }
 
@@ -81,7 +81,7 @@ impl MethodOption {
 
 /// How a method is to work.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct TraceOptions {
     /// What kernels compute in.
     pub precision: Precision,
     /// How often the region is halved along a ray, from 1 to [`Precision::max_depth`]; what lies
@@ -102,14 +102,14 @@ pub struct Options {
     pub ideas: Ideas,
 }
 
-impl Options {
+impl TraceOptions {
     /// How long, in pixels, the bracket of a hit may be: a hit is said to be in its middle.
     pub(crate) fn longest(&self) -> f64 {
         2.0 * self.tolerance
     }
 }
 
-impl Default for Options {
+impl Default for TraceOptions {
     fn default() -> Self {
         Self {
             precision: Precision::Auto,
@@ -277,9 +277,9 @@ impl Method {
     /// If a kernel cannot be had.
     pub fn prepare<'a>(
         &self,
-        surface: &'a dyn Surface,
+        surface: &'a dyn SurfaceKernels,
         region: &'a Region,
-        options: Options,
+        options: TraceOptions,
     ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
         let [single, double] = self.prepare;
         let prepare = match options.precision {
