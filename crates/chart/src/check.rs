@@ -46,8 +46,12 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
         let configurations =
             old.iter().map(|row| row.configuration()).collect::<Result<Vec<_>, _>>()?;
         let batch = Batch { surface: &surface, view: &view, conditions, machine: &machine };
-        let new =
-            batch.rows(&configurations, &pool(conditions.threads), &store.path("reference"), &|| {})?;
+        let new = batch.rows(
+            &configurations,
+            &pool(conditions.threads),
+            &store.path("reference"),
+            &|| {},
+        )?;
         differences.add(&old, &new);
         bar.inc(1);
     }

@@ -102,7 +102,8 @@ impl Batch<'_> {
         let rays = view.camera.rays(size, size);
         let rows = configurations.iter().zip(measured).map(|(configuration, measured)| {
             let errors = Errors::new(&reference, &rays, &measured.picture.buffer);
-            let row = Row::new(surface, view, conditions, configuration, &measured, &errors, machine);
+            let row =
+                Row::new(surface, view, conditions, configuration, &measured, &errors, machine);
             measured.picture.hand_back();
             row
         });
