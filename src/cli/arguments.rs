@@ -270,9 +270,9 @@ pub struct KernelArgs {
     pub without: WithoutArgs,
 }
 
-/// Ideas that are left out.
+/// Ideas that are left out, by methods that read these flags.
 #[derive(Clone, Copy, Debug, Args)]
-#[command(next_help_heading = "To see what each idea of the method affine brings")]
+#[command(next_help_heading = "To see what each idea of a method brings")]
 pub struct WithoutArgs {
     /// Halve segments, rather than narrow them to where an affine form may vanish
     #[arg(long)]

@@ -4,7 +4,10 @@ use super::coming;
 use super::pipeline::Rendering;
 use super::status::ms;
 use crate::picture::Settings;
-use zeroset_trace::{Proves, Reason};
+use zeroset_trace::{METHODS, Proves, Reason};
+
+/// Stands for the first method that proves hits and misses.
+const PROVER: &str = "{prover}";
 
 /// Words of the window's status line and what they say.
 const WORDS: [(&str, &str); 12] = [
@@ -21,8 +24,14 @@ const WORDS: [(&str, &str); 12] = [
     ("perhaps a jump", "there f may jump past 0 without meeting it, as floor(x) does"),
     ("out of time", "what was to be spent on a ray was spent"),
     ("too steep", "no bound of f's slope is known there, which this method needs"),
-    ("only misses proven", "this method draws what it cannot prove: the method affine proves both"),
-    ("nothing proven", "this method samples and may miss thin parts: the method affine proves all"),
+    (
+        "only misses proven",
+        "this method draws what it cannot prove: the method {prover} proves both",
+    ),
+    (
+        "nothing proven",
+        "this method samples and may miss thin parts: the method {prover} proves all",
+    ),
     ("200x150 of 800x600 so far", "a coarse picture; the full one is being made"),
     (
         "90 pixels to be decided",
@@ -38,7 +47,9 @@ pub fn status_words() -> String {
 
 /// The words and what they say.
 pub(super) fn explained() -> String {
-    let line = |(word, says): &(&str, &str)| format!("{word}\n  {says}");
+    let mut provers = METHODS.iter().filter(|method| method.proves == Proves::HitsAndMisses);
+    let prover = provers.next().map_or("", |method| method.name);
+    let line = |(word, says): &(&str, &str)| format!("{word}\n  {says}").replace(PROVER, prover);
     let lines: Vec<String> = WORDS.iter().map(line).collect();
     format!("What the status line says\n{}", lines.join("\n"))
 }
@@ -133,6 +144,7 @@ mod tests {
             assert!(said.contains(" ms · 40x30"), "{said}");
         }
         let all = explained();
+        assert!(all.contains("the method affine proves both") && !all.contains('{'), "{all}");
         for reason in Reason::ALL.into_iter().filter(|one| *one != Reason::None) {
             assert!(all.contains(why(reason)) || reason == Reason::Unproven, "{reason:?}");
         }

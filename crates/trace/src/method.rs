@@ -65,6 +65,12 @@ pub enum MethodOption {
     Tolerance,
     /// [`TraceOptions::steps`].
     Steps,
+    /// That [`Ideas::contract`] is left out.
+    NoContract,
+    /// That [`Ideas::tiles`] is left out.
+    NoTiles,
+    /// That [`Ideas::intervals`] is left out.
+    NoIntervals,
 }
 
 impl MethodOption {
@@ -75,6 +81,9 @@ impl MethodOption {
             Self::Depth => "max-depth",
             Self::Tolerance => "tolerance",
             Self::Steps => "steps",
+            Self::NoContract => "no-contract",
+            Self::NoTiles => "no-tiles",
+            Self::NoIntervals => "no-interval",
         }
     }
 }
@@ -98,7 +107,7 @@ pub struct TraceOptions {
     /// Whether a place where the function is unbounded counts as an asymptote rather than a root:
     /// its pixel then is undecided, but not drawn there.
     pub suppress_asymptotes: bool,
-    /// What is to be made use of, by methods that know these ideas.
+    /// What is to be made use of, by methods that read these ideas.
     pub ideas: Ideas,
 }
 
@@ -123,8 +132,8 @@ impl Default for TraceOptions {
     }
 }
 
-/// Ideas of the method `affine`, each of which can be left out to see what it brings. What is
-/// proven is true without them.
+/// Ideas of methods, each of which can be left out to see what it brings. What is proven is true
+/// without them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ideas {
     /// Segments are narrowed to where a form may vanish; else they are only halved.
@@ -134,6 +143,19 @@ pub struct Ideas {
     /// Intervals are asked of what forms leave open, to prove it empty or to prove a zero by signs
     /// around it.
     pub intervals: bool,
+}
+
+impl Ideas {
+    /// Those that are left out.
+    pub fn left_out(self) -> impl Iterator<Item = MethodOption> {
+        let Self { contract, tiles, intervals } = self;
+        let ideas = [
+            (contract, MethodOption::NoContract),
+            (tiles, MethodOption::NoTiles),
+            (intervals, MethodOption::NoIntervals),
+        ];
+        ideas.into_iter().filter_map(|(is_used, option)| (!is_used).then_some(option))
+    }
 }
 
 impl Default for Ideas {

@@ -48,7 +48,13 @@ pub(crate) const METHOD: Method = Method {
     name: "affine",
     help: "tiles and rays narrowed by affine forms; proves hits and misses",
     proves: Proves::HitsAndMisses,
-    reads: &[MethodOption::Precision, MethodOption::Tolerance],
+    reads: &[
+        MethodOption::Precision,
+        MethodOption::Tolerance,
+        MethodOption::NoContract,
+        MethodOption::NoTiles,
+        MethodOption::NoIntervals,
+    ],
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
