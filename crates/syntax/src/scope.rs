@@ -303,7 +303,7 @@ pub(crate) fn is_variadic(op: Op) -> bool {
 }
 
 /// The ways to call the function of the language called `name`; none if there is no such function.
-fn forms(name: &str, internal: bool) -> Forms {
+pub(crate) fn forms(name: &str, internal: bool) -> Forms {
     let form = |function, count| Signature { function, count, or_more: false };
     let own = TABLE
         .iter()
