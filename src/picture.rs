@@ -52,7 +52,7 @@ pub struct Settings {
     pub normals: Option<Normals>,
     /// How undecided pixels are drawn.
     pub undecided: UndecidedStyle,
-    /// How surfaces are lit, and what they stand on; `None` for what the document says, else the
+    /// Lighting and background; `None` for what the document says, else the
     /// first of the looks.
     pub look: Option<&'static Look>,
     /// Whether what is near takes light away, if the look has that.

@@ -11,18 +11,15 @@ const PROVER: &str = "{prover}";
 
 /// Words of the window's status line and what they say.
 const WORDS: [(&str, &str); 12] = [
-    (
-        "every pixel proven",
-        "of each pixel's ray it is proven that it meets the surface, or that it does not",
-    ),
+    ("every pixel proven", "each pixel's ray is proven to meet the surface, or to miss it"),
     (
         "3 pixels undecided",
-        "of these neither is proven; they are drawn as what is most likely, and U marks them",
+        "for these neither is proven; what is most likely is drawn, and U marks them",
     ),
-    ("touching", "there f comes as near to 0 as can be computed, and no change of sign is proven"),
-    ("perhaps undefined", "there f may have no value, as beyond the edge of sqrt(x)"),
-    ("perhaps a jump", "there f may jump past 0 without meeting it, as floor(x) does"),
-    ("out of time", "what was to be spent on a ray was spent"),
+    ("touching", "f comes as close to 0 there as can be computed, and no change of sign is proven"),
+    ("perhaps undefined", "f may have no value there, as beyond the edge of sqrt(x)"),
+    ("perhaps a jump", "f may jump past 0 there without meeting it, as floor(x) does"),
+    ("out of time", "the budget for a ray was spent"),
     ("too steep", "no bound of f's slope is known there, which this method needs"),
     (
         "only misses proven",
@@ -35,9 +32,9 @@ const WORDS: [(&str, &str); 12] = [
     ("200x150 of 800x600 so far", "a coarse picture; the full one is being made"),
     (
         "90 pixels to be decided",
-        "all is drawn; of these pixels the proof takes longer and is being made",
+        "everything is drawn; the proof for these pixels takes longer, and is under way",
     ),
-    ("24 ms", "what it took to find the surface and to color it"),
+    ("24 ms", "the time to find the surface and to color it"),
 ];
 
 /// What a person asks who reads the status line, or comes from another program.

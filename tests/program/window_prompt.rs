@@ -146,7 +146,7 @@ fn a_file_whose_loading_was_taken_back_is_followed_again_once_it_is_done_again()
     save("x = 2.25");
     terminal.type_in(":list\r");
     terminal.type_in(":help undo\r");
-    terminal.shows("take back the last step");
+    terminal.shows("undo the last step");
     assert!(!terminal.shown().contains("x = 2.25"), "{}", terminal.shown());
     terminal.type_in(":redo\r");
     terminal.type_in(":list\r");
