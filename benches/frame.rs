@@ -1,4 +1,4 @@
-//! Whole pictures by every method: trace, normals and colours of 512×512 pixels, or N×N, on one
+//! Whole pictures by every method: trace, normals and colors of 512×512 pixels, or N×N, on one
 //! thread.
 //!
 //! `cargo bench --bench frame [-- SURFACES… METHODS… FLAGS…]` prints, for each surface and method,

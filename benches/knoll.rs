@@ -10,18 +10,24 @@ use glam::DVec3;
 use rival::{Comparison, Rival, SURFACES, barth, compare, mitchell, sphere};
 use std::hint::black_box;
 use zeroset::program::Program;
-use zeroset_eval::Surface;
+use zeroset_eval::SurfaceKernels;
 use zeroset_interval::Interval;
 use zeroset_syntax::read;
 use zeroset_trace::{
-    Camera, Driver, GBuffer, Method, Options, Precision, Projection, RayGrid, Region, StandardView,
+    Camera, Driver, GBuffer, Method, Precision, Projection, RayGrid, Region, StandardView,
+    TraceOptions,
 };
 
 const SIZE: usize = 512;
 const ROUNDS: usize = 41;
 
-fn time(native: &dyn Surface, rival: &dyn Surface, rays: &RayGrid, region: &Region) -> Comparison {
-    let options = Options { precision: Precision::F32, depth: 10, ..Options::default() };
+fn time(
+    native: &dyn SurfaceKernels,
+    rival: &dyn SurfaceKernels,
+    rays: &RayGrid,
+    region: &Region,
+) -> Comparison {
+    let options = TraceOptions { precision: Precision::F32, depth: 10, ..TraceOptions::default() };
     let [native, rival] =
         [native, rival].map(|surface| knoll().prepare(surface, region, options).expect("kernels"));
     let trace = |tracer| {

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 use zeroset::gallery::{Example, examples};
-use zeroset::program::{Form, Program};
+use zeroset::program::{KernelSource, Program};
 use zeroset::scene::{self, DomainChoice};
 use zeroset_eval::{Enclose, KernelFloat, SampleGradient};
 use zeroset_jit::Compiled;
@@ -71,13 +71,13 @@ fn round<T: KernelFloat>(example: &Example) -> [Duration; NAMES.len()] {
     let (document, parse) = time(|| document(example));
     let (program, simplify) = time(|| program(&document));
     let tape = |form| program.tape::<T>(0, form).expect(example.slug).expect("every surface's");
-    let (function, function_tape) = time(|| tape(Form::Function));
+    let (function, function_tape) = time(|| tape(KernelSource::Function));
     let (kernel, code) = time(|| Compiled::<Enclose, T>::new(function));
     kernel.expect(example.slug);
     // The zero test compiles the function again; what the poles cost is the difference.
     let zeros = time(|| _ = program.kernels::<T>(0).zeros().expect(example.slug)).1;
     let poles = zeros.saturating_sub(function_tape + code);
-    let (derivatives, gradient_tape) = time(|| tape(Form::Gradient));
+    let (derivatives, gradient_tape) = time(|| tape(KernelSource::Gradient));
     let (kernel, gradient_code) = time(|| Compiled::<SampleGradient, T>::new(derivatives));
     kernel.expect(example.slug);
     let tape = function_tape;

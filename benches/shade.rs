@@ -1,12 +1,12 @@
 //! What a picture costs apart from tracing and generated code: set-up of the G-buffer, normals,
-//! colours.
+//! colors.
 //!
 //! `cargo bench --bench shade` takes 512×512 pixels on one thread and prints ns per drawn pixel, or
 //! per pixel of the background; names are `shade/case`. Surfaces are spheres whose distances are
 //! known, and the kernel asked for gradients hands its points on. The first columns are of one step
 //! after another over the whole picture: set-up in new memory, and in that of an empty picture,
 //! then the rest. The last two are of a frame, in which a few rows at a time go from nothing to
-//! colours, in the memory of the frame before.
+//! colors, in the memory of the frame before.
 
 use glam::DVec3;
 use std::hint::black_box;
@@ -15,7 +15,7 @@ use zeroset_eval::{Gradients, Kernel, Points, Real, SampleGradient};
 use zeroset_trace::{
     Appearance, BAND_ROWS, Band, Camera, Driver, Found, GBuffer, Kept, Light, NormalSource,
     Projection, RayGrid, Segment, Shader, StandardView, Start, Status, Tracer, Work,
-    hand_back_colours, normals, shade, unset_colours,
+    hand_back_colors, normals, shade, unset_colors,
 };
 
 const SIZE: usize = 512;
@@ -73,7 +73,7 @@ const STAGES: [&str; 8] = [
     "handed back",
     "normals",
     "in f64",
-    "colours",
+    "colors",
     "near light",
     "frame set up",
     "frame lit",
@@ -109,9 +109,9 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         lap(&mut || _ = black_box(normals(buffer, rays, gradients, 1e-3)));
         buffer.normal.fill([0.0; 3]);
         lap(&mut || _ = black_box(normals(buffer, rays, gradients_in_f64, 1e-3)));
-        hand_back_colours(shade(buffer, rays, &far, &[]));
-        lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &far, &[]))));
-        lap(&mut || hand_back_colours(black_box(shade(buffer, rays, &near, &[]))));
+        hand_back_colors(shade(buffer, rays, &far, &[]));
+        lap(&mut || hand_back_colors(black_box(shade(buffer, rays, &far, &[]))));
+        lap(&mut || hand_back_colors(black_box(shade(buffer, rays, &near, &[]))));
         // The memory of each of these is of a picture that was painted.
         let known = Some(&*buffer);
         for (known, is_lit) in [(None, false), (known, false), (known, true)] {
@@ -133,11 +133,11 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     all
 }
 
-/// A frame of what is known, with normals and colours if there is a shader.
+/// A frame of what is known, with normals and colors if there is a shader.
 fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     let driver = Driver { rays, tracer: &Known(known), advance: &|_| true };
-    let mut colours = unset_colours(SIZE * SIZE);
-    let parts = colours.chunks_mut(3 * BAND_ROWS * SIZE).collect();
+    let mut colors = unset_colors(SIZE * SIZE);
+    let parts = colors.chunks_mut(3 * BAND_ROWS * SIZE).collect();
     let source = NormalSource::<f32>::Gradient(&HandedOn);
     let (buffer, _) = driver.new_picture(0, Kept::default(), &[], None, parts, |rows, bytes| {
         let canvas = shader.map(|shader| shader.canvas(bytes));
@@ -145,7 +145,7 @@ fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     });
     black_box(&buffer);
     buffer.hand_back();
-    hand_back_colours(colours);
+    hand_back_colors(colors);
 }
 
 fn main() {

@@ -4,13 +4,13 @@
 //! What is simplified and which values parameters have is said elsewhere; what kernels are
 //! asked about is not known here.
 
-use crate::simplified::{Form, ProgramError, Simplified};
+use crate::simplified::{KernelSource, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use zeroset_eval::{
     Asked, Binding, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel,
-    KernelError, Kernels, Question, Real, Reference, Sample, SampleGradient, Surface, Tape,
+    KernelError, Kernels, Question, Real, Reference, Sample, SampleGradient, SurfaceKernels, Tape,
     ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
@@ -38,7 +38,7 @@ pub struct Made {
     /// What question it answers.
     pub question: &'static str,
     /// Of which form of the surface's function.
-    pub form: Form,
+    pub form: KernelSource,
     /// What it computes in.
     pub format: Format,
     /// Size of the machine code in bytes; 0 for the reference evaluator.
@@ -63,18 +63,20 @@ impl Made {
             (_, question) if question == ContractSegments::NAME => {
                 "to find the surface, ray by ray"
             }
-            (Form::Function, question) if question == FindZeros::NAME => "to find the surface",
-            (Form::Function, question) if question == Sample::NAME => {
+            (KernelSource::Function, question) if question == FindZeros::NAME => {
+                "to find the surface"
+            }
+            (KernelSource::Function, question) if question == Sample::NAME => {
                 "for places between samples, or normals by differences"
             }
-            (Form::Function, _) => "to tell one side from the other",
-            (Form::Numerator, question) if question == FindZeros::NAME => {
+            (KernelSource::Function, _) => "to tell one side from the other",
+            (KernelSource::Numerator, question) if question == FindZeros::NAME => {
                 "to prove that there is nothing at poles"
             }
-            (Form::Numerator | Form::Denominator, _) => "for the cleared form",
-            (Form::Branches, _) => "to prove that there is nothing at jumps",
-            (Form::Gradient, question) if question == SampleGradient::NAME => "for normals",
-            (Form::Gradient, _) => "for proofs by slopes",
+            (KernelSource::Numerator | KernelSource::Denominator, _) => "for the cleared form",
+            (KernelSource::Branches, _) => "to prove that there is nothing at jumps",
+            (KernelSource::Gradient, question) if question == SampleGradient::NAME => "for normals",
+            (KernelSource::Gradient, _) => "for proofs by slopes",
         }
     }
 }
@@ -180,7 +182,7 @@ impl Store {
     fn make<Q: Question, T: Real>(
         &self,
         surface: usize,
-        form: Form,
+        form: KernelSource,
         steps: Result<Option<(Tape<T>, Uniforms)>, ProgramError>,
     ) -> Result<Option<Code<Q, T>>, ProgramError> {
         let Some((tape, uniforms)) = steps? else { return Ok(None) };
@@ -246,7 +248,7 @@ impl BoundSurface {
     }
 }
 
-impl Surface for BoundSurface {
+impl SurfaceKernels for BoundSurface {
     fn single(&self) -> &dyn Kernels<f32> {
         &self.single
     }
@@ -271,7 +273,7 @@ impl<T: Real> Bindings<T> {
     fn bind<Q: Question>(
         &self,
         slot: &Slot<Q, T>,
-        form: Form,
+        form: KernelSource,
     ) -> Result<Option<Bound<Q, T>>, KernelError> {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
@@ -301,7 +303,7 @@ impl<T: Real> Bindings<T> {
     fn bind_always<Q: Question>(
         &self,
         slot: &Slot<Q, T>,
-        form: Form,
+        form: KernelSource,
     ) -> Result<Bound<Q, T>, KernelError> {
         Ok(self.bind(slot, form)?.expect("a form of the surface"))
     }
@@ -311,19 +313,19 @@ impl<T: Real> Bindings<T> {
         &self,
         bound: &'a Once<Bound<Q, T>>,
         slot: &Slot<Q, T>,
-        form: Form,
+        form: KernelSource,
     ) -> Asked<'a, Q, T> {
         known(bound.get_or_init(|| self.bind_always(slot, form)))
     }
 
     fn zero_test(&self) -> Result<Bound<FindZeros, T>, KernelError> {
-        let function = self.bind_always(&self.codes.zeros, Form::Function)?;
+        let function = self.bind_always(&self.codes.zeros, KernelSource::Function)?;
         // The boundary of a solid is also where its function changes sign at a pole or in a jump.
         if self.is_solid() {
             return Ok(function);
         }
-        let numerator = self.bind(&self.codes.numerator_zeros, Form::Numerator)?;
-        let branches = self.bind(&self.codes.branches, Form::Branches)?;
+        let numerator = self.bind(&self.codes.numerator_zeros, KernelSource::Numerator)?;
+        let branches = self.bind(&self.codes.branches, KernelSource::Branches)?;
         if numerator.is_none() && branches.is_none() {
             return Ok(function);
         }
@@ -340,10 +342,10 @@ impl<T: Real> Bindings<T> {
     }
 
     /// The cleared form's numerator, or the function where there is none.
-    fn without_poles(&self) -> Result<Form, KernelError> {
+    fn without_poles(&self) -> Result<KernelSource, KernelError> {
         // The boundary of a solid is also where its function changes sign at a pole.
         let is_cleared = !self.is_solid() && self.has_cleared()?;
-        Ok(if is_cleared { Form::Numerator } else { Form::Function })
+        Ok(if is_cleared { KernelSource::Numerator } else { KernelSource::Function })
     }
 }
 
@@ -357,7 +359,7 @@ impl<T: Real> Kernels<T> for Bindings<T> {
     }
 
     fn bounds(&self) -> Asked<'_, Enclose, T> {
-        self.kernel(&self.bound.bounds, &self.codes.bounds, Form::Function)
+        self.kernel(&self.bound.bounds, &self.codes.bounds, KernelSource::Function)
     }
 
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
@@ -365,8 +367,9 @@ impl<T: Real> Kernels<T> for Bindings<T> {
             return Ok(None);
         }
         let Self { codes, bound, .. } = self;
-        let numerator = self.kernel(&bound.numerator, &codes.numerator, Form::Numerator)?;
-        let denominator = self.kernel(&bound.denominator, &codes.denominator, Form::Denominator)?;
+        let numerator = self.kernel(&bound.numerator, &codes.numerator, KernelSource::Numerator)?;
+        let denominator =
+            self.kernel(&bound.denominator, &codes.denominator, KernelSource::Denominator)?;
         Ok(Some([numerator, denominator]))
     }
 
@@ -379,14 +382,18 @@ impl<T: Real> Kernels<T> for Bindings<T> {
     }
 
     fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T> {
-        self.kernel(&self.bound.gradient_bounds, &self.codes.gradient_bounds, Form::Gradient)
+        self.kernel(
+            &self.bound.gradient_bounds,
+            &self.codes.gradient_bounds,
+            KernelSource::Gradient,
+        )
     }
 
     fn values(&self) -> Asked<'_, Sample, T> {
-        self.kernel(&self.bound.values, &self.codes.values, Form::Function)
+        self.kernel(&self.bound.values, &self.codes.values, KernelSource::Function)
     }
 
     fn gradients(&self) -> Asked<'_, SampleGradient, T> {
-        self.kernel(&self.bound.gradients, &self.codes.gradients, Form::Gradient)
+        self.kernel(&self.bound.gradients, &self.codes.gradients, KernelSource::Gradient)
     }
 }

@@ -1,17 +1,17 @@
-//! What tells which value has which colour, and the round numbers that are written beside scales.
+//! What tells which value has which color, and the round numbers that are written beside scales.
 
-use zeroset_trace::ColourMap;
+use zeroset_trace::ColorMap;
 
-/// The scale of a colour map in a picture.
+/// The scale of a color map in a picture.
 #[derive(Clone, Debug)]
 pub struct Legend {
-    /// The colours.
-    pub map: &'static ColourMap,
+    /// The colors.
+    pub map: &'static ColorMap,
     /// What has them, as text.
     pub value: String,
-    /// The value with the first colour.
+    /// The value with the first color.
     pub low: f64,
-    /// The value with the last colour.
+    /// The value with the last color.
     pub high: f64,
     /// How far the values of contour lines are apart, if there are such lines of it.
     pub step: Option<f64>,

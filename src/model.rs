@@ -17,11 +17,11 @@ use rayon::prelude::*;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
-use zeroset_eval::{Boxes, KernelFloat, Points, Surface};
+use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
 use zeroset_syntax::{Document, PictureLines, PointValue, SrgbColor, SurfaceKind};
-use zeroset_trace::{Camera, Look, Options, Region};
+use zeroset_trace::{Camera, Look, Region, TraceOptions};
 
 /// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed
 /// with the last model that shares them.
@@ -144,7 +144,7 @@ impl Model {
     }
 
     /// The same code for the parameter values of another document and in another region, or `None`
-    /// if the document differs in more than values and colours, or if values or region are beyond
+    /// if the document differs in more than values and colors, or if values or region are beyond
     /// what the code was made for; a slider may be set to anything in its range.
     ///
     /// # Errors
@@ -298,13 +298,13 @@ impl Aim {
 /// share of the longest bracket.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
-fn options(settings: &Settings, kind: SurfaceKind, aim: Aim) -> Options {
+fn options(settings: &Settings, kind: SurfaceKind, aim: Aim) -> TraceOptions {
     let Settings { precision, is_preview, steps, ideas, .. } = *settings;
     let Aim { depth, tolerance, for_looks } = aim;
     let least = if is_preview || for_looks { PREVIEWED } else { 0.0 };
     // At a pole a surface has no point, but a solid may have a face.
     let suppress_asymptotes = kind == SurfaceKind::Equation;
-    Options { precision, depth, tolerance, least, steps, suppress_asymptotes, ideas }
+    TraceOptions { precision, depth, tolerance, least, steps, suppress_asymptotes, ideas }
 }
 
 /// Makes the kernels that pictures of a surface need, all at once, as long as they are `wanted`.
@@ -347,7 +347,7 @@ pub fn make_kernels<T: KernelFloat>(
 /// Value and gradient where nothing answers.
 const UNKNOWN: (f64, [f64; 3]) = (f64::NAN, [f64::NAN; 3]);
 
-fn sample<T: KernelFloat>(surface: &dyn Surface, point: DVec3) -> Option<(f64, [f64; 3])> {
+fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<(f64, [f64; 3])> {
     let out = T::kernels(surface).gradients().ok()?.ask_all(&Points::near(&[point.to_array()]));
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }

@@ -7,7 +7,7 @@ use std::ops::{AddAssign, RangeInclusive};
 use std::time::{Duration, Instant};
 use zeroset_trace::{
     GBuffer, Ideas, LinearRgb, Look, Method, Pattern, PixelCounts, Proves, Reason, Status,
-    UndecidedStyle, Work, hand_back_colours,
+    UndecidedStyle, Work, hand_back_colors,
 };
 
 pub use zeroset_trace::Precision;
@@ -48,16 +48,16 @@ pub struct Settings {
     pub budget: Option<Duration>,
     /// The same depth for shadow rays; `None` for no shadows.
     pub shadow_depth: Option<u32>,
-    /// Where normals come from; `None` if neither colours nor normals are wanted.
+    /// Where normals come from; `None` if neither colors nor normals are wanted.
     pub normals: Option<Normals>,
     /// How undecided pixels are drawn.
     pub undecided: UndecidedStyle,
-    /// How surfaces are lit, and what they stand on; `None` for what the document says, else the
+    /// Lighting and background; `None` for what the document says, else the
     /// first of the looks.
     pub look: Option<&'static Look>,
     /// Whether what is near takes light away, if the look has that.
     pub occlusion: bool,
-    /// Over which rays the colour of a pixel with an edge is a mean. What is known of pixels is
+    /// Over which rays the color of a pixel with an edge is a mean. What is known of pixels is
     /// about the ray through their centre in any case.
     pub antialias: Pattern,
     /// The light's place; `None` for far above and left of the camera.
@@ -159,7 +159,7 @@ impl Settings {
 pub struct Picture {
     /// What is known of each pixel.
     pub buffer: GBuffer,
-    /// Red, green and blue bytes (sRGB) of each pixel; empty if colours were not asked for.
+    /// Red, green and blue bytes (sRGB) of each pixel; empty if colors were not asked for.
     pub rgb: Vec<u8>,
     /// How surfaces were found.
     pub method: &'static Method,
@@ -167,7 +167,7 @@ pub struct Picture {
     pub precision: Precision,
     /// How it is lit.
     pub look: &'static Look,
-    /// What tells which value has which colour; empty if no colour is that of a value.
+    /// What tells which value has which color; empty if no color is that of a value.
     pub legends: Vec<Legend>,
     /// What it took.
     pub statistics: Statistics,
@@ -185,7 +185,7 @@ impl Picture {
     pub(crate) fn without_rows(mut self) -> Self {
         let buffer = GBuffer::new(self.buffer.width, 0, 0);
         std::mem::replace(&mut self.buffer, buffer).hand_back();
-        hand_back_colours(std::mem::take(&mut self.rgb));
+        hand_back_colors(std::mem::take(&mut self.rgb));
         self
     }
 
@@ -222,7 +222,7 @@ impl Picture {
     /// kept, until the end of the process.
     pub fn hand_back(self) {
         self.buffer.hand_back();
-        hand_back_colours(self.rgb);
+        hand_back_colors(self.rgb);
     }
 
     /// Why pixels are undecided, and how many for each reason, in one line; `None` if none are.
@@ -261,7 +261,7 @@ pub struct Statistics {
     pub open: Open,
     /// Calls of kernels and lanes they computed, but for edges.
     pub work: Work,
-    /// Further rays that were followed for the colours of pixels with edges.
+    /// Further rays that were followed for the colors of pixels with edges.
     pub edge_rays: usize,
     /// Size of all machine code, in bytes.
     pub code_bytes: usize,
@@ -310,7 +310,7 @@ pub struct Times {
     pub compile: Duration,
     /// Rays to distances.
     pub trace: Duration,
-    /// Distances to normals and colours.
+    /// Distances to normals and colors.
     pub shade: Duration,
     /// What is near to what, and shadows.
     pub occlude: Duration,

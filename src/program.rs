@@ -5,12 +5,12 @@ use crate::enclosure;
 use crate::kernels::{BoundSurface, Evaluator, Made, Store};
 use crate::simplified::Simplified;
 use std::sync::{Arc, OnceLock};
-use zeroset_eval::{Assumptions, KernelFloat, Kernels, Surface, Tape};
+use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{Constant, Graph, NodeId, Rank, fix_exponents, radical, ranks, rewrite, simplify};
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
-pub use crate::simplified::{Cleared, Form, ProgramError};
+pub use crate::simplified::{ClearedGraph, KernelSource, ProgramError};
 
 /// The surfaces of a document over one domain.
 pub struct Program {
@@ -228,7 +228,7 @@ impl Program {
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn surface(&self, surface: usize) -> &dyn Surface {
+    pub fn surface(&self, surface: usize) -> &dyn SurfaceKernels {
         &self.surfaces[surface]
     }
 
@@ -255,7 +255,7 @@ impl Program {
     pub fn tape<T: KernelFloat>(
         &self,
         surface: usize,
-        form: Form,
+        form: KernelSource,
     ) -> Result<Option<Tape<T>>, ProgramError> {
         Ok(self.store.simplified.steps(surface, form, true)?.map(|(tape, _)| tape))
     }
@@ -267,7 +267,7 @@ impl Program {
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn cleared(&self, surface: usize) -> Result<Option<&Cleared>, ProgramError> {
+    pub fn cleared(&self, surface: usize) -> Result<Option<&ClearedGraph>, ProgramError> {
         self.store.simplified.cleared(surface)
     }
 }
@@ -345,7 +345,8 @@ mod tests {
     #[test]
     fn what_depends_on_parameters_alone_is_computed_beforehand() {
         let rolling = program("w = 2\nsin(w)*x + cos(w)*y + z").expect("a surface");
-        let tape = rolling.tape::<f32>(0, Form::Function).expect("small").expect("a function");
+        let tape =
+            rolling.tape::<f32>(0, KernelSource::Function).expect("small").expect("a function");
         assert_eq!((tape.operations(), tape.parameters()), (4, 3));
     }
 

@@ -350,13 +350,13 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let needed = document.graph.reachable(&roots);
     let node = Node::Parameter(parameter.number);
     let is_drawn = document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node);
-    let colours = document.surfaces.iter().filter_map(|surface| match &surface.color {
+    let colors = document.surfaces.iter().filter_map(|surface| match &surface.color {
         Some(SurfaceColor::Mapped(mapped)) => Some(&mapped.value),
         Some(SurfaceColor::Plain(_)) | None => None,
     });
     let lines = document.picture.contours.iter().filter_map(|lines| lines.value.as_ref());
     let paints = |value: &PointValue| value.graph.iter().any(|(_, other)| *other == node);
-    !is_drawn && !colours.chain(lines).any(paints)
+    !is_drawn && !colors.chain(lines).any(paints)
 }
 
 /// Whether `t` occurs in what `document` draws.

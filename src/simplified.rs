@@ -26,12 +26,12 @@ pub(crate) struct Simplified {
     /// Per surface, whether it has the zeros of what was typed, but other values.
     pub reduced: Vec<bool>,
     /// Per surface, its cleared form.
-    pub cleared: Vec<OnceLock<Result<Option<Cleared>, IrError>>>,
+    pub cleared: Vec<OnceLock<Result<Option<ClearedGraph>, IrError>>>,
 }
 
 /// Numerator and denominator of a function, and the function itself, in a graph of their own.
 #[derive(Clone, Debug)]
-pub struct Cleared {
+pub struct ClearedGraph {
     /// The graph.
     pub graph: Graph,
     /// Vanishes where the function does.
@@ -44,7 +44,7 @@ pub struct Cleared {
 
 /// What kernels are made of: a form of a surface's function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Form {
+pub enum KernelSource {
     /// The function.
     Function,
     /// The numerator of its cleared form.
@@ -57,7 +57,7 @@ pub enum Form {
     Gradient,
 }
 
-impl fmt::Display for Form {
+impl fmt::Display for KernelSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Function => "the function",
@@ -111,24 +111,24 @@ impl Simplified {
     pub fn steps<T: Real>(
         &self,
         surface: usize,
-        form: Form,
+        form: KernelSource,
         hoisted: bool,
     ) -> Result<Option<(Tape<T>, Uniforms)>, ProgramError> {
         let function = || compact(&self.graph, &[self.roots[surface]]);
         let (graph, roots) = match form {
-            Form::Function => function(),
-            Form::Gradient => {
+            KernelSource::Function => function(),
+            KernelSource::Gradient => {
                 let (mut graph, root) = self.symbolic(surface);
                 let [x, y, z] = gradient(&mut graph, root);
                 self.simplify(&graph, &[root, x, y, z])?
             }
-            Form::Branches => match self.cleared(surface)? {
+            KernelSource::Branches => match self.cleared(surface)? {
                 Some(cleared) => (cleared.graph.clone(), vec![cleared.function, cleared.numerator]),
                 None => function(),
             },
-            Form::Numerator | Form::Denominator => {
+            KernelSource::Numerator | KernelSource::Denominator => {
                 let Some(cleared) = self.cleared(surface)? else { return Ok(None) };
-                let is_above = form == Form::Numerator;
+                let is_above = form == KernelSource::Numerator;
                 let root = if is_above { cleared.numerator } else { cleared.denominator };
                 (cleared.graph.clone(), vec![root])
             }
@@ -136,7 +136,7 @@ impl Simplified {
         let (uniforms, graph, roots) = Uniforms::split(&graph, &roots, &self.assumptions, hoisted);
         let parameters = uniforms.assumed().to_vec();
         let assumptions = Assumptions { domain: self.assumptions.domain, parameters };
-        let tape = if form == Form::Branches {
+        let tape = if form == KernelSource::Branches {
             Tape::branches(&graph, &roots, &assumptions)
         } else {
             Some(Tape::new(&graph, &roots, &assumptions))
@@ -144,14 +144,14 @@ impl Simplified {
         Ok(tape.map(|tape| (tape, uniforms)))
     }
 
-    pub fn cleared(&self, surface: usize) -> Result<Option<&Cleared>, ProgramError> {
+    pub fn cleared(&self, surface: usize) -> Result<Option<&ClearedGraph>, ProgramError> {
         let make = || {
             let (mut graph, function) = self.symbolic(surface);
             let Some(cleared) = clear(&mut graph, function) else { return Ok(None) };
             let typed = [cleared.numerator, cleared.denominator, function];
             let (graph, roots) = self.simplify(&graph, &typed)?;
             let [numerator, denominator, function] = [roots[0], roots[1], roots[2]];
-            Ok(Some(Cleared { graph, numerator, denominator, function }))
+            Ok(Some(ClearedGraph { graph, numerator, denominator, function }))
         };
         let cleared = self.cleared[surface].get_or_init(make);
         Ok(cleared.as_ref().map_err(Clone::clone)?.as_ref())

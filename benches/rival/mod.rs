@@ -5,7 +5,7 @@
 use glam::Vec4;
 use std::time::Instant;
 use zeroset_eval::{
-    Asked, Boxes, Enclose, Enclosures, FindZeros, Kernel, Kernels, LANES, Surface, Zeros,
+    Asked, Boxes, Enclose, Enclosures, FindZeros, Kernel, Kernels, LANES, SurfaceKernels, Zeros,
 };
 
 /// Four intervals as (−lo, hi).
@@ -96,7 +96,7 @@ impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernels<f32> for Rival<F> {
     }
 }
 
-impl<F: Fn([Four; 3]) -> Four + Send + Sync> Surface for Rival<F> {
+impl<F: Fn([Four; 3]) -> Four + Send + Sync> SurfaceKernels for Rival<F> {
     fn single(&self) -> &dyn Kernels<f32> {
         self
     }

@@ -223,7 +223,8 @@ def sampled_verdict(value, inside, claim):
     if claim is None:
         return True
     s, r = (sign(t) for t in claim)
-    # Where a piece ends outside the domain, or touches where the function has no value, signs say nothing.
+    # Where a piece ends outside the domain, or touches where the function has no value, signs say
+    # nothing.
     if s is None or r is None or s != r:
         return True
     # Behind a zero the function may have jumped back.

@@ -10,7 +10,7 @@ use std::path::Path;
 pub enum Format {
     /// Animated PNG: sRGB, lossless.
     Png,
-    /// GIF: 256 colours a frame.
+    /// GIF: 256 colors a frame.
     Gif,
     /// Rows of red, green and blue bytes, from the top, frame after frame.
     Raw,
@@ -23,7 +23,7 @@ const GIF_SIDE: usize = u16::MAX as usize;
 /// 1 for 10.
 const GIF_FPS: u16 = 50;
 
-/// How thoroughly colours are chosen for a frame of a GIF, from 1 (best) to 30 (fastest).
+/// How thoroughly colors are chosen for a frame of a GIF, from 1 (best) to 30 (fastest).
 const GIF_SPEED: i32 = 10;
 
 impl Format {

@@ -159,7 +159,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub sequence: SequenceArgs,
 
-    /// Stop looking for surfaces after so long: what was not reached is undecided and not drawn
+    /// Stop looking for surfaces after this long: what was not reached is undecided and not drawn
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub budget: Option<f64>,
 
@@ -253,7 +253,7 @@ pub struct KernelArgs {
     #[arg(long, value_parser = one_of::<Precision>(), default_value = "auto")]
     pub precision: Precision,
 
-    /// How far, in pixels, a hit may be from where it is said to be: above 0, at most 100
+    /// How far, in pixels, a hit may be from where it is reported: above 0, at most 100
     #[arg(long, value_name = "PIXELS", default_value_t = 0.5, allow_hyphen_values = true)]
     pub tolerance: f64,
 
@@ -262,7 +262,7 @@ pub struct KernelArgs {
     #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
     pub max_depth: u32,
 
-    /// Samples on a ray's path through the domain, or steps along it at most: 2 to 1048576
+    /// Samples on a ray's path through the domain, or the most steps along it: 2 to 1048576
     #[arg(long, value_name = "N", default_value_t = 256)]
     pub steps: u32,
 
@@ -270,9 +270,9 @@ pub struct KernelArgs {
     pub without: WithoutArgs,
 }
 
-/// Ideas that are left out.
+/// Ideas that are left out, by methods that read these flags.
 #[derive(Clone, Copy, Debug, Args)]
-#[command(next_help_heading = "To see what each idea of the method affine brings")]
+#[command(next_help_heading = "To see what each idea of a method brings")]
 pub struct WithoutArgs {
     /// Halve segments, rather than narrow them to where an affine form may vanish
     #[arg(long)]
@@ -298,7 +298,7 @@ pub struct TracingArgs {
     #[command(flatten)]
     pub kernels: KernelArgs,
 
-    /// Trace a ray from every visible point to a light that is somewhat wide
+    /// Cast soft shadows: trace a ray from every visible point to an area light
     #[arg(long)]
     pub shadows: bool,
 
@@ -319,8 +319,8 @@ pub struct TracingArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sequences")]
 pub struct SequenceArgs {
-    /// How many frames there are: -o frame-%04d.png is a file for each, other PNG and GIF files
-    /// hold them all, and - is standard output, three bytes a pixel
+    /// Number of frames: -o frame-%04d.png writes a file for each, another PNG or GIF file holds
+    /// them all, and - writes them to standard output, three bytes per pixel
     #[arg(long, value_name = "N")]
     pub frames: Option<usize>,
 
@@ -328,25 +328,25 @@ pub struct SequenceArgs {
     #[arg(long, value_name = "NAME=A..B", allow_hyphen_values = true)]
     pub sweep: Vec<String>,
 
-    /// Let the eye go around what it looks at, by so many degrees
+    /// Turn the eye around its target, by this many degrees
     #[arg(long, value_name = "DEGREES", num_args = 0..=1, default_missing_value = "360")]
     #[arg(require_equals = true)]
     pub turntable: Option<f64>,
 
-    /// Leave the end out, since it shows what the start does: an animation then repeats smoothly.
-    /// A whole turn always is such a loop
+    /// Leave out the end, which shows the same as the start, so that an animation repeats smoothly;
+    /// a full turn always does
     #[arg(long = "loop")]
     pub is_loop: bool,
 
-    /// Frames in a second of an animation
+    /// Frames per second of an animation
     #[arg(long, value_name = "N", default_value_t = 30)]
     pub fps: u16,
 
-    /// Make only this of so many parts of equal work: 1/8 to 8/8
+    /// Make only part I of N parts of equal work: 1/8 to 8/8
     #[arg(long, value_name = "I/N")]
     pub shard: Option<String>,
 
-    /// Leave frames as they are that this command has made already, of the same text
+    /// Keep frames that this command has already made from the same text
     #[arg(long)]
     pub resume: bool,
 }
@@ -357,20 +357,19 @@ pub struct ShadingArgs {
     #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade")]
     pub undecided: UndecidedStyle,
 
-    /// How surfaces are lit, and what they stand on [default: what the document says, else studio]
+    /// Lighting and background [default: what the document says, else studio]
     #[arg(long, value_parser = looks())]
     pub look: Option<&'static Look>,
 
-    /// Draw the domain's box with axes and ticks; what is visible leaves room for it
+    /// Draw the domain's box with axes and ticks; the view makes room for it
     #[arg(long)]
     pub axes: bool,
 
-    /// Show which value has which color, where colors are those of values; with axes it is shown
-    /// anyway
+    /// Show which value has which color, where values are colored; always shown with axes
     #[arg(long)]
     pub legend: bool,
 
-    /// Rays in a pixel through which an edge goes: 1, 4, 16 or 64. Arrays are about one ray a pixel
+    /// Rays in a pixel on an edge: 1, 4, 16 or 64. Arrays are about one ray per pixel
     #[arg(long, value_name = "N", default_value_t = AA)]
     pub aa: usize,
 
@@ -382,7 +381,7 @@ pub struct ShadingArgs {
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
     pub ambient: Option<f32>,
 
-    /// Background colour: a name of CSS such as white, or hexadecimal digits [default: the
+    /// Background color: a name of CSS such as white, or hexadecimal digits [default: the
     /// document's, else the look's]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,

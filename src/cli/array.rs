@@ -24,10 +24,10 @@ pub struct ArrayRow {
 }
 
 /// What writes rows to a file, if that could be begun.
-pub type Begun = io::Result<Box<dyn Rows>>;
+pub type Begun = io::Result<Box<dyn RowWriter>>;
 
 /// A file that is written row by row.
-pub trait Rows {
+pub trait RowWriter {
     /// Writes the next rows of a picture.
     ///
     /// # Errors
@@ -71,7 +71,7 @@ pub const ARRAYS: &[ArrayRow] = &[
     },
     ArrayRow {
         flag: "bracket",
-        help: "Of hits, the distances between which the first zero is proven to lie, as a float64 array of two values per pixel, NaN elsewhere",
+        help: "For hits, the distances between which the first zero is proven to lie, as a float64 array of two values per pixel, NaN elsewhere",
         needs_normals: false,
         needs_brackets: true,
         begin: |out, [rows, columns], _| {
@@ -82,7 +82,7 @@ pub const ARRAYS: &[ArrayRow] = &[
     },
     ArrayRow {
         flag: "status",
-        help: "What is proven of each pixel as a uint8 array: 0 miss, 1 hit, 2 undecided",
+        help: "What is proven about each pixel as a uint8 array: 0 miss, 1 hit, 2 undecided",
         needs_normals: false,
         needs_brackets: false,
         begin: |out, [rows, columns], _| {
@@ -102,7 +102,7 @@ pub const ARRAYS: &[ArrayRow] = &[
     },
     ArrayRow {
         flag: "surface-id",
-        help: "Which surface is drawn as an int16 array: 0 for the first of the text, and so on; -1 for none",
+        help: "Which surface is drawn as an int16 array: 0 for the first in the text, and so on; -1 for none",
         needs_normals: false,
         needs_brackets: false,
         begin: |out, [rows, columns], _| {
@@ -166,7 +166,7 @@ struct Array<T: AutoSerialize, F> {
     add: F,
 }
 
-impl<T, F> Rows for Array<T, F>
+impl<T, F> RowWriter for Array<T, F>
 where
     T: AutoSerialize,
     F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()>,

@@ -15,10 +15,10 @@ const PI: [[u8; 7]; 16] = {
     [none, none, none, none, none, none, bar, legs, legs, legs, legs, legs, feet, none, none, none]
 };
 
-/// A colour as 0xRRGGBB.
+/// A color as 0xRRGGBB.
 pub type Rgb = u32;
 
-/// A colour into which so much of 255 of another is mixed.
+/// A color into which so much of 255 of another is mixed.
 fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
     let part = |n: usize| (u32::from(old[n]) * (255 - share) + u32::from(new[n]) * share) / 255;
     [0, 1, 2].map(|n| part(n) as u8)
@@ -35,10 +35,10 @@ pub struct Canvas {
     marks: Vec<Mark>,
 }
 
-/// A colour that is mixed into the pixel of this index, and its share.
+/// A color that is mixed into the pixel of this index, and its share.
 struct Mark {
     pixel: usize,
-    colour: Rgb,
+    color: Rgb,
     share: u8,
 }
 
@@ -52,9 +52,9 @@ impl Canvas {
     /// which the first is the row `top`.
     pub fn mix_into(&self, rgb: &mut [u8], top: usize) {
         let (pixels, first) = (rgb.as_chunks_mut::<3>().0, top * self.width);
-        for Mark { pixel, colour, share } in &self.marks {
+        for Mark { pixel, color, share } in &self.marks {
             if let Some(pixel) = pixel.checked_sub(first).and_then(|there| pixels.get_mut(there)) {
-                let [_, parts @ ..] = colour.to_be_bytes();
+                let [_, parts @ ..] = color.to_be_bytes();
                 *pixel = mixed(*pixel, parts, u32::from(*share));
             }
         }
@@ -80,28 +80,28 @@ impl Canvas {
         (HEIGHT.val() + 4) * scale
     }
 
-    /// Mixes `colour` into a pixel; `share` is 255 for all of it. Pixels outside are ignored.
-    pub fn blend(&mut self, x: i64, y: i64, colour: Rgb, share: u32) {
+    /// Mixes `color` into a pixel; `share` is 255 for all of it. Pixels outside are ignored.
+    pub fn blend(&mut self, x: i64, y: i64, color: Rgb, share: u32) {
         let inside = |at: i64, size: usize| at >= 0 && at < size as i64;
         if !(inside(x, self.width) && inside(y, self.height)) {
             return;
         }
         let place = y as usize * self.width + x as usize;
         let Some(pixel) = self.pixels.get_mut(place) else {
-            self.marks.push(Mark { pixel: place, colour, share: share as u8 });
+            self.marks.push(Mark { pixel: place, color, share: share as u8 });
             return;
         };
         let [_, old @ ..] = pixel.to_be_bytes();
-        let [_, new @ ..] = colour.to_be_bytes();
+        let [_, new @ ..] = color.to_be_bytes();
         let [red, green, blue] = mixed(old, new, share);
         *pixel = u32::from_be_bytes([0, red, green, blue]);
     }
 
-    /// Mixes `colour` into a rectangle.
-    pub fn fill(&mut self, x: i64, y: i64, width: usize, height: usize, colour: Rgb, share: u32) {
+    /// Mixes `color` into a rectangle.
+    pub fn fill(&mut self, x: i64, y: i64, width: usize, height: usize, color: Rgb, share: u32) {
         for y in y.max(0)..(y + height as i64).min(self.height as i64) {
             for x in x.max(0)..(x + width as i64).min(self.width as i64) {
-                self.blend(x, y, colour, share);
+                self.blend(x, y, color, share);
             }
         }
     }
@@ -118,17 +118,17 @@ impl Canvas {
 
     /// A frame along the edge.
     #[cfg(feature = "window")]
-    pub fn border(&mut self, thickness: usize, colour: Rgb) {
+    pub fn border(&mut self, thickness: usize, color: Rgb) {
         let (w, h, t) = (self.width, self.height, thickness);
-        self.fill(0, 0, w, t, colour, 255);
-        self.fill(0, h as i64 - t as i64, w, t, colour, 255);
-        self.fill(0, 0, t, h, colour, 255);
-        self.fill(w as i64 - t as i64, 0, t, h, colour, 255);
+        self.fill(0, 0, w, t, color, 255);
+        self.fill(0, h as i64 - t as i64, w, t, color, 255);
+        self.fill(0, 0, t, h, color, 255);
+        self.fill(w as i64 - t as i64, 0, t, h, color, 255);
     }
 
     /// Writes one line with its upper left corner at a place. What the font lacks becomes a
     /// question mark.
-    pub fn write(&mut self, text: &str, x: i64, y: i64, colour: Rgb) {
+    pub fn write(&mut self, text: &str, x: i64, y: i64, color: Rgb) {
         let advance = self.advance() as i64;
         for (place, letter) in (0_i64..).zip(text.chars()) {
             let left = x + place * advance;
@@ -136,25 +136,25 @@ impl Canvas {
                 break;
             }
             if letter == 'π' {
-                self.dots(left, y, PI.iter().map(<[u8; 7]>::as_slice), colour);
+                self.dots(left, y, PI.iter().map(<[u8; 7]>::as_slice), color);
                 continue;
             }
             let glyph = get_raster(letter, WEIGHT, HEIGHT)
                 .or_else(|| get_raster(if letter == ' ' { '_' } else { '?' }, WEIGHT, HEIGHT));
             let Some(glyph) = glyph else { continue };
-            self.dots(left, y, glyph.rows(), colour);
+            self.dots(left, y, glyph.rows(), color);
         }
     }
 
     /// Draws a letter, given how much of each of its dots is covered, row by row.
-    fn dots<'a>(&mut self, x: i64, y: i64, rows: impl Iterator<Item = &'a [u8]>, colour: Rgb) {
+    fn dots<'a>(&mut self, x: i64, y: i64, rows: impl Iterator<Item = &'a [u8]>, color: Rgb) {
         let scale = self.scale as i64;
         for (row, line) in (0_i64..).zip(rows) {
             for (column, &cover) in (0_i64..).zip(line.iter()).filter(|(_, cover)| **cover > 0) {
                 for dot in 0..scale * scale {
                     let x = x + column * scale + dot % scale;
                     let y = y + row * scale + dot / scale;
-                    self.blend(x, y, colour, u32::from(cover));
+                    self.blend(x, y, color, u32::from(cover));
                 }
             }
         }
@@ -162,10 +162,10 @@ impl Canvas {
 
     /// Writes one line on a dark ground.
     #[cfg(feature = "window")]
-    pub fn label(&mut self, text: &str, x: i64, y: i64, colour: Rgb) {
+    pub fn label(&mut self, text: &str, x: i64, y: i64, color: Rgb) {
         let width = text.chars().count() * self.advance() + 8 * self.scale;
         self.fill(x, y, width, self.line_height(), 0x0020_2028, 208);
-        self.write(text, x + 4 * self.scale as i64, y + 2 * self.scale as i64, colour);
+        self.write(text, x + 4 * self.scale as i64, y + 2 * self.scale as i64, color);
     }
 
     /// As many letters as fit the width between margins, with `…` spelt as two dots where some do

@@ -72,7 +72,7 @@ impl Place {
     }
 }
 
-/// What is coloured in a line.
+/// What is colored in a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     Number,
@@ -80,7 +80,7 @@ pub enum Class {
     Comment,
 }
 
-/// The parts of a line that are coloured, in order.
+/// The parts of a line that are colored, in order.
 pub fn classes(line: &str) -> Vec<(Range<usize>, Class)> {
     let mut found = Vec::new();
     let mut start = 0;
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn every_word_completes_and_is_coloured_as_what_it_is() {
+    fn every_word_completes_and_is_colored_as_what_it_is() {
         let mut count = 0;
         for (word, kind) in words() {
             let before = before(kind);
@@ -169,7 +169,7 @@ mod tests {
                 assert_eq!(start, before.len(), "{typed}");
                 assert!(names.iter().any(|name| name == word), "{typed}: no {word} in {names:?}");
             }
-            let (place, class) = classes(&line).pop().expect("a word is coloured");
+            let (place, class) = classes(&line).pop().expect("a word is colored");
             assert_eq!(&line[place], word);
             let other = |class: Class| {
                 words().any(|(name, kind)| name == word && class == Class::Word(kind))

@@ -11,7 +11,7 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 use zeroset::model::make_kernels;
 use zeroset::picture::{Precision, Settings};
-use zeroset::program::{Cleared, Form, Program};
+use zeroset::program::{ClearedGraph, KernelSource, Program};
 use zeroset::scene;
 use zeroset_eval::{FindZeros, KernelFloat, Step, Tape};
 use zeroset_interval::Interval;
@@ -55,7 +55,7 @@ fn explain_in<T: KernelFloat>(
     for note in &document.notes {
         let source = &subject.source;
         let shown =
-            note.render(Some(&source.from.to_string()), &source.text, notes::coloured_output());
+            note.render(Some(&source.from.to_string()), &source.text, notes::colored_output());
         writeln!(text, "{shown}\n")?;
     }
     // A formula without a surface can be explained too; nothing is then assumed of its domain.
@@ -80,17 +80,19 @@ fn explain_in<T: KernelFloat>(
         writeln!(text, "\nread as     {}", surface.echo)?;
         let label = if program.is_reduced(index) { "same zeros" } else { "simplified" };
         writeln!(text, "{label}  {}", display(program.graph(), root, &names))?;
-        if let Some(Cleared { graph, numerator, denominator, .. }) = program.cleared(index)? {
+        if let Some(ClearedGraph { graph, numerator, denominator, .. }) = program.cleared(index)? {
             let show = |node: &NodeId| display(graph, *node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
         // Asked for what a picture needs, so that the kernels listed are those that it makes.
         let settings = Settings { method, precision, ..Settings::default() };
         make_kernels::<T>(&program, index, surface.kind, &region, &settings, &|| true)?;
-        for (form, label) in [(Form::Function, "operations"), (Form::Gradient, "derivatives")] {
+        for (form, label) in
+            [(KernelSource::Function, "operations"), (KernelSource::Gradient, "derivatives")]
+        {
             if let Some(tape) = program.tape::<T>(index, form)? {
                 writeln!(text, "{label}  {}", operations(&tape))?;
-                if with_code && form == Form::Function {
+                if with_code && form == KernelSource::Function {
                     let shown = intermediate_code::<FindZeros, T>(&tape)?;
                     writeln!(code, "\nzeros kernel of {}\n{shown}", surface.echo)?;
                 }

@@ -1,7 +1,7 @@
 //! What one picture is written to: files opened before the work.
 
 use super::arguments::OutputArgs;
-use super::array::{ARRAYS, ArrayRow, Arrays, Begun, Rows};
+use super::array::{ARRAYS, ArrayRow, Arrays, Begun, RowWriter};
 use super::output::Output;
 use super::png_file::{Origin, check_png, png_encoder};
 use anyhow::{Context, Result, bail, ensure};
@@ -94,7 +94,7 @@ impl Files {
 }
 
 /// Files together with what writes the rows of a picture to them; they appear at the end.
-pub struct OpenFiles(Vec<(Shared, Box<dyn Rows>)>);
+pub struct OpenFiles(Vec<(Shared, Box<dyn RowWriter>)>);
 
 impl OpenFiles {
     /// Writes the next rows.
@@ -144,7 +144,7 @@ impl Write for Shared {
 
 struct Png(StreamWriter<'static, Box<dyn Write>>);
 
-impl Rows for Png {
+impl RowWriter for Png {
     fn add(&mut self, picture: &Picture) -> io::Result<()> {
         self.0.write_all(&picture.rgb)
     }

@@ -18,7 +18,7 @@ pub enum Protocol {
     Kitty,
     /// <https://iterm2.com/documentation-images.html>, likewise.
     Iterm,
-    /// <https://vt100.net/docs/vt3xx-gp/chapter14.html>, up to 256 colours.
+    /// <https://vt100.net/docs/vt3xx-gp/chapter14.html>, up to 256 colors.
     Sixel,
 }
 
@@ -120,7 +120,7 @@ impl Protocol {
 #[cfg(feature = "sixel")]
 fn sixels(rgb: &[u8], width: usize, height: usize) -> Option<String> {
     let opaque: Vec<u8> = rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-    // 256 colours shade a surface or two smoothly; dithering would only add grain and half the
+    // 256 colors shade a surface or two smoothly; dithering would only add grain and half the
     // bytes again.
     let options = icy_sixel::EncodeOptions { diffusion: 0.0, ..Default::default() };
     icy_sixel::sixel_encode(&opaque, width, height, &options).ok()

@@ -25,22 +25,22 @@ pub fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Whether standard error takes colours: a terminal, unless `NO_COLOR` is set (no-color.org) or it
+/// Whether standard error takes colors: a terminal, unless `NO_COLOR` is set (no-color.org) or it
 /// is a dumb one.
-pub fn coloured() -> bool {
-    std::io::stderr().is_terminal() && colours_are_wanted()
+pub fn colored() -> bool {
+    std::io::stderr().is_terminal() && colors_are_wanted()
 }
 
-/// Whether standard output takes colours, by the same rule.
-pub fn coloured_output() -> bool {
-    std::io::stdout().is_terminal() && colours_are_wanted()
+/// Whether standard output takes colors, by the same rule.
+pub fn colored_output() -> bool {
+    std::io::stdout().is_terminal() && colors_are_wanted()
 }
 
-fn colours_are_wanted() -> bool {
+fn colors_are_wanted() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
         && std::env::var_os("TERM").is_none_or(|terminal| terminal != "dumb")
 }
 
 fn label(word: &str, code: &str) -> String {
-    if coloured() { format!("\x1b[1;{code}m{word}\x1b[0m") } else { word.to_owned() }
+    if colored() { format!("\x1b[1;{code}m{word}\x1b[0m") } else { word.to_owned() }
 }

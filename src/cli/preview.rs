@@ -1,5 +1,5 @@
 //! Pictures in a terminal: as pixels where it takes them, else two to a character, the upper half
-//! block in one colour over the other, else as letters.
+//! block in one color over the other, else as letters.
 
 use super::graphics::{Known, Protocol};
 use super::notes;
@@ -87,7 +87,7 @@ pub fn text(picture: &Picture, below: &str) -> String {
     let sent = protocol().0.and_then(|one| one.encode(&picture.rgb, size, characters()));
     let text = match sent {
         Some(text) => text + "\n",
-        None if notes::coloured_output() => blocks(picture),
+        None if notes::colored_output() => blocks(picture),
         None => letters(picture),
     };
     text + below
@@ -110,7 +110,7 @@ fn blocks(picture: &Picture) -> String {
     text
 }
 
-/// Without colours, letters by brightness; nothing where nothing is painted.
+/// Without colors, letters by brightness; nothing where nothing is painted.
 fn letters(picture: &Picture) -> String {
     const RAMP: &[u8] = b"@%#*+=-:";
     let mut text = String::new();

@@ -1,4 +1,4 @@
-//! The prompt: a line that is typed, with history, completion and colours. What a line means is
+//! The prompt: a line that is typed, with history, completion and colors. What a line means is
 //! decided elsewhere.
 
 use super::completion::{Class, candidates, classes, given_up, is_open};
@@ -184,7 +184,7 @@ fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
         }
         typing.reported = fault.revision;
         drop(typing);
-        session.say(&fault.render(notes::coloured()));
+        session.say(&fault.render(notes::colored()));
     }
 }
 
@@ -232,13 +232,13 @@ impl Hinter for PromptHelper {
 
 impl Highlighter for PromptHelper {
     fn highlight<'l>(&self, line: &'l str, _: usize) -> Cow<'l, str> {
-        if !notes::coloured_output() {
+        if !notes::colored_output() {
             return Cow::Borrowed(line);
         }
         let mut text = String::new();
         let mut end = 0;
         for (place, class) in classes(line) {
-            let colour = match class {
+            let color = match class {
                 Class::Number => "36",
                 // A letter by itself is seen well enough.
                 Class::Word(_) if place.len() == 1 => continue,
@@ -249,7 +249,7 @@ impl Highlighter for PromptHelper {
             };
             text.push_str(&line[end..place.start]);
             // Writing to a string cannot fail.
-            let _ = write!(text, "\x1b[{colour}m{}\x1b[0m", &line[place.clone()]);
+            let _ = write!(text, "\x1b[{color}m{}\x1b[0m", &line[place.clone()]);
             end = place.end;
         }
         text.push_str(&line[end..]);
@@ -257,7 +257,7 @@ impl Highlighter for PromptHelper {
     }
 
     fn highlight_hint<'h>(&self, hint: &'h str) -> Cow<'h, str> {
-        if notes::coloured_output() {
+        if notes::colored_output() {
             Cow::Owned(format!("\x1b[2m{hint}\x1b[0m"))
         } else {
             Cow::Borrowed(hint)

@@ -159,7 +159,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let background = |text: &String| {
         let named = SrgbColor::typed(text).map(|color| LinearRgb::from_srgb(color.rgb));
         named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
-            format!("--background '{text}' is not a colour such as white or ffffff")
+            format!("--background '{text}' is not a color such as white or ffffff")
         })
     };
     let background = shading.background.as_ref().map(background).transpose()?;

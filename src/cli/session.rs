@@ -43,7 +43,7 @@ pub struct Wrong {
 
 impl From<Refusal> for Wrong {
     fn from(refusal: Refusal) -> Self {
-        let mut full = refusal.render(notes::coloured());
+        let mut full = refusal.render(notes::colored());
         if let Some(letter) = refusal.missing_letter() {
             // Writing to a string cannot fail.
             let _ = write!(
@@ -441,7 +441,7 @@ impl Session {
         }
         let seen = self.live.snapshot();
         match (&seen.fault, &seen.rendering) {
-            (Some(fault), _) => notes::say(&fault.render(notes::coloured())),
+            (Some(fault), _) => notes::say(&fault.render(notes::colored())),
             (None, Some(seen)) => {
                 print(&format!("{}\n", preview::text(&seen.picture, &seen.summary())))?;
             }

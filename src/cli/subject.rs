@@ -52,7 +52,7 @@ impl Subject {
             Ok(document) => Ok(Self { source, document, domain, parse }),
             Err(errors) => {
                 let shown =
-                    errors.render(Some(&source.from.to_string()), &source.text, notes::coloured());
+                    errors.render(Some(&source.from.to_string()), &source.text, notes::colored());
                 Err(notes::Diagnostic(shown).into())
             }
         }
@@ -62,7 +62,7 @@ impl Subject {
     pub fn show_notes(&self) {
         for note in &self.document.notes {
             let Source { from, text } = &self.source;
-            notes::say(&note.render(Some(&from.to_string()), text, notes::coloured()));
+            notes::say(&note.render(Some(&from.to_string()), text, notes::colored()));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Colours of what lies over a picture: panels, lists, pages.
+//! Colors of what lies over a picture: panels, lists, pages.
 
 use super::canvas::Rgb;
 

@@ -42,7 +42,7 @@ type Lifted = (usize, u32);
 type Chart = (usize, f64);
 
 /// Between which ends u, v and w lie.
-type Part = [[f64; 2]; 3];
+type ChartBox = [[f64; 2]; 3];
 
 /// Bounds of a value, and of its derivatives by the first `N` of u, v and w.
 type Jet<const N: usize> = (Bounds, [Bounds; N]);
@@ -157,7 +157,7 @@ impl Homogeneous {
     fn about_middle(
         &self,
         chart: Chart,
-        part: Part,
+        part: ChartBox,
         known: &mut Vec<Jet<0>>,
     ) -> Option<(Bounds, [f64; 3])> {
         let (_, slopes) = self.jet::<3>(chart, part, &mut Vec::new())?;
@@ -174,7 +174,7 @@ impl Homogeneous {
     }
 
     /// Bounds over part of a chart.
-    fn over(&self, chart: Chart, part: Part, known: &mut Vec<Jet<0>>) -> Bounds {
+    fn over(&self, chart: Chart, part: ChartBox, known: &mut Vec<Jet<0>>) -> Bounds {
         self.jet(chart, part, known).map_or(Bounds::ENTIRE, |(value, [])| value)
     }
 
@@ -183,7 +183,7 @@ impl Homogeneous {
     fn jet<const N: usize>(
         &self,
         (axis, side): Chart,
-        part: Part,
+        part: ChartBox,
         known: &mut Vec<Jet<N>>,
     ) -> Option<Jet<N>> {
         let number = |value: Bounds| (value, [Bounds::ZERO; N]);

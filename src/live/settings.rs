@@ -85,7 +85,7 @@ pub(super) fn steps(live: &Live, wanted: Option<u32>) -> Result<Reply, Refusal> 
     }
     let settings = live.settings();
     let unread = unread(&settings, MethodOption::Steps);
-    say(format!("{} steps on a ray's way through the domain{unread}", settings.steps))
+    say(format!("{} steps on a ray's path through the domain{unread}", settings.steps))
 }
 
 pub(super) fn depth(live: &Live, wanted: Option<u32>) -> Result<Reply, Refusal> {

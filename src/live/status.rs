@@ -40,6 +40,9 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
         MethodOption::Precision => Some(format!(", {}", settings.precision)),
         MethodOption::Tolerance => Some(format!(", hits within {} pixels", settings.tolerance)),
         MethodOption::Steps => Some(format!(", {} steps", settings.steps)),
+        MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
+            left_out(settings, option, ", ")
+        }
     });
     let _ = writeln!(text, "method      {}{options}", settings.method.name);
     let pixels = statistics.pixels;
@@ -89,9 +92,18 @@ fn options(settings: &Settings, say: impl Fn(MethodOption) -> Option<String>) ->
         MethodOption::Steps,
         MethodOption::Precision,
         MethodOption::Tolerance,
+        MethodOption::NoContract,
+        MethodOption::NoTiles,
+        MethodOption::NoIntervals,
     ];
     let read = all.into_iter().filter(|option| settings.method.reads.contains(option));
     read.filter_map(say).collect()
+}
+
+/// The name of an option that leaves out an idea, after `before`, if it is set.
+fn left_out(settings: &Settings, option: MethodOption, before: &str) -> Option<String> {
+    let is_set = settings.ideas.left_out().any(|set| set == option);
+    is_set.then(|| format!("{before}{}", option.name()))
 }
 
 /// A time in milliseconds, to two digits or so.
@@ -128,6 +140,9 @@ impl Rendering {
             MethodOption::Tolerance => (settings.tolerance != Settings::default().tolerance)
                 .then(|| format!(" {} px", settings.tolerance)),
             MethodOption::Steps => Some(format!(" {}", settings.steps)),
+            MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
+                left_out(settings, option, " ")
+            }
         });
         format!(
             "{} · {width}x{height} · {}{options} · {undecided} undecided · {made}{}",
@@ -198,6 +213,9 @@ impl Rendering {
                 .then(|| format!(" --tolerance {}", settings.tolerance)),
             MethodOption::Steps => {
                 (settings.steps != usual.steps).then(|| format!(" --steps {}", settings.steps))
+            }
+            MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
+                left_out(settings, option, " --")
             }
         });
         if settings.undecided != UndecidedStyle::Shade {

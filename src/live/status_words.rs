@@ -4,31 +4,37 @@ use super::coming;
 use super::pipeline::Rendering;
 use super::status::ms;
 use crate::picture::Settings;
-use zeroset_trace::{Proves, Reason};
+use zeroset_trace::{METHODS, Proves, Reason};
+
+/// Stands for the first method that proves hits and misses.
+const PROVER: &str = "{prover}";
 
 /// Words of the window's status line and what they say.
 const WORDS: [(&str, &str); 12] = [
-    (
-        "every pixel proven",
-        "of each pixel's ray it is proven that it meets the surface, or that it does not",
-    ),
+    ("every pixel proven", "each pixel's ray is proven to meet the surface, or to miss it"),
     (
         "3 pixels undecided",
-        "of these neither is proven; they are drawn as what is most likely, and U marks them",
+        "for these neither is proven; what is most likely is drawn, and U marks them",
     ),
-    ("touching", "there f comes as near to 0 as can be computed, and no change of sign is proven"),
-    ("perhaps undefined", "there f may have no value, as beyond the edge of sqrt(x)"),
-    ("perhaps a jump", "there f may jump past 0 without meeting it, as floor(x) does"),
-    ("out of time", "what was to be spent on a ray was spent"),
+    ("touching", "f comes as close to 0 there as can be computed, and no change of sign is proven"),
+    ("perhaps undefined", "f may have no value there, as beyond the edge of sqrt(x)"),
+    ("perhaps a jump", "f may jump past 0 there without meeting it, as floor(x) does"),
+    ("out of time", "the budget for a ray was spent"),
     ("too steep", "no bound of f's slope is known there, which this method needs"),
-    ("only misses proven", "this method draws what it cannot prove: the method affine proves both"),
-    ("nothing proven", "this method samples and may miss thin parts: the method affine proves all"),
+    (
+        "only misses proven",
+        "this method draws what it cannot prove: the method {prover} proves both",
+    ),
+    (
+        "nothing proven",
+        "this method samples and may miss thin parts: the method {prover} proves all",
+    ),
     ("200x150 of 800x600 so far", "a coarse picture; the full one is being made"),
     (
         "90 pixels to be decided",
-        "all is drawn; of these pixels the proof takes longer and is being made",
+        "everything is drawn; the proof for these pixels takes longer, and is under way",
     ),
-    ("24 ms", "what it took to find the surface and to colour it"),
+    ("24 ms", "the time to find the surface and to color it"),
 ];
 
 /// What a person asks who reads the status line, or comes from another program.
@@ -38,7 +44,9 @@ pub fn status_words() -> String {
 
 /// The words and what they say.
 pub(super) fn explained() -> String {
-    let line = |(word, says): &(&str, &str)| format!("{word}\n  {says}");
+    let mut provers = METHODS.iter().filter(|method| method.proves == Proves::HitsAndMisses);
+    let prover = provers.next().map_or("", |method| method.name);
+    let line = |(word, says): &(&str, &str)| format!("{word}\n  {says}").replace(PROVER, prover);
     let lines: Vec<String> = WORDS.iter().map(line).collect();
     format!("What the status line says\n{}", lines.join("\n"))
 }
@@ -133,6 +141,7 @@ mod tests {
             assert!(said.contains(" ms · 40x30"), "{said}");
         }
         let all = explained();
+        assert!(all.contains("the method affine proves both") && !all.contains('{'), "{all}");
         for reason in Reason::ALL.into_iter().filter(|one| *one != Reason::None) {
             assert!(all.contains(why(reason)) || reason == Reason::Unproven, "{reason:?}");
         }

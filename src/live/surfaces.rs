@@ -9,12 +9,12 @@ use super::session::Live;
 use super::undo::Gesture;
 use std::ops::Range;
 use zeroset_syntax::{Document, Options, SurfaceColor};
-use zeroset_trace::{ColourMap, LinearRgb, SurfaceColours};
+use zeroset_trace::{ColorMap, LinearRgb, SurfaceColors};
 
 /// Words of lines that hold for the drawings below them.
 const WORDS: [&str; 3] = ["color", "opacity", "hidden"];
 
-/// Colours by which a surface is told in a list: so many where it has those of a map.
+/// Colors by which a surface is told in a list: so many where it has those of a map.
 const SWATCH: usize = 6;
 
 /// A surface as a list shows it.
@@ -22,8 +22,8 @@ const SWATCH: usize = 6;
 pub struct Listed {
     /// How its formula was read.
     pub echo: String,
-    /// Its colours from left to right, as sRGB bytes.
-    pub colours: Vec<[u8; 3]>,
+    /// Its colors from left to right, as sRGB bytes.
+    pub colors: Vec<[u8; 3]>,
     /// How much of the light from behind it stops, within [0, 1].
     pub opacity: f64,
     /// Whether it is left out of pictures.
@@ -37,20 +37,20 @@ impl Rendering {
         let listed = |(number, surface): (usize, &zeroset_syntax::Surface)| {
             let own = || {
                 // Either side may be the one that is seen.
-                let SurfaceColours { positive, negative, .. } = SurfaceColours::default_for(number);
+                let SurfaceColors { positive, negative, .. } = SurfaceColors::default_for(number);
                 vec![positive.to_srgb(), negative.to_srgb()]
             };
-            let colours = match &surface.color {
+            let colors = match &surface.color {
                 Some(SurfaceColor::Plain(color)) => vec![LinearRgb::from_srgb(color.rgb).to_srgb()],
                 Some(SurfaceColor::Mapped(mapped)) => {
                     let share = |n: usize| n as f64 / (SWATCH - 1) as f64;
-                    let map = ColourMap::named(mapped.map);
+                    let map = ColorMap::named(mapped.map);
                     map.map_or_else(own, |map| (0..SWATCH).map(|n| map.bytes(share(n))).collect())
                 }
                 None => own(),
             };
             let (echo, opacity, hidden) = (surface.echo.clone(), surface.opacity, surface.hidden);
-            Listed { echo, colours, opacity, hidden }
+            Listed { echo, colors, opacity, hidden }
         };
         surfaces.map(listed).collect()
     }

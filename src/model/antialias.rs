@@ -1,4 +1,4 @@
-//! Colours of pixels through which an edge goes: the mean over many rays, each followed and lit as
+//! Colors of pixels through which an edge goes: the mean over many rays, each followed and lit as
 //! the one through the centre was.
 
 use super::Aim;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::{KernelFloat, LANES};
 use zeroset_trace::{
-    GBuffer, Patch, Pattern, RayGrid, Status, UndecidedStyle, edges, hand_back_colours, is_creased,
+    GBuffer, Patch, Pattern, RayGrid, Status, UndecidedStyle, edges, hand_back_colors, is_creased,
     is_smooth, slope,
 };
 
@@ -26,7 +26,7 @@ const STEEPER: f64 = 2.0;
 type Buffers = [GBuffer; 2];
 
 impl<T: KernelFloat> Shot<'_, T> {
-    /// Gives pixels with edges the mean of their colours; returns how many rays it took.
+    /// Gives pixels with edges the mean of their colors; returns how many rays it took.
     pub(super) fn smooth_edges(
         &self,
         rays: &RayGrid,
@@ -71,8 +71,8 @@ impl<T: KernelFloat> Shot<'_, T> {
         let found: Result<Vec<_>, ProgramError> =
             wanted.par_chunks(PART).map_init(new, smooth).collect();
         let pixels = rgb.as_chunks_mut::<3>().0;
-        for (pixel, colour) in found?.into_iter().flatten() {
-            pixels[pixel] = colour;
+        for (pixel, color) in found?.into_iter().flatten() {
+            pixels[pixel] = color;
         }
         Ok(wanted.len() * pattern.count())
     }
@@ -93,7 +93,7 @@ struct Edges<'a, T> {
 }
 
 impl<T: KernelFloat> Edges<'_, T> {
-    /// The colours of some pixels, but of those that have the right one.
+    /// The colors of some pixels, but of those that have the right one.
     fn smooth(
         &self,
         [all, layer]: &mut Buffers,
@@ -129,11 +129,11 @@ impl<T: KernelFloat> Edges<'_, T> {
             }
         }
         let layers = self.shot.layers(&rays, &only, self.tracers)?;
-        let bytes = self.shot.coloured(&rays, all, &layers, self.finish, self.pattern.side);
+        let bytes = self.shot.colored(&rays, all, &layers, self.finish, self.pattern.side);
         let samples = bytes.as_chunks().0.chunks(places);
         let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
         let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();
-        hand_back_colours(bytes);
+        hand_back_colors(bytes);
         Ok(found)
     }
 

@@ -9,7 +9,7 @@ use crate::program::ProgramError;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
 use zeroset_trace::{
-    Driver, GBuffer, LinearRgb, RayGrid, Start, Status, UndecidedStyle, hand_back_colours, shade,
+    Driver, GBuffer, LinearRgb, RayGrid, Start, Status, UndecidedStyle, hand_back_colors, shade,
 };
 
 /// Points of one surface along a ray, at most.
@@ -83,9 +83,9 @@ impl<T: KernelFloat> Shot<'_, T> {
         (0..front.drawn.len()).into_par_iter().map(start).collect()
     }
 
-    /// The colours of a picture as sRGB bytes, with what is seen through it, of which `layers` are
+    /// The colors of a picture as sRGB bytes, with what is seen through it, of which `layers` are
     /// all points.
-    pub fn coloured(
+    pub fn colored(
         &self,
         rays: &RayGrid,
         picture: &GBuffer,
@@ -102,7 +102,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         if layers.is_empty() {
             return first;
         }
-        let colours: Vec<Vec<u8>> = layers.iter().map(shaded).collect();
+        let colors: Vec<Vec<u8>> = layers.iter().map(shaded).collect();
         let opacity = |buffer: &GBuffer, pixel: usize| {
             let is_left_out = appearance.undecided == UndecidedStyle::Miss
                 && buffer.status[pixel] == Status::Undecided;
@@ -110,9 +110,9 @@ impl<T: KernelFloat> Shot<'_, T> {
             if is_left_out { 0.0 } else { style.opacity as f32 }
         };
         let mixed = |order: &mut Vec<usize>, pixel: usize| {
-            let colour = |bytes: &[u8]| LinearRgb::from_srgb(bytes.as_chunks().0[pixel]).0;
+            let color = |bytes: &[u8]| LinearRgb::from_srgb(bytes.as_chunks().0[pixel]).0;
             if !picture.is_drawn(pixel) {
-                return colour(&first);
+                return color(&first);
             }
             // The nearest point is that of the picture, which knows its shadows.
             let is_behind = |layer: &usize| {
@@ -125,14 +125,14 @@ impl<T: KernelFloat> Shot<'_, T> {
             order.extend((0..layers.len()).filter(is_behind));
             order.sort_by(|a, b| layers[*a].drawn[pixel].total_cmp(&layers[*b].drawn[pixel]));
             let nearest = opacity(picture, pixel);
-            let mut light = colour(&first).map(|own| nearest * own);
+            let mut light = color(&first).map(|own| nearest * own);
             let mut left = 1.0 - nearest;
             for &layer in order.iter() {
                 if left < DARK {
                     break;
                 }
                 let share = left * opacity(&layers[layer], pixel);
-                let own = colour(&colours[layer]);
+                let own = color(&colors[layer]);
                 light.iter_mut().zip(own).for_each(|(light, own)| *light += share * own);
                 left -= share;
             }
@@ -144,7 +144,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         let bytes =
             pixels.map_init(Vec::new, |order, pixel| LinearRgb(mixed(order, pixel)).to_srgb());
         let bytes = bytes.collect::<Vec<[u8; 3]>>().into_flattened();
-        colours.into_iter().chain([first]).for_each(hand_back_colours);
+        colors.into_iter().chain([first]).for_each(hand_back_colors);
         bytes
     }
 }

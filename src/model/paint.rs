@@ -1,4 +1,4 @@
-//! Colours by a value at each point, and lines along which a value stays the same.
+//! Colors by a value at each point, and lines along which a value stays the same.
 //!
 //! Values are those of floats: no claim depends on them.
 
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
 use zeroset_ir::{Constant, Node};
 use zeroset_syntax::{MappedColor, POINT_NAMES, PointValue, SurfaceColor};
-use zeroset_trace::{Appearance, ColourMap, GBuffer, Paint, RayGrid};
+use zeroset_trace::{Appearance, ColorMap, GBuffer, Paint, RayGrid};
 
 /// Width of a contour line, in pixels.
 const WIDTH: f64 = 1.4;
@@ -24,11 +24,11 @@ const PLACE: f64 = 0.1;
 /// Points that a thread takes at a time.
 const PART: usize = 512;
 
-/// How a picture's points are coloured.
+/// How a picture's points are colored.
 pub(super) struct Finish<'a> {
     /// Under its light.
     pub appearance: Appearance,
-    /// What is painted; `None` if all of it has its surfaces' own colours.
+    /// What is painted; `None` if all of it has its surfaces' own colors.
     pub painter: Option<Painter<'a>>,
 }
 
@@ -41,23 +41,23 @@ pub(super) struct Painter<'a> {
     contours: Vec<Option<(&'a PointValue, f64)>>,
 }
 
-/// Which values have which colours.
+/// Which values have which colors.
 #[derive(Clone, Copy)]
 struct Scale<'a> {
-    map: &'static ColourMap,
+    map: &'static ColorMap,
     value: &'a PointValue,
     low: f64,
     high: f64,
 }
 
 impl<'a> Painter<'a> {
-    /// Whether anything has other colours than its surface's own.
+    /// Whether anything has other colors than its surface's own.
     pub fn is_wanted(model: &Model) -> bool {
         let is_mapped = |surface| Self::mapped(model, surface).is_some();
         model.setting.lines.contours.is_some() || (0..model.surfaces()).any(is_mapped)
     }
 
-    /// What colours a surface by a value, if it is shown.
+    /// What colors a surface by a value, if it is shown.
     fn mapped(model: &Model, surface: usize) -> Option<&MappedColor> {
         match &model.styles[surface].color {
             Some(SurfaceColor::Mapped(mapped)) if !model.styles[surface].hidden => Some(mapped),
@@ -66,7 +66,7 @@ impl<'a> Painter<'a> {
     }
 
     /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own
-    /// colours.
+    /// colors.
     pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
         let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();
@@ -99,12 +99,12 @@ impl<'a> Painter<'a> {
             let own = mapped(surface)?;
             let [low, high] = match &own.range {
                 Some(ends) => ends.each_ref().map(nearest),
-                // Surfaces that are coloured alike have one scale.
+                // Surfaces that are colored alike have one scale.
                 None => {
                     range(&own.value, &|other| mapped(other).is_some_and(|one| is_same(own, one)))
                 }
             };
-            Some(Scale { map: ColourMap::named(own.map)?, value: &own.value, low, high })
+            Some(Scale { map: ColorMap::named(own.map)?, value: &own.value, low, high })
         };
         let scales: Vec<Option<Scale<'_>>> = surfaces.clone().map(scale).collect();
         let contours = surfaces.map(|surface| {
@@ -124,7 +124,7 @@ impl<'a> Painter<'a> {
         Some(Self { model, scales, contours })
     }
 
-    /// What tells which value has which colour: one for each scale.
+    /// What tells which value has which color: one for each scale.
     pub fn legends(&self) -> Vec<Legend> {
         let mut legends: Vec<Legend> = Vec::new();
         for (scale, contours) in self.scales.iter().zip(&self.contours) {
@@ -150,7 +150,7 @@ impl<'a> Painter<'a> {
                 let values = self.values(value, &points, picture, rays, 0.0);
                 let extent = high - low;
                 for (&pixel, value) in points.iter().zip(&values) {
-                    // Where there is one value only it has the middle colour.
+                    // Where there is one value only it has the middle color.
                     let share = if extent > 0.0 { (value - low) / extent } else { 0.5 };
                     if !value.is_nan() {
                         paint[pixel].base = map.at(share);

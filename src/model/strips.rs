@@ -1,7 +1,7 @@
 //! Pictures too large to be held whole: strips of rows, one after another.
 //!
 //! A strip shows what the whole picture would, bit for bit, but for what surrounds each point at a
-//! distance: what is near to what, and which values colours stand for, is taken from an overview, a
+//! distance: what is near to what, and which values colors stand for, is taken from an overview, a
 //! smaller picture of the whole. Where that is no smaller, nothing differs.
 
 use super::{Model, Progress};

@@ -15,7 +15,7 @@ use zeroset_eval::KernelFloat;
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
     BAND_ROWS, Camera, Driver, GBuffer, Kept, NormalSource, Pattern, RayGrid, Rows, Shader, Tracer,
-    Work, cap, cap_rows, normals, unset_colours,
+    Work, cap, cap_rows, normals, unset_colors,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -263,7 +263,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let (width, height) = (rays.width(), rays.height());
         let mut work = Work::default();
         let mut picture: Option<GBuffer> = None;
-        let mut rgb = shader.map(|_| unset_colours(width * height));
+        let mut rgb = shader.map(|_| unset_colors(width * height));
         let last = model.seen().last();
         for surface in model.seen() {
             let tracer = self.tracer(surface, Aim::of(settings))?;

@@ -101,7 +101,7 @@ fn every_view_can_be_named_in_a_document() {
 }
 
 #[test]
-fn what_only_a_colour_depends_on_is_not_idle() {
+fn what_only_a_color_depends_on_is_not_idle() {
     let document = document("r = 2\ns = 3\ncolor viridis(r*z + t)\nx^2+y^2+z^2=1");
     let idle = |name: &str| {
         let parameter = document.parameters.iter().find(|parameter| parameter.name == name);

@@ -22,7 +22,7 @@ fn assert_as_compiled_afresh(frame: &Rendering) {
     let region = before;
     let fresh = render(&document, &region, &frame.camera, &request.settings, &|_, _| {});
     let fresh = fresh.expect("renders");
-    assert!(fresh.rgb == frame.picture.rgb, "{}: other colours", request.text);
+    assert!(fresh.rgb == frame.picture.rgb, "{}: other colors", request.text);
     assert!(fresh.buffer.status == frame.picture.buffer.status, "{}: other statuses", request.text);
     assert!(fresh.buffer.drawn == frame.picture.buffer.drawn, "{}: elsewhere", request.text);
 }

@@ -8,7 +8,7 @@ use zeroset::live::{DocumentSource, Live, Rendering, Reply, Request};
 use zeroset::model::render;
 use zeroset::picture::{Precision, Settings};
 use zeroset::scene;
-use zeroset_trace::Pattern;
+use zeroset_trace::{Ideas, Pattern};
 
 /// The picture that `zeroset render` would make of the same text from the same camera.
 fn rendered(frame: &Rendering) -> Vec<u8> {
@@ -293,6 +293,20 @@ fn definitions_may_come_first() {
     live.enter("x^2+y^2+z^2 = r^2").expect("now it is complete");
     settled(&live);
     assert_eq!(live.text(), "r = 2\nx^2+y^2+z^2 = r^2");
+}
+
+#[test]
+fn ideas_that_are_left_out_are_told_and_repeated() {
+    let ideas = Ideas { tiles: false, ..Ideas::default() };
+    let settings = Settings { width: 24, height: 24, ideas, ..Settings::default() };
+    let live =
+        Live::new(Request { text: "x^2+y^2+z^2 = 1".into(), settings, ..Request::default() });
+    let alone = settled(&live);
+    assert!(alone.summary().contains(" · affine auto no-tiles · "), "{}", alone.summary());
+    assert!(alone.command("a.png").contains(" --no-tiles -o"), "{}", alone.command("a.png"));
+    // It reads none of these.
+    live.enter(":method knoll").expect("a method");
+    assert!(!settled(&live).command("a.png").contains("--no-"));
 }
 
 #[test]

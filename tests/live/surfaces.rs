@@ -34,7 +34,7 @@ fn hiding_and_showing_changes_the_picture_and_the_text_and_makes_no_kernel() {
     let listed = hidden.surfaces();
     let hid: Vec<bool> = listed.iter().map(|surface| surface.hidden).collect();
     assert_eq!(hid, [false, true, false]);
-    assert_eq!(listed[0].colours, [[255, 0, 0]]);
+    assert_eq!(listed[0].colors, [[255, 0, 0]]);
     // The plane hides nothing and throws no light back.
     let buffer = &hidden.picture.buffer;
     let is_plane = |pixel: usize| buffer.is_drawn(pixel) && buffer.surface[pixel] == 1;
@@ -94,7 +94,7 @@ fn what_is_moved_or_left_looks_as_it_did() {
     let live = start(THREE, 48);
     let first = settled(&live);
     let echoes = |seen: &Rendering| -> Vec<(String, Vec<[u8; 3]>)> {
-        seen.surfaces().into_iter().map(|one| (one.echo, one.colours)).collect()
+        seen.surfaces().into_iter().map(|one| (one.echo, one.colors)).collect()
     };
     let all = echoes(&first);
     enter(&live, ":move 1 3");

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use zeroset::program::Program;
 use zeroset::scene::{DomainChoice, bounds, region};
-use zeroset_syntax::{Options as Reading, read};
-use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Options, Projection, Status};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Projection, Status, TraceOptions};
 
 const SIZE: [usize; 2] = [96, 80];
 
@@ -23,7 +23,7 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
         ("x^2+y^2+z^2=1", true, [near, far], 0.005),
         ("z^3=0.2*y^2*x", true, [near, inside], 0.01),
     ] {
-        let document = read(text, &Reading::default()).expect(text);
+        let document = read(text, &Options::default()).expect(text);
         let domain = DomainChoice::Bounds([-1.2, 1.2, -1.2, 1.2, -1.2, 1.2]);
         let (mut region, _) = region(&document, domain, None).expect(text);
         if is_ball {
@@ -36,7 +36,7 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
             let target = if eye.x == inside[0] { DVec3::new(0.2, -0.6, 0.0) } else { DVec3::ZERO };
             let camera = Camera::new(eye, target, DVec3::Y, projection).expect(text);
             let rays = camera.rays(SIZE[0], SIZE[1]);
-            let options = Options { tolerance, ..Options::default() };
+            let options = TraceOptions { tolerance, ..TraceOptions::default() };
             let tracer = affine.prepare(program.surface(0), &region, options).expect(text);
             let advance = |_| true;
             let driver = Driver { rays: &rays, tracer: &*tracer, advance: &advance };

@@ -1,4 +1,4 @@
-//! Colours along edges, and that nothing else depends on them.
+//! Colors along edges, and that nothing else depends on them.
 
 use glam::Vec3;
 use zeroset::gallery::example;
@@ -25,7 +25,7 @@ fn picture(model: &Model, camera: &Camera, settings: &Settings) -> Picture {
     model.trace(camera, settings, &|_| true).expect("compiled")
 }
 
-/// Mean distance of colours in light, over the pixels for which `only` says so.
+/// Mean distance of colors in light, over the pixels for which `only` says so.
 fn off(one: &Picture, other: &Picture, only: &[bool]) -> f64 {
     let light = |picture: &Picture, pixel: usize| {
         Vec3::from_array(LinearRgb::from_srgb(picture.rgb.as_chunks().0[pixel]).0)
@@ -67,7 +67,7 @@ fn more_rays_bring_edges_nearer_to_what_they_are() {
 }
 
 #[test]
-fn colours_do_not_depend_on_threads_or_on_when_they_are_made() {
+fn colors_do_not_depend_on_threads_or_on_when_they_are_made() {
     let settings = Settings { shadow_depth: Some(8), ..settings(16) };
     for text in SURFACES {
         let (model, camera) = scene(text, &settings);
@@ -87,7 +87,7 @@ fn colours_do_not_depend_on_threads_or_on_when_they_are_made() {
 }
 
 #[test]
-fn rows_that_are_coloured_at_once_are_as_those_that_are_coloured_later() {
+fn rows_that_are_colored_at_once_are_as_those_that_are_colored_later() {
     // No multiple of anything, and more than sixteen tiles of 16×16 in a row.
     let settings = Settings { width: 277, height: 37, ..Settings::default() };
     let hatched = "(x^2+y^2+z^2-1)^2=0";
@@ -96,14 +96,13 @@ fn rows_that_are_coloured_at_once_are_as_those_that_are_coloured_later() {
         let at_once = picture(&model, &camera, &settings);
         let later = model.relight(&at_once, &camera, &settings, &|_| true).expect("compiled");
         assert!(at_once.rgb == later.rgb && at_once.buffer == later.buffer, "{text}");
-        let colours: std::collections::BTreeSet<_> =
-            at_once.rgb.as_chunks::<3>().0.iter().collect();
-        assert!(colours.len() > 2, "{text}: {colours:?}");
+        let colors: std::collections::BTreeSet<_> = at_once.rgb.as_chunks::<3>().0.iter().collect();
+        assert!(colors.len() > 2, "{text}: {colors:?}");
     }
 }
 
 #[test]
-fn normals_that_are_not_kept_are_found_for_colours() {
+fn normals_that_are_not_kept_are_found_for_colors() {
     let settings = Settings { width: 93, height: 70, ..Settings::default() };
     let central = Settings { normals: Some(Normals::Central), ..settings.clone() };
     // Gradients that there are, those that there are not everywhere, and none.

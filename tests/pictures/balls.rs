@@ -7,9 +7,9 @@ use zeroset::model::render;
 use zeroset::picture::Settings;
 use zeroset::program::Program;
 use zeroset::scene::bounds;
-use zeroset_syntax::{Options as Reading, read};
+use zeroset_syntax::{Options, read};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, METHODS, Options, Projection, Proves, RayGrid, Region, Status,
+    Camera, Driver, GBuffer, METHODS, Projection, Proves, RayGrid, Region, Status, TraceOptions,
 };
 
 /// Tiles of both sizes, and such as stick out.
@@ -66,14 +66,14 @@ fn what_is_claimed_is_true_of_the_ball() {
     let region = region();
     let (mut hits, mut beside, mut cut_off) = (0, 0, 0);
     for (number, (text, function)) in SURFACES.into_iter().enumerate() {
-        let document = read(text, &Reading::default()).expect(text);
+        let document = read(text, &Options::default()).expect(text);
         let program = Program::new(&document, bounds(&region)).expect(text);
         let boxed = Region::new(region.low(), region.high()).expect("a box");
         for (method, view) in METHODS.iter().flat_map(|method| [(method, number % 3), (method, 2)])
         {
             let rays = camera(view).rays(SIZE[0], SIZE[1]);
             let picture = |region: &Region| {
-                let tracer = method.prepare(program.surface(0), region, Options::default());
+                let tracer = method.prepare(program.surface(0), region, TraceOptions::default());
                 let tracer = tracer.expect(method.name);
                 let mut buffer = GBuffer::new(SIZE[0], SIZE[1], 0).with_brackets();
                 Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
@@ -130,11 +130,11 @@ fn what_is_claimed_is_true_of_the_ball() {
 fn the_reference_evaluator_draws_the_same_balls() {
     let region = region();
     for (number, (text, _)) in SURFACES.into_iter().enumerate() {
-        let document = read(text, &Reading::default()).expect(text);
+        let document = read(text, &Options::default()).expect(text);
         let program = Program::new(&document, bounds(&region)).expect(text);
         let rays = camera(number % 3).rays(22, 18);
         for method in &METHODS {
-            let options = Options { depth: 7, tolerance: 0.1, ..Options::default() };
+            let options = TraceOptions { depth: 7, tolerance: 0.1, ..TraceOptions::default() };
             let [native, software] = [Evaluator::Native, Evaluator::Reference].map(|evaluator| {
                 let program = program.on(evaluator);
                 let mut buffer = GBuffer::new(22, 18, 0);
@@ -151,7 +151,7 @@ fn the_reference_evaluator_draws_the_same_balls() {
 
 #[test]
 fn a_solid_is_capped_by_the_sphere() {
-    let document = read("z <= 10", &Reading::default()).expect("reads");
+    let document = read("z <= 10", &Options::default()).expect("reads");
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("a cube").with_ball();
     let projection = Projection::Orthographic { height: 2.0 };
     let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection).expect("one");

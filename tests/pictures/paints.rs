@@ -1,4 +1,4 @@
-//! What documents say of colours, light and what can be seen through, against the same said
+//! What documents say of colors, light and what can be seen through, against the same said
 //! otherwise.
 
 use glam::DVec3;
@@ -6,9 +6,7 @@ use zeroset::model::render;
 use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{
-    Camera, ColourMap, HalfSpace, LinearRgb, Pattern, Projection, RayGrid, Region,
-};
+use zeroset_trace::{Camera, ColorMap, HalfSpace, LinearRgb, Pattern, Projection, RayGrid, Region};
 
 const SIDE: usize = 48;
 
@@ -141,8 +139,8 @@ fn an_opaque_surface_hides_what_is_behind_it() {
 type Value = fn(DVec3) -> f64;
 
 #[test]
-fn colours_are_those_of_values() {
-    let map = ColourMap::named("viridis").expect("listed");
+fn colors_are_those_of_values() {
+    let map = ColorMap::named("viridis").expect("listed");
     let (sphere, slider) = ("x^2+y^2+z^2=1", "r = 2 in [0, 3]");
     let rays = rays();
     let values: [(&str, Value); 5] = [
@@ -153,26 +151,26 @@ fn colours_are_those_of_values() {
         ("abs(ny)", |at| at.y.abs()),
     ];
     for (text, value) in values {
-        let coloured = picture(&format!("{slider}\ncolor viridis({text}, -1, 1)\n{sphere}"));
+        let colored = picture(&format!("{slider}\ncolor viridis({text}, -1, 1)\n{sphere}"));
         for n in [[20, 17], [30, 24], [15, 33]].map(|[column, row]| row * SIDE + column) {
             let ray = rays.ray_of(n);
-            let at = ray.at(ray.parameter(coloured.buffer.drawn[n]));
+            let at = ray.at(ray.parameter(colored.buffer.drawn[n]));
             let [red, green, blue] = map.bytes(value(at).midpoint(1.0));
             let plain = picture(&format!("color #{red:02x}{green:02x}{blue:02x}\n{sphere}"));
-            assert_near(pixel(&coloured, n), pixel(&plain, n), &format!("{text} at {at}"));
+            assert_near(pixel(&colored, n), pixel(&plain, n), &format!("{text} at {at}"));
         }
     }
     // Without a range the least and the greatest that is seen have the ends.
-    let coloured = picture(&format!("color viridis(2z)\n{sphere}"));
-    let [legend] = &coloured.legends[..] else { panic!("one scale") };
+    let colored = picture(&format!("color viridis(2z)\n{sphere}"));
+    let [legend] = &colored.legends[..] else { panic!("one scale") };
     assert!(legend.low < -1.9 && legend.high > 1.9 && legend.high <= 2.0, "{legend:?}");
     assert!(legend.value == "2*z" && legend.step.is_none(), "{legend:?}");
     assert!(picture(sphere).legends.is_empty());
-    // A value that is the same but for where points are found has the middle colour.
+    // A value that is the same but for where points are found has the middle color.
     let flat = picture("color viridis(x)\nx = y/1e9 + 0.3");
     let [one] = &flat.legends[..] else { panic!("one scale") };
     assert!(one.low == one.high && (one.low - 0.3).abs() < 0.01, "{one:?}");
-    // Where it has no value, the surface has its own colour.
+    // Where it has no value, the surface has its own color.
     let [nowhere, own] =
         ["color viridis(sqrt(z-5))\n", ""].map(|line| picture(&format!("{line}{sphere}")));
     assert_eq!(nowhere.rgb, own.rgb);

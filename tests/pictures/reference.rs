@@ -7,8 +7,8 @@ use zeroset::picture::Precision;
 use zeroset::program::Program;
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_jit::vector_widths;
-use zeroset_syntax::{Options as Reading, read};
-use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Options, Projection};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Projection, TraceOptions};
 
 /// Tiles of both sizes, and such as stick out.
 const SIZE: [usize; 2] = [22, 18];
@@ -17,7 +17,7 @@ const SIZE: [usize; 2] = [22, 18];
 fn the_reference_evaluator_draws_the_same_pictures() {
     let (mut hits, mut kernels) = (0, 0);
     for (number, example) in examples().into_iter().enumerate() {
-        let document = read(example.text, &Reading::default()).expect(example.slug);
+        let document = read(example.text, &Options::default()).expect(example.slug);
         let (region, _) = region(&document, DomainChoice::Document, None).expect(example.slug);
         let program = Program::new(&document, bounds(&region)).expect(example.slug);
         let half = (region.high() - region.low()) / 2.0;
@@ -28,7 +28,8 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         for method in &METHODS {
             // The precisions in turn.
             let precision = [Precision::Auto, Precision::F32, Precision::F64][number % 3];
-            let options = Options { precision, depth: 7, tolerance: 0.1, ..Options::default() };
+            let options =
+                TraceOptions { precision, depth: 7, tolerance: 0.1, ..TraceOptions::default() };
             let [native, software] = [Evaluator::Native, Evaluator::Reference].map(|evaluator| {
                 let program = program.on(evaluator);
                 let mut buffer = GBuffer::new(SIZE[0], SIZE[1], 0).with_brackets();

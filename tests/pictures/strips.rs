@@ -82,7 +82,7 @@ fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
     ]
 }
 
-/// Several surfaces, seen through each other; colours and lines by values; cut solids; what stays
+/// Several surfaces, seen through each other; colors and lines by values; cut solids; what stays
 /// undecided.
 const TEXTS: [&str; 5] = [
     "domain 1.3\nx^2+y^2+z^2=1",

@@ -28,7 +28,7 @@ fn axes_and_legends_are_drawn_where_they_are_asked_for() {
     // With axes there is a legend unless that is off.
     let without = render(&format!("legend off\n{DOCUMENT}"), &["--axes"]);
     assert!(without.0 != axes.0 && without.1 == axes.1);
-    // Without colours of values there is nothing to tell.
+    // Without colors of values there is nothing to tell.
     let sphere = "x^2+y^2+z^2 = 1";
     assert_eq!(render(sphere, &["--legend"]), render(sphere, &[]));
 }
@@ -69,7 +69,7 @@ fn a_saved_picture_has_what_its_document_draws_around_it() {
     assert!(seen == again, "{options}");
     // Far right there is nothing but the legend.
     let column = seen.width() - 48;
-    let colours: std::collections::BTreeSet<_> =
+    let colors: std::collections::BTreeSet<_> =
         (0..seen.height()).map(|row| seen.get_pixel(column, row).0).collect();
-    assert!(colours.len() > 50, "{} colours", colours.len());
+    assert!(colors.len() > 50, "{} colors", colors.len());
 }

@@ -169,7 +169,7 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
         assert_eq!(object["undecided"][reason], 0, "{reason}");
     }
     assert_eq!((&object["max_depth"], &object["steps"]), (&10.into(), &256.into()));
-    // No colours were asked for, so no gradient kernel was made or called.
+    // No colors were asked for, so no gradient kernel was made or called.
     assert_eq!(count("/work/gradient/calls"), 0);
     assert!(count("/code_bytes") > 0 && count("/nodes/before") >= count("/nodes/after"));
     assert_eq!(object["camera"]["fov"], 40.0);
@@ -393,8 +393,8 @@ fn a_function_that_may_be_0_everywhere_is_remarked_on() {
 #[test]
 fn a_background_has_a_name_or_a_number() {
     let place = Place::new();
-    let ground = |colour: &str| {
-        let all = ["render", "x^2+y^2+z^2=1", "--size", "8", "-o", "p.png", "--background", colour];
+    let ground = |color: &str| {
+        let all = ["render", "x^2+y^2+z^2=1", "--size", "8", "-o", "p.png", "--background", color];
         place.run(&all).ok();
         picture(&place, "p.png").get_pixel(0, 0).0
     };
@@ -403,7 +403,7 @@ fn a_background_has_a_name_or_a_number() {
 }
 
 #[test]
-fn output_is_plain_where_nobody_sees_colours() {
+fn output_is_plain_where_nobody_sees_colors() {
     let place = Place::new();
     let run = place.run(&["render", "x+", "-o", "a.png"]);
     assert!(!run.stderr.contains('\x1b'));
@@ -675,7 +675,7 @@ fn a_picture_tells_which_command_made_it() {
 }
 
 #[test]
-fn looks_and_edges_change_colours_and_nothing_else() {
+fn looks_and_edges_change_colors_and_nothing_else() {
     let place = Place::new();
     let render = |more: &[&str]| {
         let fixed = ["render", SPHERE, "--size", "48", "-o", "p.png", "--status", "s.npy"];
@@ -721,14 +721,18 @@ fn a_document_says_how_its_picture_looks() {
         &["--look", "studio", "--background", "#f4f4f6"],
     );
     assert_eq!(asked, plain);
-    // A colour after the only surface is its colour.
+    // A color after the only surface is its color.
     let red = render(&format!("{SPHERE}; color red"), &[]);
     assert_eq!(red, render(&format!("color red; {SPHERE}"), &[]));
     assert_ne!(red, plain);
-    let names: Vec<&str> = zeroset_trace::LOOKS.iter().map(|look| look.name).collect();
-    assert_eq!(names, zeroset_syntax::LOOKS, "what may be typed is what there is");
-    let names = zeroset_trace::COLOUR_MAPS.map(|map| map.name);
-    assert_eq!(names, zeroset_syntax::COLOR_MAPS, "what may be typed is what there is");
     let refused = place.run(&["render", &format!("look nigt; {SPHERE}"), "-o", "p.png"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("did you mean `night`?"));
+}
+
+/// The language has lists of its own, since it does not know what draws.
+#[test]
+fn what_may_be_typed_is_what_there_is() {
+    assert_eq!(zeroset_trace::LOOKS.map(|look| look.name), zeroset_syntax::LOOKS);
+    assert_eq!(zeroset_trace::COLOR_MAPS.map(|map| map.name), zeroset_syntax::COLOR_MAPS);
+    assert_eq!(zeroset_trace::StandardView::ALL.map(|(name, _)| name), zeroset_syntax::PRESETS);
 }

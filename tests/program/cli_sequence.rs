@@ -123,7 +123,7 @@ fn one_file_holds_all_frames() {
     for frame in &frames {
         let shown = decoder.read_next_frame().expect("valid").expect("a frame");
         delays += shown.delay;
-        // 256 colours are near enough to all of a small picture's.
+        // 256 colors are near enough to all of a small picture's.
         let off = shown.buffer.chunks(4).zip(frame.chunks(3));
         let off = off.flat_map(|(a, b)| (0..3).map(move |k| a[k].abs_diff(b[k]))).max();
         assert!(off < Some(24), "{off:?}");

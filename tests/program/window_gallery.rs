@@ -5,11 +5,11 @@ use crate::window_support::{have, until};
 
 /// Whether the gallery is open, and its second picture is there.
 fn has_pictures(scene: &Scene) -> bool {
-    scene.picture().get_pixel(3, 150).0 == [0x18, 0x18, 0x20] && colours(scene, SECOND) > 50
+    scene.picture().get_pixel(3, 150).0 == [0x18, 0x18, 0x20] && colors(scene, SECOND) > 50
 }
 
-/// Colours in a part of the window.
-fn colours(scene: &Scene, [x, y, width, height]: [u32; 4]) -> usize {
+/// Colors in a part of the window.
+fn colors(scene: &Scene, [x, y, width, height]: [u32; 4]) -> usize {
     let picture = scene.picture();
     let part = image::imageops::crop_imm(&picture, x, y, width, height).to_image();
     let mut all: Vec<_> = part.pixels().map(|pixel| pixel.0).collect();

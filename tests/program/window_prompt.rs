@@ -146,7 +146,7 @@ fn a_file_whose_loading_was_taken_back_is_followed_again_once_it_is_done_again()
     save("x = 2.25");
     terminal.type_in(":list\r");
     terminal.type_in(":help undo\r");
-    terminal.shows("take back the last step");
+    terminal.shows("undo the last step");
     assert!(!terminal.shown().contains("x = 2.25"), "{}", terminal.shown());
     terminal.type_in(":redo\r");
     terminal.type_in(":list\r");
@@ -260,12 +260,12 @@ fn lines_that_come_together_are_all_read() {
 }
 
 #[test]
-fn dumb_terminals_get_no_colours() {
-    for (kind, are_coloured) in [("xterm", true), ("dumb", false)] {
+fn dumb_terminals_get_no_colors() {
+    for (kind, are_colored) in [("xterm", true), ("dumb", false)] {
         let terminal = Terminal::start_in(kind, &["explain", "x = fooo"]);
         terminal.shows("is not defined");
         let shown = terminal.shown();
-        assert_eq!(shown.contains('\u{1b}'), are_coloured, "{kind}: {shown:?}");
+        assert_eq!(shown.contains('\u{1b}'), are_colored, "{kind}: {shown:?}");
     }
 }
 
@@ -297,8 +297,8 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     let exact = image::load_from_memory(&file).expect("a picture").to_rgb8();
     // 90 columns and 26 rows of the characters of a small font.
     assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
-    // 256 colours: every dot is near, and most are nearer. A mixture along an edge is on a few dots
-    // only, too few for a colour of its own; a picture without smooth edges would be off by more
+    // 256 colors: every dot is near, and most are nearer. A mixture along an edge is on a few dots
+    // only, too few for a color of its own; a picture without smooth edges would be off by more
     // than 100 there.
     let mut apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
     apart.sort_unstable();

@@ -22,7 +22,7 @@ fn click(scene: &Scene, x: i32, y: i32) {
 }
 
 /// Pixels that are rather red, or rather blue.
-fn coloured(picture: &RgbImage) -> [usize; 2] {
+fn colored(picture: &RgbImage) -> [usize; 2] {
     let picture = image::imageops::crop_imm(picture, 0, 90, 400, 160).to_image();
     let count = |one: usize, other: usize| {
         picture
@@ -46,10 +46,10 @@ fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     let mut scene = Scene::start(TWO);
     scene.point(30, 250);
     let start = scene.rest();
-    let seen = coloured(&scene.picture());
+    let seen = colored(&scene.picture());
     assert!(seen[0] > 500 && seen[1] > 500, "{seen:?}");
     let hidden = scene.changes("hidden", || click(&scene, SWATCH, ROWS[1]));
-    assert_eq!(coloured(&scene.picture())[1], 0, "it is still there");
+    assert_eq!(colored(&scene.picture())[1], 0, "it is still there");
     listed(&mut scene, "hidden\r\nz = 1.2");
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
@@ -78,10 +78,10 @@ fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     });
     listed(&mut scene, "z = 1.2\r\ncolor red\r\nx^2+y^2+z^2 = 1");
     // It looks as it did, below the list.
-    assert_eq!(coloured(&scene.picture()), seen);
+    assert_eq!(colored(&scene.picture()), seen);
     assert!(scene.changes("undo move", || scene.key("ctrl+z")) == start);
     scene.changes("deleted", || click(&scene, DELETE, ROWS[0]));
-    assert_eq!(coloured(&scene.picture())[0], 0);
+    assert_eq!(colored(&scene.picture())[0], 0);
     assert!(scene.changes("undo deletion", || scene.key("ctrl+z")) == start);
     // Without the list, the picture turns where it was.
     let without = scene.changes("no list", || scene.key("l"));

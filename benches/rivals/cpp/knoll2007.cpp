@@ -1,12 +1,15 @@
-// The algorithm of Knoll, Hijazi, Hansen, Wald and Hagen, "Interactive Ray Tracing of Arbitrary Implicit Functions"
-// (UUSCI-2007-002), as its authors would have compiled it: formulas known to the compiler, intervals rounded to
-// nearest, positions accumulated slab by slab, normals by central differences. It proves nothing. It is the speed that
-// a user of the paper gets, on W lanes.
+// The algorithm of Knoll, Hijazi, Hansen, Wald and Hagen, "Interactive Ray Tracing of Arbitrary
+// Implicit Functions" (UUSCI-2007-002), as its authors would have compiled it: formulas known to
+// the compiler, intervals rounded to nearest, positions accumulated slab by slab, normals by
+// central differences. It proves nothing. It is the speed that a user of the paper gets, on W
+// lanes.
 //
-// Written for zeroset from the paper's text, as a program of its own; nothing here is the authors' code. Only what is
-// around the two loops differs from that program: it is called, for bands of rows, and gives distances.
+// Written for zeroset from the paper's text, as a program of its own; nothing here is the authors'
+// code. Only what is around the two loops differs from that program: it is called, for bands of
+// rows, and gives distances.
 //
-// build.rs compiles it once for each W (4, 8 or 16) with: -O3 -march=native -ffast-math -std=c++17 -DW=4
+// build.rs compiles it once for each W (4, 8 or 16) with: -O3 -march=native -ffast-math -std=c++17
+// -DW=4
 //
 // Domain ±b, target 0, up y, fov 40.
 #include <algorithm>
@@ -132,8 +135,9 @@ static const int ACROSS = W == 4 ? 2 : 4, DOWN = W == 16 ? 4 : 2;
 
 // Rows from `top`, a multiple of DOWN, to `bottom`. Distances are -1 where nothing is drawn.
 //
-// Repeats, clock and report are the program's, and are kept for its speed: without them, or with an eye that the compiler
-// knows, g++ 12 makes other loops of the torus and the tangle, half and a third slower.
+// Repeats, clock and report are the program's, and are kept for its speed: without them, or with an
+// eye that the compiler knows, g++ 12 makes other loops of the torus and the tangle, half and a
+// third slower.
 template <class F>
 static long picture(int size, int top, int bottom, int depth, const float *eye, int repeats, unsigned char *rgb, float *distance) {
   float b = F::b, cam[3], fw[3], right[3], up[3] = {0, 1, 0}, length = 0;
@@ -200,9 +204,9 @@ static const struct {
 #define PASTE(a, b) a##b
 #define ENTRY(w) PASTE(knoll2007_w, w)
 
-// Draws the rows from `top` to `bottom` of the surface called `name` into buffers of these rows, so many times, and says
-// how many pixels are drawn and how many times W boxes were evaluated. The eye is three numbers, in half extents. Returns
-// false if there is no such surface.
+// Draws the rows from `top` to `bottom` of the surface called `name` into buffers of these rows, so
+// many times, and says how many pixels are drawn and how many times W boxes were evaluated. The eye
+// is three numbers, in half extents. Returns false if there is no such surface.
 extern "C" bool ENTRY(W)(const char *name, int size, int top, int bottom, int depth, const float *eye, int repeats,
                          unsigned char *rgb, float *distance, long *drawn, long *boxes) {
   for (auto &surface : SURFACES) {

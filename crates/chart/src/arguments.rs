@@ -2,7 +2,7 @@
 
 use crate::grid::{Values, precision};
 use crate::groups::distinct;
-use crate::row::Frame;
+use crate::row::Conditions;
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser};
 use clap::{Args, Parser, Subcommand};
 use std::ops::RangeInclusive;
@@ -254,15 +254,15 @@ impl RunArguments {
     }
 
     /// How pictures are measured, size by size.
-    pub fn frames(&self) -> Vec<Frame> {
+    pub fn conditions(&self) -> Vec<Conditions> {
         let sizes = distinct(self.sizes.iter().map(|size| self.limited(*size, 64)));
-        let frame = |size| Frame {
+        let conditions = |size| Conditions {
             size,
             threads: self.threads,
             seed: self.seed,
             repeats: self.limited(self.repeats, 3),
             samples: self.limited(self.samples, 256),
         };
-        sizes.into_iter().map(frame).collect()
+        sizes.into_iter().map(conditions).collect()
     }
 }

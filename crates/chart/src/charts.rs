@@ -107,7 +107,7 @@ fn bar(values: &[f64]) -> Option<[f64; 2]> {
 }
 
 /// Of a method, everywhere the same.
-fn colour(method: &str) -> usize {
+fn color(method: &str) -> usize {
     METHODS.iter().position(|other| other.name == method).unwrap_or(METHODS.len())
 }
 
@@ -125,7 +125,7 @@ fn series(configuration: &Configuration) -> Series {
     let precision = configuration.precision.map(|p| format!(", {p}")).unwrap_or_default();
     Series {
         name: format!("{method}{precision}"),
-        colour: colour(method),
+        color: color(method),
         shape: shape(configuration.precision),
         is_joined: true,
         ..Series::default()

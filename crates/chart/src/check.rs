@@ -37,17 +37,21 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
     let machine = Machine::this();
     let mut differences = Differences::default();
     // Rows that were measured together.
-    let batches = grouped(&store.rows, |row| (&row.surface, &row.view, row.frame()));
+    let batches = grouped(&store.rows, |row| (&row.surface, &row.view, row.conditions()));
     let bar = progress(batches.len());
-    for ((surface, view, frame), old) in batches {
+    for ((surface, view, conditions), old) in batches {
         let surface = Surface::named(surface)?;
         let view = View { name: view.clone(), camera: old[0].camera()? };
         bar.set_message(format!("{} {}", surface.name, view.name));
         let configurations =
             old.iter().map(|row| row.configuration()).collect::<Result<Vec<_>, _>>()?;
-        let batch = Batch { surface: &surface, view: &view, frame, machine: &machine };
-        let new =
-            batch.rows(&configurations, &pool(frame.threads), &store.path("reference"), &|| {})?;
+        let batch = Batch { surface: &surface, view: &view, conditions, machine: &machine };
+        let new = batch.rows(
+            &configurations,
+            &pool(conditions.threads),
+            &store.path("reference"),
+            &|| {},
+        )?;
         differences.add(&old, &new);
         bar.inc(1);
     }

@@ -9,7 +9,7 @@ use std::io::Cursor;
 use zeroset_trace::GBuffer;
 
 /// Of pixels with this mistake.
-fn colour(mistake: Mistake) -> Rgb<u8> {
+fn color(mistake: Mistake) -> Rgb<u8> {
     match mistake {
         Mistake::Missed => Rgb([214, 39, 40]),
         Mistake::Phantom => Rgb([31, 95, 214]),
@@ -21,7 +21,7 @@ const OPEN: Rgb<u8> = Rgb([140, 140, 140]);
 const RIGHT: Rgb<u8> = Rgb([220, 220, 220]);
 const NOTHING: Rgb<u8> = Rgb([255, 255, 255]);
 
-/// Each pixel of a picture in the colour of what is wrong with it; white where the reference has
+/// Each pixel of a picture in the color of what is wrong with it; white where the reference has
 /// none.
 pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
     let (width, height) = (buffer.width as u32, buffer.height as u32);
@@ -30,7 +30,7 @@ pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
         let drawn = buffer.drawn[*pixel];
         let shown = match (truth, mistake(truth, drawn)) {
             (Truth::Open, _) => OPEN,
-            (_, Some(mistake)) => colour(mistake),
+            (_, Some(mistake)) => color(mistake),
             (_, None) if drawn.is_finite() => RIGHT,
             (_, None) => NOTHING,
         };
@@ -56,7 +56,7 @@ mod tests {
     use crate::truth::Root;
 
     #[test]
-    fn each_mistake_has_its_colour() {
+    fn each_mistake_has_its_color() {
         let root = |next: Option<f64>| {
             let next = next.map(|at| [at, at]);
             Truth::Root(Root { pieces: vec![[1.0, 1.0]], next, normal: None })
@@ -68,7 +68,7 @@ mod tests {
         buffer.drawn.copy_from_slice(&drawn);
         let image = difference(&Reference::of(truths.into_iter().enumerate().collect()), &buffer);
         let [missed, phantom, wrong] =
-            [Mistake::Missed, Mistake::Phantom, Mistake::WrongRoot].map(colour);
+            [Mistake::Missed, Mistake::Phantom, Mistake::WrongRoot].map(color);
         let pixels: Vec<Rgb<u8>> = image.pixels().copied().collect();
         assert_eq!(pixels, [missed, phantom, wrong, RIGHT, NOTHING, OPEN]);
         assert!(png(&image).expect("a file").starts_with(b"\x89PNG"));

@@ -39,6 +39,9 @@ pub fn meaning(option: MethodOption) -> &'static str {
         MethodOption::Depth => "depth: how often the domain is halved",
         MethodOption::Tolerance => "tolerance, in pixels",
         MethodOption::Steps => "steps: samples on a ray's way, or steps along it at most",
+        MethodOption::NoContract => "segments are halved, not narrowed",
+        MethodOption::NoTiles => "each ray is followed alone",
+        MethodOption::NoIntervals => "no intervals where forms leave a segment open",
     }
 }
 
@@ -49,10 +52,15 @@ pub fn precision(name: &str) -> Option<Precision> {
 
 /// The options of a method that are varied: all that it reads; but where depth or steps say how
 /// finely it looks, the tolerance only ends the refinement of what it found, and stays as it is.
+/// What leaving an idea out costs is for `benches/frame.rs` to measure.
 fn varied(method: &Method) -> impl Iterator<Item = MethodOption> {
     let looks = |option: &MethodOption| matches!(option, MethodOption::Depth | MethodOption::Steps);
     let has_other = method.reads.iter().any(looks);
-    let is_varied = move |option: &MethodOption| !(has_other && *option == MethodOption::Tolerance);
+    let is_varied = move |option: &MethodOption| match option {
+        MethodOption::Precision | MethodOption::Depth | MethodOption::Steps => true,
+        MethodOption::Tolerance => !has_other,
+        MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => false,
+    };
     method.reads.iter().copied().filter(is_varied)
 }
 
@@ -94,6 +102,9 @@ impl Configuration {
             }
             MethodOption::Tolerance => {
                 values.tolerances.iter().map(|v| Self { tolerance: Some(*v), ..self }).collect()
+            }
+            MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
+                vec![self]
             }
         }
     }
@@ -173,6 +184,7 @@ mod tests {
             let number = |option| match option {
                 MethodOption::Precision | MethodOption::Tolerance | MethodOption::Steps => 2,
                 MethodOption::Depth => 3,
+                MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => 1,
             };
             let expected: usize = varied(method).map(number).product();
             assert_eq!(all.len(), expected, "{}", method.name);

@@ -22,8 +22,8 @@ use std::time::Instant;
 use zeroset::program::Program;
 use zeroset::scene;
 use zeroset_eval::{ContractTiles, Question};
-use zeroset_syntax::{Options as Reading, read};
-use zeroset_trace::{Method, Options};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::{Method, TraceOptions};
 
 /// A formula's line of results. Times are in milliseconds, on one thread: the least of all rounds,
 /// as the same work is done in each and whatever else the processor does only adds to it, the more
@@ -110,7 +110,7 @@ fn compile(
         let now = Instant::now();
         (now - std::mem::replace(&mut start, now)).as_secs_f64() * 1e3
     };
-    let document = read(&formula.text, &Reading::default());
+    let document = read(&formula.text, &Options::default());
     let document = document.map_err(ChartError::of_surface(&formula.name))?;
     let parse_ms = lap();
     let program = Program::new(&document, scene::bounds(&formula.region));
@@ -119,7 +119,7 @@ fn compile(
     let affine = Method::named("affine").expect("the default");
     for surface in 0..document.surfaces.len() {
         let kernels = program.surface(surface);
-        affine.prepare(kernels, &formula.region, Options::default()).map_err(&refuse)?;
+        affine.prepare(kernels, &formula.region, TraceOptions::default()).map_err(&refuse)?;
     }
     let compile_ms = lap();
     let made = program.made();

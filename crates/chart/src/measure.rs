@@ -19,7 +19,7 @@ pub struct Measured {
     pub cold: f64,
     /// Rays to distances.
     pub trace: Quartiles,
-    /// Normals and colours.
+    /// Normals and colors.
     pub shade: Quartiles,
     /// Both.
     pub total: Quartiles,

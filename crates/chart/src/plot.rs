@@ -47,13 +47,13 @@ impl Figure {
     }
 }
 
-/// Marks of one colour and shape.
+/// Marks of one color and shape.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
     /// What the legend calls it; nothing if it does not.
     pub name: String,
-    /// Which colour.
-    pub colour: usize,
+    /// Which color.
+    pub color: usize,
     /// How marks look.
     pub shape: Shape,
     /// Whether a line joins the marks.

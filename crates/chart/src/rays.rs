@@ -16,7 +16,7 @@ use std::time::Instant;
 use zeroset::program::Program;
 use zeroset::scene::bounds;
 use zeroset_testkit::npy;
-use zeroset_trace::{Found, Method, Options, Ray, Region, Segment, Start, Status, Work};
+use zeroset_trace::{Found, Method, Ray, Region, Segment, Start, Status, TraceOptions, Work};
 
 /// Evaluations of the function that the certified tracer spends on a ray.
 const BUDGET: u32 = 20_000;
@@ -117,7 +117,7 @@ fn follow(
     within: f64,
 ) -> Result<(Vec<Found>, f64), ChartError> {
     // A pixel is as wide as the tolerance, wherever it is.
-    let options = Options { tolerance: 1.0, depth: 16, ..Options::default() };
+    let options = TraceOptions { tolerance: 1.0, depth: 16, ..TraceOptions::default() };
     let tracer = method
         .prepare(program.surface(0), &surface.region, options)
         .map_err(ChartError::of_surface(&surface.name))?;

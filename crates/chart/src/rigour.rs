@@ -31,7 +31,7 @@ use zeroset_eval::{
     ContractSegments, ContractTiles, Enclose, Input, Kernel, KernelError, Question,
 };
 use zeroset_jit::comparison::Arithmetic;
-use zeroset_trace::{Driver, GBuffer, Method, Options, Precision};
+use zeroset_trace::{Driver, GBuffer, Method, Precision, TraceOptions};
 
 /// How long a kernel is asked between two looks at the clock.
 const TURN: Duration = Duration::from_micros(300);
@@ -207,7 +207,7 @@ impl Plan<'_> {
     fn picture(&self, set: &Set, precision: Precision) -> Result<usize, ChartError> {
         let size = self.arguments.size;
         let affine = Method::named("affine").expect("the default");
-        let options = Options { precision, ..Options::default() };
+        let options = TraceOptions { precision, ..TraceOptions::default() };
         let tracer = affine
             .prepare(set, &self.surface.region, options)
             .map_err(ChartError::of_surface(&self.surface.name))?;

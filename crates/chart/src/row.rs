@@ -14,7 +14,7 @@ use zeroset_trace::{Camera, GBuffer, Method, Projection, Work};
 
 /// What is common to the rows of one view of one surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Frame {
+pub struct Conditions {
     /// Pixels in a row, and rows.
     pub size: usize,
     /// Threads.
@@ -115,7 +115,7 @@ impl Row {
     pub fn new(
         surface: &Surface,
         view: &View,
-        frame: Frame,
+        conditions: Conditions,
         configuration: &Configuration,
         measured: &Measured,
         errors: &Errors,
@@ -142,16 +142,16 @@ impl Row {
             up_y: up.y,
             up_z: up.z,
             fov,
-            size: frame.size,
+            size: conditions.size,
             method: configuration.method.name.to_owned(),
             precision: configuration.precision.map(|precision| precision.to_string()),
             max_depth: configuration.depth,
             tolerance: configuration.tolerance,
             steps: configuration.steps,
-            threads: frame.threads,
-            seed: frame.seed,
-            repeats: frame.repeats,
-            samples: frame.samples,
+            threads: conditions.threads,
+            seed: conditions.seed,
+            repeats: conditions.repeats,
+            samples: conditions.samples,
             trace_ms: measured.trace.median,
             trace_ms_lower: measured.trace.lower,
             trace_ms_upper: measured.trace.upper,
@@ -203,9 +203,9 @@ impl Row {
     }
 
     /// What it shares with other rows.
-    pub fn frame(&self) -> Frame {
+    pub fn conditions(&self) -> Conditions {
         let Self { size, threads, seed, repeats, samples, .. } = *self;
-        Frame { size, threads, seed, repeats, samples }
+        Conditions { size, threads, seed, repeats, samples }
     }
 
     /// What it was measured on.

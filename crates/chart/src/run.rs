@@ -8,7 +8,7 @@ use crate::machine::Machine;
 use crate::measure::{measure, pool};
 use crate::progress::progress;
 use crate::reference::{Reference, Sampling};
-use crate::row::{Frame, Row};
+use crate::row::{Conditions, Row};
 use crate::store::Store;
 use crate::surfaces::{Surface, chosen};
 use crate::views::{View, views};
@@ -25,7 +25,7 @@ use zeroset_testkit::certified::BUDGET;
 pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
     let surfaces = chosen(&arguments.surfaces)?;
     let configurations = configurations(&arguments.methods.chosen(), &arguments.values());
-    let (frames, number) = (arguments.frames(), arguments.views());
+    let (all, number) = (arguments.conditions(), arguments.views());
     let mut store = Store::open(&arguments.output)?;
     let machine = Machine::this();
     if store.rows.iter().any(|row| row.machine() != machine) {
@@ -33,14 +33,14 @@ pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
         return Err(ChartError::of_content(&arguments.output)(why));
     }
     let (pool, before) = (pool(arguments.threads), store.rows.len());
-    let rounds = 3 + frames[0].repeats;
-    let bar = progress(surfaces.len() * number * frames.len() * rounds);
+    let rounds = 3 + all[0].repeats;
+    let bar = progress(surfaces.len() * number * all.len() * rounds);
     for surface in &surfaces {
         for view in views(surface, number, arguments.seed)? {
-            for &frame in &frames {
-                bar.set_message(format!("{} {} {}", surface.name, view.name, frame.size));
+            for &conditions in &all {
+                bar.set_message(format!("{} {} {}", surface.name, view.name, conditions.size));
                 let end = bar.position() + rounds as u64;
-                let batch = Batch { surface, view: &view, frame, machine: &machine };
+                let batch = Batch { surface, view: &view, conditions, machine: &machine };
                 let missing: Vec<Configuration> = configurations
                     .iter()
                     .copied()
@@ -67,7 +67,7 @@ pub struct Batch<'a> {
     /// From where.
     pub view: &'a View,
     /// How.
-    pub frame: Frame,
+    pub conditions: Conditions,
     /// On what.
     pub machine: &'a Machine,
 }
@@ -76,7 +76,7 @@ impl Batch<'_> {
     fn is(&self, row: &Row, configuration: &Configuration) -> bool {
         row.surface == self.surface.name
             && row.view == self.view.name
-            && row.frame() == self.frame
+            && row.conditions() == self.conditions
             && row.configuration().is_ok_and(|other| other == *configuration)
     }
 
@@ -91,8 +91,8 @@ impl Batch<'_> {
         references: &Path,
         advance: &(dyn Fn() + Sync),
     ) -> Result<Vec<Row>, ChartError> {
-        let Self { surface, view, frame, machine } = *self;
-        let Frame { size, repeats, samples, seed, .. } = frame;
+        let Self { surface, view, conditions, machine } = *self;
+        let Conditions { size, repeats, samples, seed, .. } = conditions;
         let sampling = Sampling { size, samples, seed, budget: BUDGET };
         let reference = Reference::kept(references, surface, view, sampling)?;
         advance();
@@ -102,7 +102,8 @@ impl Batch<'_> {
         let rays = view.camera.rays(size, size);
         let rows = configurations.iter().zip(measured).map(|(configuration, measured)| {
             let errors = Errors::new(&reference, &rays, &measured.picture.buffer);
-            let row = Row::new(surface, view, frame, configuration, &measured, &errors, machine);
+            let row =
+                Row::new(surface, view, conditions, configuration, &measured, &errors, machine);
             measured.picture.hand_back();
             row
         });

@@ -4,8 +4,8 @@
 //! [`Machine`](zeroset_interval::Machine), in any [domain of values](ValueDomain). A [`Question`]
 //! says what code reads and what its answer means, a [`Kernel`] answers it: [`Reference`] in
 //! software, native code elsewhere. All of them exist in `f32` and in `f64`, by a type parameter
-//! [`Real`] that is `f32` where it is left out. A [`Surface`] is one function and the kernels that
-//! it has. This crate knows neither code generation nor rays.
+//! [`Real`] that is `f32` where it is left out. [`SurfaceKernels`] are one function and the kernels
+//! that it has. This crate knows neither code generation nor rays.
 
 mod batch;
 mod binding;
@@ -33,5 +33,5 @@ pub use question::{
 };
 pub use real::Real;
 pub use reference::Reference;
-pub use surface::{Asked, KernelError, KernelFloat, Kernels, Surface, ZeroTest};
+pub use surface::{Asked, KernelError, KernelFloat, Kernels, SurfaceKernels, ZeroTest};
 pub use tape::{Assumptions, Step, Tape};

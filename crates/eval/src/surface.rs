@@ -20,7 +20,7 @@ pub type Asked<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
 ///
 /// A kernel is made when it is first asked for, so only what a picture needs should be. What an
 /// implementation leaves out is not answered.
-pub trait Surface: Sync {
+pub trait SurfaceKernels: Sync {
     /// Kernels that compute in `f32`.
     fn single(&self) -> &dyn Kernels<f32> {
         &Unanswered
@@ -75,17 +75,17 @@ pub trait Kernels<T: Real>: Sync {
 /// A float type by which a surface's kernels are picked.
 pub trait KernelFloat: Real {
     /// The kernels of a surface that compute in this type.
-    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self>;
+    fn kernels(surface: &dyn SurfaceKernels) -> &dyn Kernels<Self>;
 }
 
 impl KernelFloat for f32 {
-    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
+    fn kernels(surface: &dyn SurfaceKernels) -> &dyn Kernels<Self> {
         surface.single()
     }
 }
 
 impl KernelFloat for f64 {
-    fn kernels(surface: &dyn Surface) -> &dyn Kernels<Self> {
+    fn kernels(surface: &dyn SurfaceKernels) -> &dyn Kernels<Self> {
         surface.double()
     }
 }

@@ -161,6 +161,13 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
             0.0
         }
     };
+    // To the base that has this natural logarithm.
+    let logarithm = |of_base: f64| {
+        if a <= 0.0 {
+            return if -a <= ea && ea > 0.0 { Some((0.0, f64::INFINITY)) } else { None };
+        }
+        Some((a.ln() / of_base, unsure(a, ea) + 4.0 * ea / a))
+    };
     let (value, slope_error) = match op {
         Op::Neg => (-a, ea),
         Op::Abs => (a.abs(), ea),
@@ -177,17 +184,9 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
         Op::Sqrt => (a.sqrt(), unsure(a, ea) + ea / a.sqrt().max(f64::MIN_POSITIVE)),
         Op::Cbrt => (a.cbrt(), unsure(a, ea) + ea / a.cbrt().powi(2).max(f64::MIN_POSITIVE)),
         Op::Exp => (a.exp(), a.exp() * ea),
-        Op::Ln | Op::Log2 | Op::Log10 => {
-            if a <= 0.0 {
-                return if -a <= ea && ea > 0.0 { Some((0.0, f64::INFINITY)) } else { None };
-            }
-            let scale = match op {
-                Op::Log2 => std::f64::consts::LN_2,
-                Op::Log10 => std::f64::consts::LN_10,
-                _ => 1.0,
-            };
-            (a.ln() / scale, unsure(a, ea) + 4.0 * ea / a)
-        }
+        Op::Ln => logarithm(1.0)?,
+        Op::Log2 => logarithm(std::f64::consts::LN_2)?,
+        Op::Log10 => logarithm(std::f64::consts::LN_10)?,
         Op::Sin => (a.sin(), ea),
         Op::Cos => (a.cos(), ea),
         Op::Tan => (a.tan(), unsure(a.cos(), ea) + ea / a.cos().powi(2)),

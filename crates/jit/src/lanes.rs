@@ -133,7 +133,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
 
 /// A loop that is being written over the rows of a table on the stack: per row, the inputs and then
 /// the outputs.
-pub struct Rows {
+pub struct RowLoop {
     slot: StackSlot,
     body: Block,
     /// The address of the row.
@@ -155,7 +155,7 @@ impl Emitter<'_, '_> {
         &mut self,
         inputs: [[Vector; IN]; ROWS],
         outputs: usize,
-    ) -> (Rows, [Vector; IN]) {
+    ) -> (RowLoop, [Vector; IN]) {
         let width = self.width * (IN + outputs);
         let size = (width * ROWS) as u32;
         let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, size, VECTOR_ALIGNMENT);
@@ -177,16 +177,16 @@ impl Emitter<'_, '_> {
             let offset = self.at(column);
             Vector::Value(self.builder.ins().load(F64X2, flags, row, offset))
         });
-        (Rows { slot, body, row, last, width }, inputs)
+        (RowLoop { slot, body, row, last, width }, inputs)
     }
 
     /// Ends the loop with the outputs of a row; those of all.
     pub fn end_rows<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
-        rows: &Rows,
+        rows: &RowLoop,
         outputs: [Vector; OUT],
     ) -> [[Vector; OUT]; ROWS] {
-        let Rows { slot, body, row, last, width } = *rows;
+        let RowLoop { slot, body, row, last, width } = *rows;
         let flags = MemFlagsData::trusted();
         for (column, output) in outputs.into_iter().enumerate() {
             let (value, offset) = (self.value(output), self.at(IN + column));

@@ -96,8 +96,11 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
         // They were laid out with gaps, of which nothing is known.
         return None;
     }
-    let frame =
-        Frame { slots: i64::from(slots), most: i64::from(stack), times: width.times() as i64 };
+    let frame = StackLayout {
+        slots: i64::from(slots),
+        most: i64::from(stack),
+        times: width.times() as i64,
+    };
     let read = instructions(code)?;
     let (mut kept, mut blocks) = (Vec::new(), Vec::new());
     if width == Width::Zmm {
@@ -240,7 +243,7 @@ impl Constants {
 }
 
 /// How the stack is used: first by what the code was told the size of, then by what is put away.
-struct Frame {
+struct StackLayout {
     slots: i64,
     /// How large it may be.
     most: i64,
@@ -248,7 +251,7 @@ struct Frame {
     times: i64,
 }
 
-impl Frame {
+impl StackLayout {
     /// Where something on the stack goes.
     fn moved(&self, offset: i64) -> i64 {
         if offset < self.slots { offset } else { self.slots + self.times * (offset - self.slots) }

@@ -64,7 +64,7 @@ impl VectorFunction {
 
 /// A form, and how it is written.
 #[derive(Debug)]
-pub struct Form {
+pub struct SpecialForm {
     /// The name it is printed by.
     pub name: &'static str,
     /// Other accepted names.
@@ -83,13 +83,13 @@ const fn row(
     meaning: Meaning,
     usage: &'static str,
     doc: &'static str,
-) -> Form {
-    Form { name, aliases, meaning, usage, doc }
+) -> SpecialForm {
+    SpecialForm { name, aliases, meaning, usage, doc }
 }
 
 /// Every form.
 #[rustfmt::skip] // one row a line
-pub static FORMS: &[Form] = &[
+pub static FORMS: &[SpecialForm] = &[
     row("if", &["which", "where", "ifelse"], Meaning::Choose, "if(x < 0, x^2, x)", "a choice, also {x < 0: x^2, x}; conditions are tried in turn, and without a last value it is undefined where none holds"),
     row("piecewise", &[], Meaning::Pieces, "piecewise([[x^2, x < 0], [x, x >= 0]])", "a choice whose pieces are in brackets, the value first"),
     row("sum", &["summation", "add"], Meaning::Sum, "sum(k = 1..5, sin(k x)/k)", "a sum over whole numbers, at most 1000"),
@@ -112,6 +112,6 @@ pub static FORMS: &[Form] = &[
 ];
 
 /// The form called `name` (exact spelling, aliases included).
-pub fn form(name: &str) -> Option<&'static Form> {
+pub fn form(name: &str) -> Option<&'static SpecialForm> {
     FORMS.iter().find(|form| form.name == name || form.aliases.contains(&name))
 }

@@ -14,7 +14,7 @@ mod table;
 
 pub use class::{Class, Law, Parity, Restriction, Rounding};
 pub use composed::{COMPOSED, Composed};
-pub use forms::{FORMS, Form, Meaning, VectorFunction, form};
+pub use forms::{FORMS, Meaning, SpecialForm, VectorFunction, form};
 pub use op::{Continuity, Domain, Notation, Op, Row};
 pub use table::TABLE;
 

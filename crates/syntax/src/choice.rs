@@ -9,6 +9,7 @@ use crate::ast::{Expr, ExprKind, Function, Relation, Series};
 use crate::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::error::{Error, ErrorKind, Fallible};
 use crate::lower::{Locals, Lowering};
+use crate::scope::forms;
 use crate::span::Span;
 use crate::value::Value;
 use zeroset_ir::{Graph, Node, NodeId};
@@ -31,9 +32,11 @@ impl<'a> Lowering<'a> {
         otherwise: Option<&'a Expr>,
         locals: &Locals<'a>,
     ) -> Fallible<Value> {
-        if let Some((index, argument)) = as_sinc(pieces, otherwise) {
+        if let Some(argument) = as_sinc(pieces, otherwise)
+            && let Some(sinc) = forms("sinc", false).function(1)
+        {
             let argument = self.value_of(argument, locals)?;
-            return self.call(&Function::Composed(index), vec![argument], pieces[0].0.span);
+            return self.call(&sinc, vec![argument], pieces[0].0.span);
         }
         let exprs = pieces.iter().map(|(_, value)| value).chain(otherwise);
         let mut values = self.values_of(exprs, locals)?;
@@ -271,12 +274,9 @@ fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     }
 }
 
-/// The argument of `{a = 0: 1, sin(a)/a}`, and the function that it is, whose enclosures are narrow
+/// The argument of `{a = 0: 1, sin(a)/a}`, which is sinc(a): the enclosures of that are narrow
 /// where those of the quotient are not.
-fn as_sinc<'e>(
-    pieces: &'e [(Expr, Expr)],
-    otherwise: Option<&'e Expr>,
-) -> Option<(usize, &'e Expr)> {
+fn as_sinc<'e>(pieces: &'e [(Expr, Expr)], otherwise: Option<&'e Expr>) -> Option<&'e Expr> {
     let ([(condition, one)], Some(quotient)) = (pieces, otherwise) else { return None };
     let ExprKind::Compare(left, rest) = &condition.kind else { return None };
     let [(Relation::Equal, zero)] = rest.as_slice() else { return None };
@@ -287,8 +287,7 @@ fn as_sinc<'e>(
         && is_number(one, 1)
         && divisor == &**left
         && arguments.as_slice() == std::slice::from_ref(&**left);
-    let index = zeroset_ops::COMPOSED.iter().position(|composed| composed.name == "sinc")?;
-    is_sinc.then_some((index, &**left))
+    is_sinc.then_some(&**left)
 }
 
 /// Whether a condition can restrict a value by itself.
@@ -297,5 +296,20 @@ fn is_restriction(condition: &Expr) -> bool {
         ExprKind::And(items) => items.iter().all(is_restriction),
         ExprKind::Compare(_, rest) => rest.iter().all(|(relation, _)| *relation != Relation::Equal),
         _ => has_one_sign(condition),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::document::{Options, read};
+
+    #[test]
+    fn a_choice_that_is_sinc_is_read_as_sinc() {
+        let nodes = |text: &str| {
+            let document = read(text, &Options::default()).expect("reads");
+            document.graph.iter().map(|(_, node)| node.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(nodes("z = {x*y = 0: 1, sin(x*y)/(x*y)}"), nodes("z = sinc(x*y)"));
+        assert_ne!(nodes("z = {x*y = 0: 2, sin(x*y)/(x*y)}"), nodes("z = sinc(x*y)"));
     }
 }

@@ -65,8 +65,10 @@ impl Reader<'_> {
                         let span = name.span;
                         let text = reader.words.text[span.range()].to_owned();
                         match value {
-                            Value::Known(number) => frame.aliases.push(text, written(number, span)),
-                            Value::Typed(tokens) => {
+                            LoopValue::Known(number) => {
+                                frame.aliases.push(text, written(number, span))
+                            }
+                            LoopValue::Typed(tokens) => {
                                 reader.set(Name { text, span }, 1, tokens, frame)?;
                             }
                         }
@@ -188,7 +190,12 @@ impl Reader<'_> {
     }
 
     /// What a loop over values goes through.
-    fn values(&mut self, name: Token, tokens: &[Token], frame: &mut Frame) -> Fallible<Vec<Value>> {
+    fn values(
+        &mut self,
+        name: Token,
+        tokens: &[Token],
+        frame: &mut Frame,
+    ) -> Fallible<Vec<LoopValue>> {
         let span = span_of(tokens).unwrap_or(name.span);
         let refused = || Error::new(span, ErrorKind::LoopEnd);
         let is_range = tokens.first().is_some_and(|first| self.words.word(*first) == "range");
@@ -198,7 +205,7 @@ impl Reader<'_> {
         };
         let parts = split(&list[1..end], ',');
         if !is_range {
-            return Ok(parts.into_iter().map(Value::Typed).collect());
+            return Ok(parts.into_iter().map(LoopValue::Typed).collect());
         }
         let numbers: Option<Vec<f64>> = parts.iter().map(|part| self.known(part, frame)).collect();
         let (low, high, step) = match numbers.as_deref() {
@@ -213,7 +220,7 @@ impl Reader<'_> {
             if values.len() > MOST_STEPS {
                 return Err(Error::new(span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
             }
-            values.push(Value::Known(value));
+            values.push(LoopValue::Known(value));
             value += step;
         }
         Ok(values)
@@ -250,7 +257,7 @@ impl Reader<'_> {
 type Begin<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 
 /// What a name of a loop over values stands for.
-enum Value {
+enum LoopValue {
     Known(f64),
     Typed(Vec<Token>),
 }

@@ -17,7 +17,7 @@ use crate::special::{Logic, logic};
 use crate::spelling::{decimal, in_name, plain_name, superscript_digit};
 use std::collections::VecDeque;
 use zeroset_ir::NamedConstant;
-use zeroset_ops::{Form, Op};
+use zeroset_ops::{Op, SpecialForm};
 
 /// A piece of a run.
 pub(crate) enum Item<'i> {
@@ -48,7 +48,7 @@ pub(crate) enum Item<'i> {
 #[derive(Clone, Copy)]
 pub(crate) enum Word {
     /// What takes more than numbers.
-    Form(&'static Form),
+    Form(&'static SpecialForm),
     /// A condition.
     Logic(Logic),
     Arithmetic(Arithmetic),

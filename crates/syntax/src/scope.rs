@@ -4,7 +4,7 @@
 use crate::ast::{Function, Name, NamedValue};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Axis, NamedConstant};
-use zeroset_ops::{COMPOSED, Form, Notation, Op, TABLE, form, names, natives};
+use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, form, names, natives};
 
 /// The names that statements can see.
 #[derive(Clone, Debug, Default)]
@@ -176,7 +176,7 @@ impl Scope {
     }
 
     /// The form of the language that `name` stands for, unless it is defined otherwise.
-    pub(crate) fn form(&self, name: &str, locals: &[Name]) -> Option<&'static Form> {
+    pub(crate) fn form(&self, name: &str, locals: &[Name]) -> Option<&'static SpecialForm> {
         if self.is_defined(name) || locals.iter().any(|local| local.text == name) {
             return None;
         }
@@ -298,7 +298,7 @@ pub(crate) fn is_variadic(op: Op) -> bool {
 }
 
 /// The ways to call the function of the language called `name`; none if there is no such function.
-fn forms(name: &str, internal: bool) -> Forms {
+pub(crate) fn forms(name: &str, internal: bool) -> Forms {
     let form = |function, count| Signature { function, count, or_more: false };
     let own = TABLE
         .iter()

@@ -10,7 +10,7 @@ use crate::note::NoteKind;
 use crate::scope::{Callee, Meaning};
 use crate::span::Span;
 use crate::spelling::plain_name;
-use zeroset_ops::{Form, Meaning as Stands, VectorFunction};
+use zeroset_ops::{Meaning as Stands, SpecialForm, VectorFunction};
 
 /// A condition that is written as a function.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +63,7 @@ impl Builder<'_> {
     /// A form with what stands in its brackets.
     pub(crate) fn form(
         &mut self,
-        form: &'static Form,
+        form: &'static SpecialForm,
         span: Span,
         group: Pair<'_>,
     ) -> Fallible<Expr> {

@@ -154,7 +154,7 @@ impl Builder<'_> {
 
 /// What a part of a name is.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Part {
+enum NamePart {
     Function,
     /// A value whose name is longer than a letter.
     Value,
@@ -248,14 +248,14 @@ impl Scope {
         for (index, (kind, part)) in parts.iter().enumerate() {
             let before = index.checked_sub(1).map(|before| parts[before].0);
             let is_last = index + 1 == parts.len();
-            if *kind == Part::Function && !matches!(before, None | Some(Part::Function)) {
+            if *kind == NamePart::Function && !matches!(before, None | Some(NamePart::Function)) {
                 text.extend(std::iter::repeat_n(')', std::mem::take(&mut open)));
             }
-            if !matches!(before, None | Some(Part::Function | Part::Number)) {
+            if !matches!(before, None | Some(NamePart::Function | NamePart::Number)) {
                 text.push('*');
             }
             text += part;
-            if *kind == Part::Function && !is_last {
+            if *kind == NamePart::Function && !is_last {
                 text.push('(');
                 open += 1;
             }
@@ -266,9 +266,9 @@ impl Scope {
 
     /// The functions, values and numbers that a name is made of, the longest first, if it says more
     /// than its letters do. A number follows a function.
-    fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(Part, &'n str)>> {
+    fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(NamePart, &'n str)>> {
         // The parts of what begins at each place, from the last on.
-        let mut found: Vec<Option<Vec<(Part, &str)>>> = vec![None; name.len() + 1];
+        let mut found: Vec<Option<Vec<(NamePart, &str)>>> = vec![None; name.len() + 1];
         found[name.len()] = Some(Vec::new());
         for at in (0..name.len()).rev().filter(|at| name.is_char_boundary(*at)) {
             let ends = (at + 1..=name.len()).rev().filter(|end| name.is_char_boundary(*end));
@@ -278,30 +278,33 @@ impl Scope {
                 let kind = self.part(&name[at..end], locals)?;
                 let follows = rest.first().map(|(kind, _)| *kind);
                 let is_read = match kind {
-                    Part::Function => true,
-                    Part::Number => !matches!(follows, Some(Part::Function | Part::Number)),
-                    Part::Value | Part::Letter => follows != Some(Part::Number),
+                    NamePart::Function => true,
+                    NamePart::Number => {
+                        !matches!(follows, Some(NamePart::Function | NamePart::Number))
+                    }
+                    NamePart::Value | NamePart::Letter => follows != Some(NamePart::Number),
                 };
                 is_read.then(|| [(kind, &name[at..end])].into_iter().chain(rest.clone()).collect())
             });
         }
         let parts = found.swap_remove(0)?;
-        let says_more = parts.iter().any(|(kind, _)| matches!(kind, Part::Function | Part::Value));
-        let begins = parts.first().is_some_and(|(kind, _)| *kind != Part::Number);
+        let says_more =
+            parts.iter().any(|(kind, _)| matches!(kind, NamePart::Function | NamePart::Value));
+        let begins = parts.first().is_some_and(|(kind, _)| *kind != NamePart::Number);
         (says_more && begins && parts.len() > 1).then_some(parts)
     }
 
     /// What a part of a name is by itself.
-    fn part(&self, part: &str, locals: &[Name]) -> Option<Part> {
+    fn part(&self, part: &str, locals: &[Name]) -> Option<NamePart> {
         if part.bytes().all(|byte| byte.is_ascii_digit()) {
-            return Some(Part::Number);
+            return Some(NamePart::Number);
         }
         let is_letter = part.chars().nth(1).is_none();
         match self.meaning(part, locals) {
-            Meaning::Value(_) if is_letter => Some(Part::Letter),
-            Meaning::Value(_) => Some(Part::Value),
+            Meaning::Value(_) if is_letter => Some(NamePart::Letter),
+            Meaning::Value(_) => Some(NamePart::Value),
             Meaning::Function(callee) if !is_letter && read_as(part, &callee).is_none() => {
-                Some(Part::Function)
+                Some(NamePart::Function)
             }
             _ => None,
         }

@@ -8,7 +8,7 @@ use crate::gbuffer::{GBuffer, Kept};
 use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
-use crate::near::{TURNS, turn};
+use crate::occlusion::{TURNS, turn};
 use crate::rows::{Rows, work_on};
 use crate::squares::RAYS;
 use crate::work::Work;

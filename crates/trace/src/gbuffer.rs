@@ -1,4 +1,4 @@
-//! What is known of each pixel before it has a colour.
+//! What is known of each pixel before it has a color.
 
 use crate::found::{Found, Reason, Status};
 use crate::numbers::SurfaceNumbers;

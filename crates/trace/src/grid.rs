@@ -294,7 +294,7 @@ impl RayGrid {
     }
 
     /// Which way the rays of a window go, to some units in the last place of `f32`, which is enough
-    /// for colours.
+    /// for colors.
     #[inline(always)]
     pub(crate) fn ways<S: Simd>(&self, simd: S, window: Window) -> Ways<S> {
         let [forward, right, up] = self.steps;

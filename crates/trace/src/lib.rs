@@ -3,15 +3,15 @@
 //!
 //! A picture is made in three steps that share only data. A traverser asks kernels where each ray
 //! first meets the zero set and fills a [`GBuffer`]; [`normals`] asks for gradients at the points
-//! found; [`shade`] turns the buffer into colours without asking anything of the function. This
+//! found; [`shade`] turns the buffer into colors without asking anything of the function. This
 //! crate never names a code generator, never reads a file and never prints: the reference evaluator
 //! drives it as well as native code does.
 
 mod band;
 mod camera;
 mod coarse;
-mod colour;
-mod colour_map;
+mod color;
+mod color_map;
 mod driver;
 mod edges;
 mod found;
@@ -21,9 +21,9 @@ mod light;
 mod look;
 mod method;
 mod methods;
-mod near;
 mod normal;
 mod numbers;
+mod occlusion;
 mod packet;
 mod painted;
 mod pattern;
@@ -41,8 +41,8 @@ mod work;
 pub use band::Band;
 pub use camera::{Camera, CameraError, Projection, Ray};
 pub use coarse::borrow_occlusion;
-pub use colour::LinearRgb;
-pub use colour_map::{COLOUR_MAPS, ColourMap};
+pub use color::LinearRgb;
+pub use color_map::{COLOR_MAPS, ColorMap};
 pub use driver::{BAND_ROWS, Driver};
 pub use edges::{edges, is_creased, is_smooth, slope};
 pub use found::{Found, Reason, Status};
@@ -50,19 +50,21 @@ pub use gbuffer::{GBuffer, Kept, PixelCounts};
 pub use grid::{Patch, RayGrid};
 pub use light::Light;
 pub use look::{LOOKS, Look};
-pub use method::{Ideas, Method, MethodOption, Options, Precision, Proves, Segment, Start, Tracer};
+pub use method::{
+    Ideas, Method, MethodOption, Precision, Proves, Segment, Start, TraceOptions, Tracer,
+};
 pub use methods::{METHODS, STEPS};
-pub use near::{Near, TURNS};
 pub use normal::{NormalSource, normals};
 pub use numbers::SurfaceNumbers;
+pub use occlusion::{AmbientOcclusion, TURNS};
 pub use pattern::Pattern;
 pub use region::{Ball, HalfSpace, Region, RegionError};
 pub use region_caps::{cap, cap_rows};
 pub use rows::Rows;
 pub use scalar::Scalar;
 pub use shade::{
-    Appearance, Canvas, Paint, Shader, SurfaceColours, UndecidedStyle, hand_back_colours, shade,
-    unset_colours,
+    Appearance, Canvas, Paint, Shader, SurfaceColors, UndecidedStyle, hand_back_colors, shade,
+    unset_colors,
 };
 pub use view::StandardView;
 pub use work::{Count, Work};

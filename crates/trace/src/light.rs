@@ -1,7 +1,7 @@
 //! The one light of a picture.
 
 use crate::grid::RayGrid;
-use crate::near::TURNS;
+use crate::occlusion::TURNS;
 use fearless_simd::{f32x16, f64x8, prelude::*};
 use glam::{DVec3, Vec3};
 use zeroset_eval::Lanes;

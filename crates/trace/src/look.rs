@@ -1,6 +1,6 @@
 //! Sets of lights and tones for a picture, by name.
 
-use crate::colour::LinearRgb;
+use crate::color::LinearRgb;
 
 /// How a picture is lit, and what it stands on: a row of [`LOOKS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub const LOOKS: [Look; 4] = [
     },
     Look {
         name: "flat",
-        help: "hardly any light and shade: colours as they were typed",
+        help: "hardly any light and shade: colors as they were typed",
         background: [255, 255, 255],
         ambient: 0.8,
         ground: 0.9,

@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 use crate::squares::{RAYS, patches, squares};
 use crate::work::Work;
 use std::fmt;
-use zeroset_eval::{KernelError, Surface};
+use zeroset_eval::{KernelError, SurfaceKernels};
 
 /// A way to find where rays first meet a surface: a row of [`METHODS`](crate::METHODS).
 #[derive(Clone, Copy)]
@@ -34,10 +34,10 @@ pub struct Method {
 #[derive(Clone, Copy)]
 pub(crate) struct Task<'a> {
     /// What rays are to meet.
-    pub surface: &'a dyn Surface,
+    pub surface: &'a dyn SurfaceKernels,
     /// Where they are followed.
     pub region: &'a Region,
-    pub options: Options,
+    pub options: TraceOptions,
 }
 
 /// Asks the surface for kernels, and gets ready to follow rays through the region.
@@ -57,14 +57,20 @@ pub enum Proves {
 /// An option that a method may read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MethodOption {
-    /// [`Options::precision`].
+    /// [`TraceOptions::precision`].
     Precision,
-    /// [`Options::depth`].
+    /// [`TraceOptions::depth`].
     Depth,
-    /// [`Options::tolerance`].
+    /// [`TraceOptions::tolerance`].
     Tolerance,
-    /// [`Options::steps`].
+    /// [`TraceOptions::steps`].
     Steps,
+    /// That [`Ideas::contract`] is left out.
+    NoContract,
+    /// That [`Ideas::tiles`] is left out.
+    NoTiles,
+    /// That [`Ideas::intervals`] is left out.
+    NoIntervals,
 }
 
 impl MethodOption {
@@ -75,13 +81,16 @@ impl MethodOption {
             Self::Depth => "max-depth",
             Self::Tolerance => "tolerance",
             Self::Steps => "steps",
+            Self::NoContract => "no-contract",
+            Self::NoTiles => "no-tiles",
+            Self::NoIntervals => "no-interval",
         }
     }
 }
 
 /// How a method is to work.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
+pub struct TraceOptions {
     /// What kernels compute in.
     pub precision: Precision,
     /// How often the region is halved along a ray, from 1 to [`Precision::max_depth`]; what lies
@@ -98,18 +107,18 @@ pub struct Options {
     /// Whether a place where the function is unbounded counts as an asymptote rather than a root:
     /// its pixel then is undecided, but not drawn there.
     pub suppress_asymptotes: bool,
-    /// What is to be made use of, by methods that know these ideas.
+    /// What is to be made use of, by methods that read these ideas.
     pub ideas: Ideas,
 }
 
-impl Options {
+impl TraceOptions {
     /// How long, in pixels, the bracket of a hit may be: a hit is said to be in its middle.
     pub(crate) fn longest(&self) -> f64 {
         2.0 * self.tolerance
     }
 }
 
-impl Default for Options {
+impl Default for TraceOptions {
     fn default() -> Self {
         Self {
             precision: Precision::Auto,
@@ -123,8 +132,8 @@ impl Default for Options {
     }
 }
 
-/// Ideas of the method `affine`, each of which can be left out to see what it brings. What is
-/// proven is true without them.
+/// Ideas of methods, each of which can be left out to see what it brings. What is proven is true
+/// without them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ideas {
     /// Segments are narrowed to where a form may vanish; else they are only halved.
@@ -134,6 +143,19 @@ pub struct Ideas {
     /// Intervals are asked of what forms leave open, to prove it empty or to prove a zero by signs
     /// around it.
     pub intervals: bool,
+}
+
+impl Ideas {
+    /// Those that are left out.
+    pub fn left_out(self) -> impl Iterator<Item = MethodOption> {
+        let Self { contract, tiles, intervals } = self;
+        let ideas = [
+            (contract, MethodOption::NoContract),
+            (tiles, MethodOption::NoTiles),
+            (intervals, MethodOption::NoIntervals),
+        ];
+        ideas.into_iter().filter_map(|(is_used, option)| (!is_used).then_some(option))
+    }
 }
 
 impl Default for Ideas {
@@ -277,9 +299,9 @@ impl Method {
     /// If a kernel cannot be had.
     pub fn prepare<'a>(
         &self,
-        surface: &'a dyn Surface,
+        surface: &'a dyn SurfaceKernels,
         region: &'a Region,
-        options: Options,
+        options: TraceOptions,
     ) -> Result<Box<dyn Tracer + 'a>, KernelError> {
         let [single, double] = self.prepare;
         let prepare = match options.precision {

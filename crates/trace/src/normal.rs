@@ -72,7 +72,7 @@ struct Rest {
 struct Normals<'a> {
     /// Those of the picture; empty if it does not keep them.
     kept: &'a mut [[f32; 3]],
-    /// Otherwise those that are needed until there are colours; empty as long as there are none.
+    /// Otherwise those that are needed until there are colors; empty as long as there are none.
     own: Vec<[f32; 3]>,
     pixels: usize,
 }
@@ -92,8 +92,8 @@ impl Normals<'_> {
 }
 
 impl<T: Real> NormalSource<'_, T> {
-    /// As [`normals`], for some rows; and their colours, if there is somebody who wants them.
-    /// Normals that are not kept are found for colours only.
+    /// As [`normals`], for some rows; and their colors, if there is somebody who wants them.
+    /// Normals that are not kept are found for colors only.
     pub fn face(
         &self,
         rows: &mut Rows<'_>,

@@ -8,7 +8,7 @@
 use crate::method::Segment;
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::widths::{Part, parts};
+use crate::widths::{Chunk, parts};
 use fearless_simd::prelude::*;
 use glam::DVec3;
 use zeroset_eval::{Boxes, LANES, Lanes, Segments};
@@ -318,7 +318,7 @@ impl<T: Scalar> Packet<T> {
     #[inline(always)]
     fn cut<S: Simd>(
         &mut self,
-        part: Part<S, T::Vector<S>>,
+        part: Chunk<S, T::Vector<S>>,
         room: T::Vector<S>,
         change: T::Vector<S>,
     ) {

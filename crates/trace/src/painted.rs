@@ -68,20 +68,20 @@ impl Window {
         }
     }
 
-    /// The same of colours. What was just written by sixteen bytes is read by as many: a wider read
+    /// The same of colors. What was just written by sixteen bytes is read by as many: a wider read
     /// would wait until all of it is in the nearest cache.
     #[inline(always)]
-    pub fn store_colours(&self, colours: &[[u8; 3]; LANES], all: &mut [[u8; 3]]) {
+    pub fn store_colors(&self, colors: &[[u8; 3]; LANES], all: &mut [[u8; 3]]) {
         let all = &mut all[self.index..];
         match all.first_chunk_mut::<LANES>() {
             Some(all) if self.wanted == FULL => {
                 let to = all.as_flattened_mut().as_chunks_mut::<LANES>().0;
-                let from = colours.as_flattened().as_chunks::<LANES>().0;
+                let from = colors.as_flattened().as_chunks::<LANES>().0;
                 for (to, from) in to.iter_mut().zip(from) {
                     *to = *from;
                 }
             }
-            _ => self.store_runs(colours, all),
+            _ => self.store_runs(colors, all),
         }
     }
 

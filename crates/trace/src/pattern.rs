@@ -1,6 +1,6 @@
 //! Several rays through a pixel, and the mean of what they show.
 
-use crate::colour::LinearRgb;
+use crate::color::LinearRgb;
 use crate::grid::SIDE;
 use glam::Vec3;
 

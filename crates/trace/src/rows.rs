@@ -1,4 +1,4 @@
-//! Some rows of a picture: what one thread takes from nothing to colours while it is in the nearer
+//! Some rows of a picture: what one thread takes from nothing to colors while it is in the nearer
 //! caches.
 
 use crate::band::Band;

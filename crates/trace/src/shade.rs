@@ -1,9 +1,9 @@
-//! From a G-buffer to colours: deferred shading, which asks nothing of the function.
+//! From a G-buffer to colors: deferred shading, which asks nothing of the function.
 
 mod lanes;
 mod shader;
 
-use crate::colour::LinearRgb;
+use crate::color::LinearRgb;
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::light::Light;
@@ -15,9 +15,9 @@ use rayon::prelude::*;
 pub use shader::{Canvas, Shader};
 pub(crate) use shader::{Faced, Seen};
 
-/// The colours of one surface.
+/// The colors of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceColours {
+pub struct SurfaceColors {
     /// Of the side on which f > 0.
     pub positive: LinearRgb,
     /// Of the side on which f < 0.
@@ -34,7 +34,7 @@ pub enum UndecidedStyle {
     /// By diagonal stripes.
     #[default]
     Hatch,
-    /// By a colour mixed in.
+    /// By a color mixed in.
     Tint,
     /// It is left out.
     Miss,
@@ -43,22 +43,22 @@ pub enum UndecidedStyle {
 /// What the light of one pixel's own point is, where it is not that of its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paint {
-    /// Its colour on either side; NaN for that of the surface.
+    /// Its color on either side; NaN for that of the surface.
     pub base: LinearRgb,
     /// How much of a dark line covers it, from 0 to 1.
     pub ink: f32,
 }
 
 impl Paint {
-    /// The surface's own colour, without a line.
+    /// The surface's own color, without a line.
     pub const NONE: Self = Self { base: LinearRgb([f32::NAN; 3]), ink: 0.0 };
 }
 
 /// Everything about a picture that is a matter of taste.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Appearance {
-    /// Colours by surface number; further surfaces start over. Empty: the default pairs.
-    pub surfaces: Vec<SurfaceColours>,
+    /// Colors by surface number; further surfaces start over. Empty: the default pairs.
+    pub surfaces: Vec<SurfaceColors>,
     /// Shown where nothing is painted.
     pub background: LinearRgb,
     /// Share of the light that comes from everywhere, within [0, 1].
@@ -71,17 +71,17 @@ pub struct Appearance {
     pub undecided: UndecidedStyle,
 }
 
-impl SurfaceColours {
-    /// Pairs for surfaces without colours of their own: the first warm and cool, told apart in
-    /// every common form of colour blindness (Okabe and Ito, "Color Universal Design", 2008).
+impl SurfaceColors {
+    /// Pairs for surfaces without colors of their own: the first warm and cool, told apart in
+    /// every common form of color blindness (Okabe and Ito, "Color Universal Design", 2008).
     pub fn default_for(surface: usize) -> Self {
         let pair = DEFAULT_PAIRS[surface % DEFAULT_PAIRS.len()];
         let [positive, negative] = pair.map(LinearRgb::from_srgb);
         Self { positive, negative, cut: cut(positive) }
     }
 
-    /// The sides of a surface whose outer one has this colour: the inner one is darker and less
-    /// colourful.
+    /// The sides of a surface whose outer one has this color: the inner one is darker and less
+    /// colorful.
     pub fn around(outer: LinearRgb) -> Self {
         let [red, green, blue] = outer.0;
         let grey = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
@@ -96,7 +96,7 @@ impl SurfaceColours {
     }
 }
 
-/// The colour of what is inside of a solid of this colour: lighter, as if sawn.
+/// The color of what is inside of a solid of this color: lighter, as if sawn.
 fn cut(outer: LinearRgb) -> LinearRgb {
     LinearRgb(outer.0.map(|part| 0.45 * part + 0.4))
 }
@@ -114,10 +114,10 @@ impl Appearance {
         }
     }
 
-    /// The colours of surfaces, from the first on until they start over.
-    fn palette(&self) -> Vec<SurfaceColours> {
+    /// The colors of surfaces, from the first on until they start over.
+    fn palette(&self) -> Vec<SurfaceColors> {
         if self.surfaces.is_empty() {
-            (0..DEFAULT_PAIRS.len()).map(SurfaceColours::default_for).collect()
+            (0..DEFAULT_PAIRS.len()).map(SurfaceColors::default_for).collect()
         } else {
             self.surfaces.clone()
         }
@@ -134,9 +134,9 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
 /// The picture as rows of sRGB bytes, red, green, blue, from the top left.
 ///
 /// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
-/// 0 or f < 0, decides the colour. In shadow only the ambient share is left.
+/// 0 or f < 0, decides the color. In shadow only the ambient share is left.
 ///
-/// Points may have other colours than their surface has: there is one paint for each pixel, or none
+/// Points may have other colors than their surface has: there is one paint for each pixel, or none
 /// at all.
 ///
 /// # Panics
@@ -162,7 +162,7 @@ fn shade_with(
     assert!(paint.is_empty() || paint.len() == buffer.status.len(), "a paint for each pixel");
     assert_eq!(buffer.width, rays.width(), "rays of another picture");
     let shader = Shader::new(rays, appearance).with(level);
-    let mut bytes = unset_colours(buffer.status.len());
+    let mut bytes = unset_colors(buffer.status.len());
     let size = (BAND * buffer.width).max(1);
     bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
         let here = band * size..band * size + bytes.len() / 3;
@@ -182,8 +182,8 @@ fn shade_with(
     bytes
 }
 
-/// Memory for the colours of so many pixels, which holds those of no picture.
-pub fn unset_colours(pixels: usize) -> Vec<u8> {
+/// Memory for the colors of so many pixels, which holds those of no picture.
+pub fn unset_colors(pixels: usize) -> Vec<u8> {
     let mut bytes =
         SPARES.take().filter(|bytes| serves(bytes.capacity(), 3 * pixels)).unwrap_or_default();
     bytes.resize(3 * pixels, 0);
@@ -192,7 +192,7 @@ pub fn unset_colours(pixels: usize) -> Vec<u8> {
 
 /// Leaves the memory of a picture to the next ones. Up to two pictures' are kept, until the end of
 /// the process.
-pub fn hand_back_colours(bytes: Vec<u8>) {
+pub fn hand_back_colors(bytes: Vec<u8>) {
     SPARES.hand_back(bytes);
 }
 

@@ -6,7 +6,7 @@ use zeroset_eval::LANES;
 
 /// As many of sixteen lanes as a vector holds.
 #[derive(Clone, Copy)]
-pub(crate) struct Part<S, V> {
+pub(crate) struct Chunk<S, V> {
     simd: S,
     first: usize,
     vector: PhantomData<V>,
@@ -17,14 +17,14 @@ pub(crate) struct Part<S, V> {
 pub(crate) fn parts<S: Simd, V: SimdBase<S>>(
     simd: S,
     count: usize,
-) -> impl Iterator<Item = Part<S, V>> {
+) -> impl Iterator<Item = Chunk<S, V>> {
     (0..count.min(LANES)).step_by(V::LEN).map(
         #[inline(always)]
-        move |first| Part { simd, first, vector: PhantomData },
+        move |first| Chunk { simd, first, vector: PhantomData },
     )
 }
 
-impl<S: Simd, V: SimdBase<S>> Part<S, V> {
+impl<S: Simd, V: SimdBase<S>> Chunk<S, V> {
     /// The number in all lanes.
     #[inline(always)]
     pub fn splat(self, number: V::Element) -> V {

@@ -215,9 +215,9 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
         canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, INK, 255);
         above -= row as i64;
     }
-    if let Some((text, colour)) = content.said() {
+    if let Some((text, color)) = content.said() {
         let text = canvas.fitting(text, room);
-        canvas.label(&text, 0, above, colour);
+        canvas.label(&text, 0, above, color);
     }
 }
 

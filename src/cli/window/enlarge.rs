@@ -26,13 +26,13 @@ fn places(from: usize, to: usize) -> Vec<Between> {
 }
 
 /// Draws rows of red, green and blue bytes into the upper `height` rows of `pixels`, of `width`
-/// each: as they are if the sizes are the same, else with colours in between.
+/// each: as they are if the sizes are the same, else with colors in between.
 pub fn enlarge(rgb: &[u8], from: [usize; 2], pixels: &mut [Rgb], [width, height]: [usize; 2]) {
-    let colours = rgb.as_chunks::<3>().0;
+    let colors = rgb.as_chunks::<3>().0;
     let rows = pixels.chunks_exact_mut(width).take(height);
     if from == [width, height] {
-        for (row, colours) in rows.zip(colours.chunks_exact(width)) {
-            for (pixel, [r, g, b]) in row.iter_mut().zip(colours) {
+        for (row, colors) in rows.zip(colors.chunks_exact(width)) {
+            for (pixel, [r, g, b]) in row.iter_mut().zip(colors) {
                 *pixel = u32::from(*r) << 16 | u32::from(*g) << 8 | u32::from(*b);
             }
         }
@@ -40,7 +40,7 @@ pub fn enlarge(rgb: &[u8], from: [usize; 2], pixels: &mut [Rgb], [width, height]
     }
     let columns = places(from[0], width);
     for (row, place) in rows.zip(places(from[1], height)) {
-        let line = |number: usize| &colours[number * from[0]..][..from[0]];
+        let line = |number: usize| &colors[number * from[0]..][..from[0]];
         let (upper, lower) = (line(place.first), line(place.second));
         for (pixel, column) in row.iter_mut().zip(&columns) {
             let channel = |k: usize| {
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn a_coarse_picture_is_smooth_and_nowhere_beyond_its_colours() {
+    fn a_coarse_picture_is_smooth_and_nowhere_beyond_its_colors() {
         // Black on the left, white on the right.
         let rgb = [[0; 3], [255; 3]].concat();
         let mut pixels = [7; 8];

@@ -1,7 +1,7 @@
 //! The list of surfaces: where its rows and their parts are, and what they look like. Knows no
 //! mouse and no document.
 
-use super::rows::{Rows, SPACE};
+use super::rows::{RowLayout, SPACE};
 use crate::cli::canvas::{Canvas, Rgb};
 use crate::cli::theme::{CHOSEN, GROUND, INK, TRACK};
 use zeroset::live::Listed;
@@ -9,21 +9,21 @@ use zeroset::live::Listed;
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
-/// Letters of a formula, at most; where there is room for fewer than the least, colours are shown
+/// Letters of a formula, at most; where there is room for fewer than the least, colors are shown
 /// alone.
 const LETTERS: usize = 24;
 const LEAST_LETTERS: usize = 8;
 /// The list takes no more than this share of the window's width.
 const MOST: f64 = 0.55;
-/// Widths in dots of a letter: a colour, the track of an opacity, the sign that deletes.
+/// Widths in dots of a letter: a color, the track of an opacity, the sign that deletes.
 const SWATCH: usize = 18;
 const TRACK_WIDTH: usize = 40;
 const DELETE: usize = 12;
 
 /// A part of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Part {
-    /// Its colour, which hides and shows it.
+pub enum ListPart {
+    /// Its color, which hides and shows it.
     Swatch,
     /// Its formula, by which it is dragged.
     Formula,
@@ -36,10 +36,10 @@ pub enum Part {
 /// Where the surfaces are listed. All places are in pixels of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct List {
-    pub rows: Rows,
+    pub rows: RowLayout,
     left: usize,
     width: usize,
-    /// Letters of each formula; 0 where only colours are shown.
+    /// Letters of each formula; 0 where only colors are shown.
     letters: usize,
     scale: usize,
 }
@@ -49,7 +49,7 @@ pub struct List {
 pub struct Shown {
     pub list: List,
     pub surfaces: Vec<Listed>,
-    pub hovered: Option<(usize, Part)>,
+    pub hovered: Option<(usize, ListPart)>,
     /// The surface that is dragged, and where it would go.
     pub dragged: Option<(usize, usize)>,
 }
@@ -67,7 +67,7 @@ impl List {
     ) -> Option<Self> {
         // The last line of the picture is left to what is said there.
         let bottom = height.saturating_sub(canvas.line_height());
-        let rows = Rows::new(count, scroll, bottom, canvas)?;
+        let rows = RowLayout::new(count, scroll, bottom, canvas)?;
         let (scale, letter) = (canvas.scale, canvas.advance());
         let plain = (SWATCH + 2 * SPACE) * scale;
         let parts = (TRACK_WIDTH + DELETE + 3 * SPACE) * scale;
@@ -84,19 +84,19 @@ impl List {
     }
 
     /// The surface at a place, and the part of its row.
-    pub fn at(&self, (x, y): (f64, f64)) -> Option<(usize, Part)> {
+    pub fn at(&self, (x, y): (f64, f64)) -> Option<(usize, ListPart)> {
         let across = x - self.left as f64;
         let inside = across >= 0.0 && across < self.width as f64;
         let index = self.rows.at(y).filter(|_| inside)?;
         let x = x as usize;
         let part = if self.letters == 0 || x < self.formula() {
-            Part::Swatch
+            ListPart::Swatch
         } else if x < self.track() - SPACE * self.scale / 2 {
-            Part::Formula
+            ListPart::Formula
         } else if x < self.delete() - SPACE * self.scale / 2 {
-            Part::Opacity(self.opacity(x as f64))
+            ListPart::Opacity(self.opacity(x as f64))
         } else {
-            Part::Delete
+            ListPart::Delete
         };
         Some((index, part))
     }
@@ -107,7 +107,7 @@ impl List {
         (share.clamp(0.0, 1.0) * 100.0).round() / 100.0
     }
 
-    /// Whether formulas are shown beside the colours.
+    /// Whether formulas are shown beside the colors.
     pub fn has_formulas(&self) -> bool {
         self.letters > 0
     }
@@ -124,20 +124,20 @@ impl List {
         self.left + self.width - (DELETE + SPACE) * self.scale
     }
 
-    /// Its colours, or a frame of them if it is hidden.
+    /// Its colors, or a frame of them if it is hidden.
     fn swatch(&self, canvas: &mut Canvas, surface: &Listed, top: i64, is_bright: bool) {
         let scale = self.scale;
         let (left, top) = ((self.left + SPACE * scale) as i64, top + 4 * scale as i64);
         let (wide, high) = (SWATCH * scale, 12 * scale);
         let frame = if is_bright { BRIGHT } else { TRACK };
         canvas.fill(left, top, wide, high, frame, 255);
-        let count = surface.colours.len().max(1);
+        let count = surface.colors.len().max(1);
         let inner = wide - 2 * scale;
-        for (n, rgb) in surface.colours.iter().enumerate() {
+        for (n, rgb) in surface.colors.iter().enumerate() {
             let (from, to) = (n * inner / count, (n + 1) * inner / count);
-            let colour = u32::from_be_bytes([0, rgb[0], rgb[1], rgb[2]]);
+            let color = u32::from_be_bytes([0, rgb[0], rgb[1], rgb[2]]);
             let x = left + (scale + from) as i64;
-            canvas.fill(x, top + scale as i64, to - from, high - 2 * scale, colour, 255);
+            canvas.fill(x, top + scale as i64, to - from, high - 2 * scale, color, 255);
         }
         if surface.hidden {
             let x = left + 3 * scale as i64;
@@ -158,7 +158,7 @@ impl Shown {
             let surface = &surfaces[index];
             let part = hovered.filter(|(other, _)| *other == index).map(|(_, part)| part);
             let is_bright = part.is_some() || dragged.is_some_and(|(from, _)| from == index);
-            list.swatch(canvas, surface, top, part == Some(Part::Swatch));
+            list.swatch(canvas, surface, top, part == Some(ListPart::Swatch));
             if list.letters == 0 {
                 continue;
             }
@@ -173,11 +173,11 @@ impl Shown {
             let wide = TRACK_WIDTH * scale;
             let filled = (surface.opacity * wide as f64).round() as usize;
             canvas.fill(track, middle, wide, 2 * scale, TRACK, 255);
-            let colour = if surface.hidden { HIDDEN } else { CHOSEN };
-            canvas.fill(track, middle, filled, 2 * scale, colour, 255);
+            let color = if surface.hidden { HIDDEN } else { CHOSEN };
+            canvas.fill(track, middle, filled, 2 * scale, color, 255);
             let handle = track + filled as i64 - dot;
             canvas.fill(handle, top + 5 * dot, 3 * scale, 10 * scale, ink, 255);
-            let ink = if part == Some(Part::Delete) { BRIGHT } else { HIDDEN };
+            let ink = if part == Some(ListPart::Delete) { BRIGHT } else { HIDDEN };
             canvas.write("×", list.delete() as i64 + 2 * dot, top + 2 * dot, ink);
         }
         if let Some((from, to)) = dragged.filter(|(from, to)| from != to) {
@@ -205,11 +205,11 @@ mod tests {
             assert!(list.left >= 270 * scale && list.left + list.width == size.0);
             let y = (list.rows.top + list.rows.height + list.rows.height / 2) as f64;
             let part = |x: usize| list.at((x as f64, y));
-            assert_eq!(part(list.left + 8 * scale), Some((1, Part::Swatch)));
-            assert_eq!(part(list.formula() + 8 * scale), Some((1, Part::Formula)));
+            assert_eq!(part(list.left + 8 * scale), Some((1, ListPart::Swatch)));
+            assert_eq!(part(list.formula() + 8 * scale), Some((1, ListPart::Formula)));
             let half = list.track() + TRACK_WIDTH * scale / 2;
-            assert_eq!(part(half), Some((1, Part::Opacity(0.5))));
-            assert_eq!(part(list.delete() + 4 * scale), Some((1, Part::Delete)));
+            assert_eq!(part(half), Some((1, ListPart::Opacity(0.5))));
+            assert_eq!(part(list.delete() + 4 * scale), Some((1, ListPart::Delete)));
             assert_eq!(part(list.left - 1), None);
             assert_eq!(list.at((half as f64, 3.0)), None);
             assert_eq!((list.opacity(0.0), list.opacity(1e9)), (0.0, 1.0));
@@ -218,9 +218,9 @@ mod tests {
     }
 
     #[test]
-    fn little_room_leaves_colours_and_none_leaves_nothing() {
-        let list = List::new(3, 0, 0, (240, 200), &canvas(1)).expect("room for colours");
-        assert_eq!((list.letters, list.at((230.0, 30.0))), (0, Some((0, Part::Swatch))));
+    fn little_room_leaves_colors_and_none_leaves_nothing() {
+        let list = List::new(3, 0, 0, (240, 200), &canvas(1)).expect("room for colors");
+        assert_eq!((list.letters, list.at((230.0, 30.0))), (0, Some((0, ListPart::Swatch))));
         assert_eq!(List::new(3, 0, 0, (100, 90), &canvas(1)), None);
         assert_eq!(List::new(0, 0, 0, (800, 600), &canvas(1)), None);
         let many = List::new(20, 100, 0, (800, 600), &canvas(1)).expect("room").rows;

@@ -1,7 +1,7 @@
 //! The panel of sliders: where each is, what it looks like, and which value a place on its track
 //! stands for. Knows no mouse and no document.
 
-use super::rows::{Rows, SPACE};
+use super::rows::{RowLayout, SPACE};
 use crate::cli::canvas::Canvas;
 use crate::cli::theme::{CHOSEN, DIM, INK, TRACK};
 use zeroset::live::Slider;
@@ -16,7 +16,7 @@ const SHORTEST: usize = 40;
 /// Where the sliders are. All places are in pixels of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Panel {
-    pub rows: Rows,
+    pub rows: RowLayout,
     pub width: usize,
     track: (usize, usize),
     scale: usize,
@@ -31,7 +31,7 @@ impl Panel {
         (width, height): (usize, usize),
         canvas: &Canvas,
     ) -> Option<Self> {
-        let rows = Rows::new(sliders.len(), scroll, height, canvas)?;
+        let rows = RowLayout::new(sliders.len(), scroll, height, canvas)?;
         let (scale, letter) = (canvas.scale, canvas.advance());
         let longest = sliders.iter().map(|one| one.name.chars().count()).max()?.min(NAME);
         let space = SPACE * scale;

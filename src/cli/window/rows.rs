@@ -11,7 +11,7 @@ pub const SPACE: usize = 6;
 
 /// Where rows are, in pixels of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rows {
+pub struct RowLayout {
     pub top: usize,
     /// The height of each.
     pub height: usize,
@@ -21,7 +21,7 @@ pub struct Rows {
     count: usize,
 }
 
-impl Rows {
+impl RowLayout {
     /// So many rows from the `scroll`-th on, below the first line of a picture and above `bottom`,
     /// with the letters of `canvas`; `None` if there are none, or no room.
     pub fn new(count: usize, scroll: usize, bottom: usize, canvas: &Canvas) -> Option<Self> {

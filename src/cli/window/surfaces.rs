@@ -1,7 +1,7 @@
 //! How surfaces are hidden, seen through, moved and taken away by the mouse and the keys.
 
 use super::Window;
-use super::list::{List, Part, Shown};
+use super::list::{List, ListPart, Shown};
 use super::sliders::is_next_due;
 use crate::cli::canvas::Canvas;
 use minifb::Key;
@@ -19,7 +19,7 @@ pub struct Surfaces {
     /// Whether the list is wanted; if nobody says so, where there is more than one surface.
     wanted: Option<bool>,
     scroll: usize,
-    hovered: Option<(usize, Part)>,
+    hovered: Option<(usize, ListPart)>,
     held: Option<Held>,
     /// An opacity that is still to be asked for.
     opacity: Option<(usize, f64)>,
@@ -96,13 +96,13 @@ impl Window {
             return false;
         };
         match part {
-            Part::Swatch => self.toggle_surface(index),
-            Part::Formula => self.surfaces.held = Some(Held::Row(index, index)),
-            Part::Opacity(opacity) => {
+            ListPart::Swatch => self.toggle_surface(index),
+            ListPart::Formula => self.surfaces.held = Some(Held::Row(index, index)),
+            ListPart::Opacity(opacity) => {
                 self.surfaces.held = Some(Held::Opacity(index));
                 self.surfaces.want(index, opacity);
             }
-            Part::Delete => self.delete_surface(index),
+            ListPart::Delete => self.delete_surface(index),
         }
         true
     }

@@ -11,8 +11,8 @@ use glam::DVec3;
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
 use zeroset_trace::{
-    Appearance, Ball, Driver, GBuffer, Light, LinearRgb, Near, Pattern, RayGrid, SurfaceColours,
-    Work, borrow_occlusion,
+    AmbientOcclusion, Appearance, Ball, Driver, GBuffer, Light, LinearRgb, Pattern, RayGrid,
+    SurfaceColors, Work, borrow_occlusion,
 };
 
 /// Shadow rays start this many of their own slabs away from the surface, so that it does not shade
@@ -22,7 +22,7 @@ const SHADOW_OFFSET_SLABS: f64 = 2.0;
 /// What is within this share of the domain's largest extent may take ambient light away.
 const NEAR: f64 = 0.12;
 
-/// The colours of a picture, and what they took.
+/// The colors of a picture, and what they took.
 pub(super) struct Lit {
     pub rgb: Vec<u8>,
     pub legends: Vec<Legend>,
@@ -41,7 +41,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         }
     }
 
-    /// Colours of what was found, unless they are `known`.
+    /// Colors of what was found, unless they are `known`.
     pub(super) fn light(
         &self,
         rays: &RayGrid,
@@ -67,7 +67,7 @@ impl<T: KernelFloat> Shot<'_, T> {
                 layers = self.layers(rays, &[], &self.tracers(Aim::of(settings))?)?;
                 times.trace += watch.lap();
             }
-            rgb = known.unwrap_or_else(|| self.coloured(rays, buffer, &layers, &finish, 1));
+            rgb = known.unwrap_or_else(|| self.colored(rays, buffer, &layers, &finish, 1));
             times.shade += watch.lap();
             if settings.antialias != Pattern::ONE && (self.advance)(0) {
                 edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
@@ -108,7 +108,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         if !occludes && shadow_depth.is_none() || !advance(0) {
             return Ok(work);
         }
-        let near = || Near::new(buffer, rays, model.region.centre());
+        let near = || AmbientOcclusion::new(buffer, rays, model.region.centre());
         let overview = self.overview.filter(|_| occludes);
         let smooths = shadow_depth.is_some() && self.settings.normals.is_some();
         let near = (smooths || occludes && overview.is_none()).then(near);
@@ -163,13 +163,13 @@ impl<T: KernelFloat> Shot<'_, T> {
                 && *known.get_or_init(|| self.is_negative_outside(surface))
         };
         let surface = |(index, style): (usize, &zeroset_syntax::Surface)| {
-            let colours = match &style.color {
+            let colors = match &style.color {
                 Some(SurfaceColor::Plain(color)) => {
-                    SurfaceColours::around(LinearRgb::from_srgb(color.rgb))
+                    SurfaceColors::around(LinearRgb::from_srgb(color.rgb))
                 }
-                Some(SurfaceColor::Mapped(_)) | None => SurfaceColours::default_for(index),
+                Some(SurfaceColor::Mapped(_)) | None => SurfaceColors::default_for(index),
             };
-            if turned(index) { colours.turned() } else { colours }
+            if turned(index) { colors.turned() } else { colors }
         };
         Appearance {
             surfaces: self.model.styles.iter().enumerate().map(surface).collect(),

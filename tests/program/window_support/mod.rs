@@ -93,7 +93,7 @@ impl Terminal {
         Self::of(command, arguments, display, None)
     }
 
-    /// The same without a display, in a terminal of this kind, and with its colours.
+    /// The same without a display, in a terminal of this kind, and with its colors.
     pub fn start_in(kind: &str, arguments: &[&str]) -> Self {
         let mut command = Command::new("env");
         command

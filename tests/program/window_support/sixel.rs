@@ -18,7 +18,7 @@ pub fn picture(sent: &[u8]) -> Option<RgbImage> {
     let mut data = data.strip_prefix(b"q")?;
     let mut palette = std::collections::HashMap::new();
     let mut dots = Vec::new();
-    let (mut x, mut band, mut colour, mut repeat) = (0, 0, 0, 1);
+    let (mut x, mut band, mut color, mut repeat) = (0, 0, 0, 1);
     let mut size = None;
     while let Some((&first, rest)) = data.split_first() {
         data = rest;
@@ -30,10 +30,10 @@ pub fn picture(sent: &[u8]) -> Option<RgbImage> {
             }
             b'#' => {
                 let (values, rest) = numbers(data);
-                (colour, data) = (values[0], rest);
+                (color, data) = (values[0], rest);
                 if let [_, 2, r, g, b] = values[..] {
                     let channel = |percent: u32| ((percent * 255 + 50) / 100) as u8;
-                    palette.insert(colour, Rgb([channel(r), channel(g), channel(b)]));
+                    palette.insert(color, Rgb([channel(r), channel(g), channel(b)]));
                 }
             }
             b'!' => {
@@ -44,7 +44,7 @@ pub fn picture(sent: &[u8]) -> Option<RgbImage> {
             b'-' => (x, band) = (0, band + 1),
             b'?'..=b'~' => {
                 for dot in (0..6).filter(|dot| (first - b'?') >> dot & 1 == 1) {
-                    dots.extend((x..x + repeat).map(|x| (x, 6 * band + dot, colour)));
+                    dots.extend((x..x + repeat).map(|x| (x, 6 * band + dot, color)));
                 }
                 (x, repeat) = (x + repeat, 1);
             }
@@ -55,10 +55,10 @@ pub fn picture(sent: &[u8]) -> Option<RgbImage> {
     let (width, height) = size.expect("raster attributes");
     // What is nowhere drawn is seen: no picture here is magenta.
     let mut image = RgbImage::from_pixel(width, height, Rgb([255, 0, 255]));
-    for (x, y, colour) in dots {
+    for (x, y, color) in dots {
         // The last band may reach below the picture.
         if y < height {
-            image.put_pixel(x, y, palette[&colour]);
+            image.put_pixel(x, y, palette[&color]);
         }
     }
     Some(image)

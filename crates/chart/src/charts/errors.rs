@@ -118,7 +118,7 @@ fn of_family(parts: &[Rows<'_>], family: &[Configuration], kind: &Kind) -> Serie
 /// What is claimed: from all that is undecided being right to all of it being wrong.
 fn claims(rows: &Rows<'_>) -> Figure {
     let (mut places, mut all) = (Vec::new(), Vec::new());
-    let mut painted = Series { name: "as painted".to_owned(), colour: 6, ..Series::default() };
+    let mut painted = Series { name: "as painted".to_owned(), color: 6, ..Series::default() };
     for family in families(rows) {
         let mut claimed = Series { shape: Shape::Bar, is_joined: false, ..series(&family[0]) };
         for one in &family {

@@ -1,6 +1,6 @@
 //! What options cost: work by tolerance and depth, time by precision.
 
-use super::{Rows, bar, colour, families, mean, notes, series, shape};
+use super::{Rows, bar, color, families, mean, notes, series, shape};
 use crate::grid::{Configuration, meaning};
 use crate::groups::distinct;
 use crate::plot::{Figure, Mark, Series};
@@ -99,8 +99,8 @@ fn precisions(rows: &Rows<'_>) -> Option<Figure> {
         let marks: Vec<Mark> = marks.collect();
         if !marks.is_empty() {
             let name = format!("{}, {precision}", method.name);
-            let (colour, shape) = (colour(method.name), shape(Some(precision)));
-            all.push(Series { name, colour, shape, marks, ..Series::default() });
+            let (color, shape) = (color(method.name), shape(Some(precision)));
+            all.push(Series { name, color, shape, marks, ..Series::default() });
         }
     }
     let lines = ["geometric mean over options,", "bars from least to greatest"];

@@ -54,7 +54,7 @@ pub fn code(rows: &[Row]) -> Figure {
 
 fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
     let mut series = Vec::new();
-    for (colour, (name, value)) in quantities.iter().enumerate() {
+    for (color, (name, value)) in quantities.iter().enumerate() {
         let slope =
             slope(rows, *value).map_or(String::new(), |slope| format!(" ~ nodes^{slope:.2}"));
         for (source, shape) in [
@@ -71,7 +71,7 @@ fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
             let called = if is_joined { String::new() } else { format!("{name}{slope}") };
             series.push(Series {
                 name: called,
-                colour,
+                color,
                 shape,
                 is_joined,
                 marks,

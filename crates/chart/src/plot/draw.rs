@@ -22,8 +22,8 @@ const SMALL: i32 = 11;
 /// More places than this have upright names.
 const SIDEWAYS: usize = 11;
 
-/// Colours that are told apart whatever the eye (Okabe and Ito 2008).
-const COLOURS: [RGBColor; 7] = [
+/// Colors that are told apart whatever the eye (Okabe and Ito 2008).
+const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -62,9 +62,9 @@ pub fn draw(figure: &Figure) -> Result<String, ChartError> {
     Ok(svg.replacen(&fixed, "<svg ", 1))
 }
 
-fn font(colour: RGBColor, size: i32, at: (HPos, VPos)) -> TextStyle<'static> {
+fn font(color: RGBColor, size: i32, at: (HPos, VPos)) -> TextStyle<'static> {
     let mut style = TextStyle::from(("sans-serif", size).into_font());
-    style.color = colour.to_backend_color();
+    style.color = color.to_backend_color();
     style.pos(Pos::new(at.0, at.1))
 }
 
@@ -119,7 +119,7 @@ impl<'a> Canvas<'a> {
         self.axes(figure)?;
         for series in &figure.series {
             for line in &series.behind {
-                let thin = COLOURS[series.colour % COLOURS.len()].mix(0.25).stroke_width(1);
+                let thin = COLORS[series.color % COLORS.len()].mix(0.25).stroke_width(1);
                 self.area.draw(&PathElement::new(self.path(line), thin))?;
             }
         }
@@ -180,10 +180,10 @@ impl<'a> Canvas<'a> {
     }
 
     fn series(&self, series: &Series) -> Drawn {
-        let colour = COLOURS[series.colour % COLOURS.len()];
+        let color = COLORS[series.color % COLORS.len()];
         if series.is_joined {
             let points: Vec<[f64; 2]> = series.marks.iter().map(|mark| mark.at).collect();
-            self.area.draw(&PathElement::new(self.path(&points), colour.stroke_width(2)))?;
+            self.area.draw(&PathElement::new(self.path(&points), color.stroke_width(2)))?;
         }
         for Mark { at, bar, label } in &series.marks {
             let Some(place) = self.at(*at) else { continue };
@@ -196,27 +196,27 @@ impl<'a> Canvas<'a> {
                 {
                     (*low, *high) = (*low + 2, *high - 2);
                 }
-                self.area.draw(&PathElement::new(ends, colour.stroke_width(width)))?;
+                self.area.draw(&PathElement::new(ends, color.stroke_width(width)))?;
             }
-            self.mark(place, series.shape, colour)?;
+            self.mark(place, series.shape, color)?;
             if !label.is_empty() {
-                let style = font(colour, SMALL, (HPos::Left, VPos::Bottom));
+                let style = font(color, SMALL, (HPos::Left, VPos::Bottom));
                 self.text(label, (place.0 + 5, place.1 - 4), style)?;
             }
         }
         Ok(())
     }
 
-    fn mark(&self, (x, y): (i32, i32), shape: Shape, colour: RGBColor) -> Drawn {
+    fn mark(&self, (x, y): (i32, i32), shape: Shape, color: RGBColor) -> Drawn {
         match shape {
-            Shape::Disc => self.area.draw(&Circle::new((x, y), 4, colour.filled()))?,
+            Shape::Disc => self.area.draw(&Circle::new((x, y), 4, color.filled()))?,
             Shape::Square => {
                 let corners = [(x - 4, y - 4), (x + 4, y + 4)];
-                self.area.draw(&Rectangle::new(corners, colour.filled()))?;
+                self.area.draw(&Rectangle::new(corners, color.filled()))?;
             }
             Shape::Triangle => {
                 let corners = vec![(x - 5, y + 4), (x + 5, y + 4), (x, y - 5)];
-                self.area.draw(&Polygon::new(corners, colour.filled()))?;
+                self.area.draw(&Polygon::new(corners, color.filled()))?;
             }
             Shape::Bar => {}
         }
@@ -230,13 +230,13 @@ impl<'a> Canvas<'a> {
             self.text(line, (x, y), font(INK, size, (HPos::Left, VPos::Center)))
         };
         for series in figure.series.iter().filter(|series| !series.name.is_empty()) {
-            let colour = COLOURS[series.colour % COLOURS.len()];
+            let color = COLORS[series.color % COLORS.len()];
             if series.is_joined || series.shape == Shape::Bar {
                 let width = if series.shape == Shape::Bar { 11 } else { 2 };
                 let ends = vec![(left, y), (left + 26, y)];
-                self.area.draw(&PathElement::new(ends, colour.stroke_width(width)))?;
+                self.area.draw(&PathElement::new(ends, color.stroke_width(width)))?;
             }
-            self.mark((left + 13, y), series.shape, colour)?;
+            self.mark((left + 13, y), series.shape, color)?;
             label(left + 34, y, &series.name, TEXT)?;
             y += STEP;
         }

@@ -32,7 +32,7 @@ pub fn of<'a>(
 /// Times over those without rigour.
 pub fn figure(rows: &[Row]) -> Figure {
     let places = places(rows);
-    let series = |arithmetic, called: &str, colour, shape, aside: f64| {
+    let series = |arithmetic, called: &str, color, shape, aside: f64| {
         let marks = places.iter().enumerate().filter_map(|(place, (asked, precision))| {
             let rows = of(rows, *asked, precision, arithmetic);
             let values: Vec<f64> = rows.iter().map(|row| row.times_unsound).collect();
@@ -44,7 +44,7 @@ pub fn figure(rows: &[Row]) -> Figure {
         });
         Series {
             name: called.to_owned(),
-            colour,
+            color,
             shape,
             marks: marks.collect(),
             ..Series::default()

@@ -1,10 +1,10 @@
 //! A surface whose kernels all compute in one arithmetic; it can keep what they were asked.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
-use zeroset::program::{Form, Program};
+use zeroset::program::{KernelSource, Program};
 use zeroset_eval::{
     Asked, Binding, ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError,
-    KernelFloat, Kernels, Question, Real, Surface, Tape,
+    KernelFloat, Kernels, Question, Real, SurfaceKernels, Tape,
 };
 use zeroset_jit::comparison::{Arithmetic, Compared};
 use zeroset_trace::Precision;
@@ -106,7 +106,7 @@ impl<T: Real> Kernels<T> for Own<T> {
     }
 }
 
-impl Surface for Set {
+impl SurfaceKernels for Set {
     fn single(&self) -> &dyn Kernels<f32> {
         &self.single
     }
@@ -184,7 +184,7 @@ impl Set {
 
 impl<T: KernelFloat> Own<T> {
     fn new(program: &Program, arithmetic: Arithmetic, keeps: bool) -> Result<Self, String> {
-        let tape = program.tape(0, Form::Function).map_err(|error| error.to_string())?;
+        let tape = program.tape(0, KernelSource::Function).map_err(|error| error.to_string())?;
         Ok(Self {
             tape: tape.ok_or("it has no function")?,
             arithmetic,

@@ -24,7 +24,7 @@ const HEIGHT: RasterHeight = RasterHeight::Size16;
 pub struct Sheet(RgbImage);
 
 /// Behind the word.
-fn colour(outcome: Outcome) -> Rgb<u8> {
+fn color(outcome: Outcome) -> Rgb<u8> {
     match outcome {
         Outcome::Sound => Rgb([198, 235, 214]),
         Outcome::Phantoms | Outcome::Slow | Outcome::Refused => Rgb([250, 232, 170]),
@@ -62,7 +62,7 @@ impl Sheet {
         let (below, width) = (top + SHOWN, 2 * SHOWN + MARGIN);
         for y in below..below + LINE {
             for x in left..left + width {
-                self.0.put_pixel(x, y, colour(verdict.outcome));
+                self.0.put_pixel(x, y, color(verdict.outcome));
             }
         }
         self.write(&format!("{} {}", verdict.case, verdict.outcome.name()), left + 4, below + 1);

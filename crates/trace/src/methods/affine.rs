@@ -32,12 +32,12 @@ use crate::band::Band;
 use crate::found::Found;
 use crate::grid::RayGrid;
 use crate::method::{
-    Method, MethodOption, Options, Precision, Proves, Segment, Start, Task, Tracer, by_squares,
+    Method, MethodOption, Precision, Proves, Segment, Start, Task, TraceOptions, Tracer, by_squares,
 };
 use crate::scalar::Scalar;
 use crate::spare::Spares;
 use crate::work::Work;
-use frame::Frame;
+use frame::RayFrame;
 use narrow::Scratch;
 use rays::Follower;
 use std::sync::OnceLock;
@@ -48,7 +48,13 @@ pub(crate) const METHOD: Method = Method {
     name: "affine",
     help: "tiles and rays narrowed by affine forms; proves hits and misses",
     proves: Proves::HitsAndMisses,
-    reads: &[MethodOption::Precision, MethodOption::Tolerance],
+    reads: &[
+        MethodOption::Precision,
+        MethodOption::Tolerance,
+        MethodOption::NoContract,
+        MethodOption::NoTiles,
+        MethodOption::NoIntervals,
+    ],
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
@@ -67,7 +73,7 @@ struct Affine<'a, T: Scalar> {
     /// Whether the forms are those of a numerator, which proves no zero of the function.
     cleared: bool,
     task: Task<'a>,
-    /// [`Options::longest`].
+    /// [`TraceOptions::longest`].
     longest: f64,
     /// Those that no thread is in.
     rooms: Spares<Box<Room<T>>>,
@@ -112,7 +118,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
         if let Some(double) = self.double.get() {
             return double.as_deref();
         }
-        let options = Options { precision: Precision::F64, ..self.task.options };
+        let options = TraceOptions { precision: Precision::F64, ..self.task.options };
         // Not made while others are kept waiting: a thread that waits for the half of this that
         // another one makes takes up another band meanwhile, which would then wait for this very
         // thread.
@@ -129,7 +135,7 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
     }
 
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
-        let frame = Frame::new(rays, self.task.region);
+        let frame = RayFrame::new(rays, self.task.region);
         let (error, extent) = (frame.error, self.task.region.high() - self.task.region.low());
         // From so far away forms say nothing of where in the region a ray is; boxes within it may.
         if error.cmpgt(extent * FARTHEST).any()

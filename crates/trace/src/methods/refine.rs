@@ -2,7 +2,7 @@
 //!
 //! Samples prove nothing, and neither does this: it moves what is painted, never what is claimed.
 
-use crate::method::Options;
+use crate::method::TraceOptions;
 use crate::packet::Lines;
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -57,8 +57,8 @@ struct Brackets {
 
 impl<'a, T: Scalar> Refiner<'a, T> {
     /// For a surface whose samples are these.
-    pub fn new(kernel: &'a dyn Kernel<Sample, T>, options: &Options) -> Self {
-        let Options { tolerance, suppress_asymptotes, .. } = *options;
+    pub fn new(kernel: &'a dyn Kernel<Sample, T>, options: &TraceOptions) -> Self {
+        let TraceOptions { tolerance, suppress_asymptotes, .. } = *options;
         Self { kernel, tolerance, solid: !suppress_asymptotes }
     }
 

@@ -9,7 +9,7 @@
 use super::slope::Slopes;
 use super::way::{Way, bounds};
 use crate::found::{Found, Reason, Status};
-use crate::method::{Method, MethodOption, Options, Proves, Segment, Start, Task, Tracer};
+use crate::method::{Method, MethodOption, Proves, Segment, Start, Task, TraceOptions, Tracer};
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::work::Work;
@@ -26,7 +26,7 @@ pub(crate) const METHOD: Method = Method {
 
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     let slopes = Slopes::<T>::new(&task)?;
-    let Options { tolerance, steps, .. } = task.options;
+    let TraceOptions { tolerance, steps, .. } = task.options;
     Ok(Box::new(Sphere { slopes, region: task.region, tolerance, steps }))
 }
 

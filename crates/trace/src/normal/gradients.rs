@@ -1,4 +1,4 @@
-//! Normals from gradients, sixteen pixels of a window at a time; and their colours while they are
+//! Normals from gradients, sixteen pixels of a window at a time; and their colors while they are
 //! in registers.
 
 use super::{NormalSource, Normals};

@@ -1,8 +1,8 @@
 //! Sixteen pixels of a window at a time, from what is known of them to bytes.
 
 use super::lanes::{by_axis, dot, left, shine, splat, toned};
-use super::{Appearance, Paint, SurfaceColours, UndecidedStyle};
-use crate::colour::{BLACK, Codes, LinearRgb};
+use super::{Appearance, Paint, SurfaceColors, UndecidedStyle};
+use crate::color::{BLACK, Codes, LinearRgb};
 use crate::found::Status;
 use crate::grid::RayGrid;
 use crate::numbers::Numbers;
@@ -25,7 +25,7 @@ const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 pub struct Shader<'a> {
     rays: &'a RayGrid,
     appearance: &'a Appearance,
-    palette: Vec<SurfaceColours>,
+    palette: Vec<SurfaceColors>,
     lamps: Lamps,
     codes: &'static Codes,
     /// A row of background.
@@ -52,14 +52,14 @@ impl<'a> Shader<'a> {
         Self { level, ..self }
     }
 
-    /// A canvas for the colours of some rows: three bytes a pixel, which are of background first.
+    /// A canvas for the colors of some rows: three bytes a pixel, which are of background first.
     pub fn canvas<'b>(&'b self, bytes: &'b mut [u8]) -> Canvas<'b> {
         bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
         Canvas { shader: self, bytes: bytes.as_chunks_mut().0, left: Vec::new() }
     }
 }
 
-/// The colours of some rows, while they are computed.
+/// The colors of some rows, while they are computed.
 pub struct Canvas<'a> {
     shader: &'a Shader<'a>,
     bytes: &'a mut [[u8; 3]],
@@ -107,7 +107,7 @@ pub(crate) struct Seen<'a> {
     pub cap: &'a [bool],
     pub shadow: &'a [u8],
     pub occlusion: &'a [u8],
-    /// Empty if all points have their surface's colour.
+    /// Empty if all points have their surface's color.
     pub paint: &'a [Paint],
 }
 
@@ -226,15 +226,15 @@ impl Shader<'_> {
             let differ = surface.iter().fold(0, |any, number| any | (number ^ surface[first]));
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
-            let colours = &self.palette[usize::from(surface[first]) % self.palette.len()];
+            let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
             // Mostly once: before the loop it takes longer.
             let own = Own::of(seen, window, marks);
             let amounts = match &own {
-                None => self.light::<S, false>(simd, seen, window, faced, colours, &Own::NONE),
-                Some(own) => self.light::<S, true>(simd, seen, window, faced, colours, own),
+                None => self.light::<S, false>(simd, seen, window, faced, colors, &Own::NONE),
+                Some(own) => self.light::<S, true>(simd, seen, window, faced, colors, own),
             };
-            let colours = self.codes.bytes(simd, amounts);
-            Window { wanted: window.wanted & of_surface, ..window }.store_colours(&colours, bytes);
+            let colors = self.codes.bytes(simd, amounts);
+            Window { wanted: window.wanted & of_surface, ..window }.store_colors(&colors, bytes);
             window.wanted &= !of_surface;
         }
     }
@@ -262,7 +262,7 @@ impl Shader<'_> {
         seen: &Seen<'_>,
         window: Window,
         faced: Option<Faced<S>>,
-        colours: &SurfaceColours,
+        colors: &SurfaceColors,
         own: &Own,
     ) -> [f32x16<S>; 3] {
         let Self { rays, appearance, lamps, .. } = *self;
@@ -314,7 +314,7 @@ impl Shader<'_> {
         let mut amounts = [one; 3];
         for (primary, all) in amounts.iter_mut().enumerate() {
             let [positive, negative, cut] =
-                [colours.positive, colours.negative, colours.cut].map(|colour| colour.0[primary]);
+                [colors.positive, colors.negative, colors.cut].map(|color| color.0[primary]);
             let [positive, negative] =
                 [f32x16::splat(simd, positive), f32x16::splat(simd, negative)];
             let mut base = is_negative.select(negative, positive);

@@ -23,7 +23,7 @@ fn headlight() -> Appearance {
 }
 
 #[test]
-fn the_side_that_is_seen_decides_the_colour() {
+fn the_side_that_is_seen_decides_the_color() {
     let (buffer, rays) = painted([0.0, -1.0, 0.0]);
     let warm = shade(&buffer, &rays, &headlight(), &[]);
     assert!(warm[0] > warm[2], "{warm:?}");
@@ -48,7 +48,7 @@ fn light_from_behind_lights_no_more_than_it_should() {
         let (aside, turned) = (1e-6 * f64::from(k), 1e-4 * (k % 7) as f32);
         let (buffer, rays) = painted([1.0, turned - 3e-4, 0.0]);
         let light = Light::Positional(DVec3::new(aside, 5.0, 0.0));
-        let surfaces = vec![SurfaceColours::default_for(0)];
+        let surfaces = vec![SurfaceColors::default_for(0)];
         let look = Appearance { surfaces, ..Appearance::new(Default::default(), light) };
         let (lit, plain) = (shade(&buffer, &rays, &look, &[]), plain(&buffer, &rays, &look, 0));
         let close = lit.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
@@ -69,7 +69,7 @@ fn undecided_pixels_are_marked_as_asked() {
 }
 
 #[test]
-fn a_cut_face_has_a_lighter_colour_on_either_side() {
+fn a_cut_face_has_a_lighter_color_on_either_side() {
     let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
     let outer = shade(&buffer, &rays, &headlight(), &[]);
     buffer.cap = vec![true];
@@ -91,7 +91,7 @@ fn what_is_near_takes_light_away() {
     }
 }
 
-/// The colour of one pixel in plain `f64`; not of an undecided one.
+/// The color of one pixel in plain `f64`; not of an undecided one.
 fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [u8; 3] {
     if !buffer.is_drawn(pixel) {
         return look.background.to_srgb();
@@ -100,11 +100,11 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let to_eye = -ray.direction.normalize();
     let normal = DVec3::from_array(buffer.normal[pixel].map(f64::from));
     let (facing, ambient) = (normal.dot(to_eye), f64::from(look.ambient));
-    let colours = look.surfaces[usize::from(buffer.surface[pixel]) % look.surfaces.len()];
+    let colors = look.surfaces[usize::from(buffer.surface[pixel]) % look.surfaces.len()];
     let base = match (buffer.is_cap(pixel), facing < 0.0) {
-        (true, _) => colours.cut,
-        (false, true) => colours.negative,
-        (false, false) => colours.positive,
+        (true, _) => colors.cut,
+        (false, true) => colors.negative,
+        (false, false) => colors.positive,
     };
     let normal = if facing < 0.0 { -normal } else { normal };
     let to_light = look.light.towards(ray.at(ray.parameter(buffer.drawn[pixel]))).0;
@@ -165,7 +165,7 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
         buffer.shadow[pixel] = if random(3) == 0 { random(256) as u8 } else { 0 };
         buffer.occlusion[pixel] = random(256) as u8;
     }
-    let surfaces: Vec<_> = (0..3).map(SurfaceColours::default_for).collect();
+    let surfaces: Vec<_> = (0..3).map(SurfaceColors::default_for).collect();
     for light in [Light::above_left(&rays), Light::Positional(DVec3::new(1.0, -2.0, 1.0))] {
         for look in &LOOKS {
             let look = Appearance { surfaces: surfaces.clone(), ..Appearance::new(look, light) };
@@ -189,6 +189,6 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
 fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
     let (buffer, rays) = painted([0.0, -1.0, 0.0]);
     let before = shade(&buffer, &rays, &headlight(), &[]);
-    hand_back_colours(vec![7; 300]);
+    hand_back_colors(vec![7; 300]);
     assert_eq!(shade(&buffer, &rays, &headlight(), &[]), before);
 }

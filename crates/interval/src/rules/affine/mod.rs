@@ -20,7 +20,7 @@ use crate::machine::{Format, Machine};
 use crate::rules::{Rule, enclose};
 use crate::software::{Software, Vector128};
 use std::f64::consts::{LOG2_E, LOG10_E};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 pub use solve::{Contraction, contract};
 
@@ -129,13 +129,12 @@ pub fn linearise<M: Machine, const N: usize>(
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
     let settled: Vec<_>;
-    let operands = match op {
+    let operands = if matches!(op.row().class, Class::Negation | Class::Sum | Class::Product) {
         // What they are made of may wait.
-        Op::Neg | Op::Add | Op::Sub | Op::Mul => operands,
-        _ => {
-            settled = operands.iter().map(|operand| rule.settled(operand)).collect();
-            &settled[..]
-        }
+        operands
+    } else {
+        settled = operands.iter().map(|operand| rule.settled(operand)).collect();
+        &settled[..]
     };
     let a = &operands[0];
     // What varies with no symbol is as well known by its bounds.

@@ -16,7 +16,7 @@ use zeroset_eval::{LANES, Lanes, Tiles};
 pub(super) const BLURS: f64 = 4.0;
 
 /// What the rays of a picture have in common.
-pub(super) struct Frame {
+pub(super) struct RayFrame {
     /// t where s is 0.
     pub start: f64,
     /// s between which the region lies, as far as rays reach it.
@@ -32,7 +32,7 @@ pub(super) struct Frame {
     pub error: DVec3,
 }
 
-impl Frame {
+impl RayFrame {
     pub fn new(rays: &RayGrid, region: &Region) -> Self {
         let (eye, forward) = (rays.eye(), rays.forward());
         let middle = (region.centre() - eye).dot(forward);
@@ -317,7 +317,7 @@ mod tests {
         ] {
             let rays = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
             let rays = rays.rays(24, 24);
-            let frame = Frame::new(&rays, &region);
+            let frame = RayFrame::new(&rays, &region);
             for (column, row) in (0..24).step_by(4).flat_map(|i| (0..24).map(move |j| (i, j))) {
                 let [mut across, mut down] = [Lanes::splat(0.0); 2];
                 for lane in 0..LANES {

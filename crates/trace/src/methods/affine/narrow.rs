@@ -47,7 +47,7 @@ pub(super) struct Narrower<'a, T: Scalar> {
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
     contracts: bool,
-    /// [`crate::Options::least`].
+    /// [`crate::TraceOptions::least`].
     least: f64,
     /// Whether what stays open is looked at in `f64`.
     hands_on: bool,

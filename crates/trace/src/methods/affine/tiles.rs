@@ -1,7 +1,7 @@
 //! Tiles of rays, from 16×16 pixels to 4×4, and from those to single rays.
 
 use super::Affine;
-use super::frame::Frame;
+use super::frame::RayFrame;
 use super::level::Level;
 use super::narrow::{BLURRED, COARSE, are_progress};
 use super::plane::Plane;
@@ -44,7 +44,7 @@ pub(super) struct Room<T: Scalar> {
 /// Traces a band.
 pub(super) fn trace<T: Scalar>(
     method: &Affine<'_, T>,
-    frame: Frame,
+    frame: RayFrame,
     rays: &RayGrid,
     band: &mut Band<'_>,
     work: &mut Work,
@@ -57,7 +57,7 @@ pub(super) fn trace<T: Scalar>(
 fn trace_with<T: Scalar, S: Simd>(
     simd: S,
     method: &Affine<'_, T>,
-    frame: Frame,
+    frame: RayFrame,
     rays: &RayGrid,
     band: &mut Band<'_>,
     work: &mut Work,

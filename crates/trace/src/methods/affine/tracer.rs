@@ -2,7 +2,7 @@
 //! not finished.
 
 use super::Affine;
-use super::frame::Frame;
+use super::frame::RayFrame;
 use super::level::Level;
 use super::pool::Memory;
 use super::sift::Limits;
@@ -30,7 +30,7 @@ const POLLED: u64 = 16;
 pub(super) struct Tracer<'a, 'b, 'm, T: Scalar, S> {
     pub method: &'a Affine<'m, T>,
     pub rays: &'a RayGrid,
-    pub frame: Frame,
+    pub frame: RayFrame,
     pub band: &'a mut Band<'b>,
     /// A bit per pixel of each 4×4 tile: whether it is not finished.
     pub open: Vec<u16>,

@@ -43,7 +43,7 @@ struct Search<'a> {
 
 /// A part of a ray that is looked at.
 #[derive(Clone, Copy)]
-struct Part {
+struct Candidate {
     /// The number of its ray.
     ray: usize,
     ends: [f64; 2],
@@ -80,12 +80,12 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// The next part of each ray, if it may hold a zero.
-    fn possible(&self, rays: &mut [Search], work: &mut Work) -> Vec<Part> {
+    fn possible(&self, rays: &mut [Search], work: &mut Work) -> Vec<Candidate> {
         let mut parts = Vec::with_capacity(LANES);
         for (number, ray) in rays.iter_mut().enumerate() {
             if let Some(ends) = ray.parts.pop() {
                 let cuboid = bounds(ray.way, ends, self.region);
-                parts.push(Part { ray: number, ends, cuboid, unbounded: false });
+                parts.push(Candidate { ray: number, ends, cuboid, unbounded: false });
             }
         }
         if parts.is_empty() {
@@ -106,7 +106,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Decides what becomes of parts that may hold a zero.
-    fn look(&self, rays: &mut [Search], parts: &[Part], work: &mut Work) {
+    fn look(&self, rays: &mut [Search], parts: &[Candidate], work: &mut Work) {
         let slopes =
             self.slopes.along(&cuboids(parts), |lane| rays[parts[lane].ray].way.direction, work);
         let is_steady = |slope: Option<Interval>| slope.is_some_and(|s| s.lo > 0.0 || s.hi < 0.0);
@@ -127,7 +127,8 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         }
         // With one sign of df/dt, there is one root if the signs at the ends differ, and else none.
         let values = [0, 1].map(|end| {
-            let place = |part: &Part| bounds(rays[part.ray].way, [part.ends[end]; 2], self.region);
+            let place =
+                |part: &Candidate| bounds(rays[part.ray].way, [part.ends[end]; 2], self.region);
             self.slopes.values(&steady.iter().map(place).collect::<Vec<_>>(), work)
         });
         for (lane, part) in steady.iter().enumerate() {
@@ -148,7 +149,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Cuts a part in two, or leaves it open if it is as short as arithmetic allows.
-    fn cut(&self, ray: &mut Search, part: &Part, work: &mut Work) {
+    fn cut(&self, ray: &mut Search, part: &Candidate, work: &mut Work) {
         let [near, far] = part.ends;
         let cut = near + CUT * (far - near);
         if far - near > ray.grain && near < cut && cut < far {
@@ -211,6 +212,6 @@ impl<'a> Search<'a> {
     }
 }
 
-fn cuboids(parts: &[Part]) -> Vec<Cuboid> {
+fn cuboids(parts: &[Candidate]) -> Vec<Cuboid> {
     parts.iter().map(|part| part.cuboid).collect()
 }

@@ -4,12 +4,12 @@
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 use zeroset_eval::{
-    Asked, Boxes, ContractSegments, Contractions, FindZeros, Kernel, Kernels, Segments, Surface,
-    Zeros,
+    Asked, Boxes, ContractSegments, Contractions, FindZeros, Kernel, Kernels, Segments,
+    SurfaceKernels, Zeros,
 };
 use zeroset_trace::{
-    Camera, Driver, Found, GBuffer, Method, Options, Precision, Projection, Ray, RayGrid, Region,
-    STEPS, Segment, Start, Status, Work,
+    Camera, Driver, Found, GBuffer, Method, Precision, Projection, Ray, RayGrid, Region, STEPS,
+    Segment, Start, Status, TraceOptions, Work,
 };
 
 /// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than
@@ -112,13 +112,13 @@ impl Kernels<f32> for Ball {
     }
 }
 
-impl Surface for Ball {
+impl SurfaceKernels for Ball {
     fn single(&self) -> &dyn Kernels<f32> {
         self
     }
 }
 
-impl Surface for Stubborn {
+impl SurfaceKernels for Stubborn {
     fn single(&self) -> &dyn Kernels<f32> {
         self
     }
@@ -141,8 +141,12 @@ fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
 
 fn trace_by(method: &str, kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    let options =
-        Options { precision: Precision::F32, depth, tolerance: 0.5, ..Options::default() };
+    let options = TraceOptions {
+        precision: Precision::F32,
+        depth,
+        tolerance: 0.5,
+        ..TraceOptions::default()
+    };
     let method = Method::named(method).expect("a row");
     let tracer = method.prepare(kernel, &region, options).expect("a kernel");
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
@@ -201,8 +205,12 @@ fn pixels_followed_from_the_eye_are_as_in_the_whole_picture() {
     let kernel = Stubborn::new(-0.875, 2.1e-5);
     let (whole, _) = trace(&kernel, 12);
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    let options =
-        Options { precision: Precision::F32, depth: 12, tolerance: 0.5, ..Options::default() };
+    let options = TraceOptions {
+        precision: Precision::F32,
+        depth: 12,
+        tolerance: 0.5,
+        ..TraceOptions::default()
+    };
     let tracer = Method::named("knoll")
         .expect("a row")
         .prepare(&kernel, &region, options)
@@ -238,7 +246,7 @@ fn what_is_found_of_a_ray_does_not_hang_on_its_neighbours() {
         })
         .collect();
     for method in ["knoll", "raa"] {
-        let options = Options { precision: Precision::F32, ..Options::default() };
+        let options = TraceOptions { precision: Precision::F32, ..TraceOptions::default() };
         let method = Method::named(method).expect("a row");
         let tracer = method.prepare(&Ball, &region, options).expect("a kernel");
         let follow = |rays: &[Segment]| {

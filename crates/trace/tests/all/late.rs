@@ -5,10 +5,10 @@ use std::sync::mpsc;
 use std::time::Duration;
 use zeroset_eval::{
     Asked, ContractSegments, ContractTiles, Contractions, Enclose, Kernel, KernelError, Kernels,
-    Planes, Real, Segments, Surface, Tiles,
+    Planes, Real, Segments, SurfaceKernels, Tiles,
 };
 use zeroset_trace::{
-    Camera, Driver, GBuffer, Method, Options, Precision, Projection, Region, Status,
+    Camera, Driver, GBuffer, Method, Precision, Projection, Region, Status, TraceOptions,
 };
 
 /// A function without zeros, whose kernels take their time to be made.
@@ -40,7 +40,7 @@ impl<T: Real> Kernels<T> for Late {
     }
 }
 
-impl Surface for Late {
+impl SurfaceKernels for Late {
     fn single(&self) -> &dyn Kernels<f32> {
         self
     }
@@ -62,7 +62,8 @@ fn bands_do_not_wait_for_each_other() {
         let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
         let rays = camera.expect("valid").rays(SIZE, SIZE);
         // So near that no ray is followed in f32.
-        let options = Options { precision: Precision::Auto, tolerance: 1e-6, ..Options::default() };
+        let options =
+            TraceOptions { precision: Precision::Auto, tolerance: 1e-6, ..TraceOptions::default() };
         for _ in 0..10 {
             let affine = Method::named("affine").expect("a row");
             let tracer = affine.prepare(&Late, &region, options).expect("kernels");

@@ -1,10 +1,10 @@
-//! Colours as people write them and as light adds them.
+//! Colors as people write them and as light adds them.
 
 use fearless_simd::{f32x16, prelude::*, u32x16};
 use std::sync::OnceLock;
 use zeroset_eval::LANES;
 
-/// A colour in linear light: amounts of red, green and blue of the sRGB primaries, 1 at full.
+/// A color in linear light: amounts of red, green and blue of the sRGB primaries, 1 at full.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearRgb(pub [f32; 3]);
 
@@ -60,7 +60,7 @@ impl Codes {
         ((entry + (bits & ((1 << LOWER) - 1))) >> LOWER) as u8
     }
 
-    /// The same of sixteen colours, given by their primaries.
+    /// The same of sixteen colors, given by their primaries.
     #[inline(always)]
     pub fn bytes<S: Simd>(&self, simd: S, primaries: [f32x16<S>; 3]) -> [[u8; 3]; LANES] {
         let mut all = u32x16::splat(simd, 0);
@@ -91,7 +91,7 @@ fn decode(value: f64) -> f64 {
 }
 
 impl LinearRgb {
-    /// The colour that sRGB encodes with these bytes (IEC 61966-2-1).
+    /// The color that sRGB encodes with these bytes (IEC 61966-2-1).
     pub fn from_srgb(bytes: [u8; 3]) -> Self {
         static AMOUNTS: OnceLock<[f32; 256]> = OnceLock::new();
         let amount = |byte: usize| decode(byte as f64 / 255.0) as f32;
@@ -105,7 +105,7 @@ impl LinearRgb {
         self.0.map(|amount| Codes::get().byte(within(amount)))
     }
 
-    /// The colour written `#rrggbb` or `rrggbb`, or `None` if `text` is neither.
+    /// The color written `#rrggbb` or `rrggbb`, or `None` if `text` is neither.
     pub fn from_hex(text: &str) -> Option<Self> {
         let digits = text.strip_prefix('#').unwrap_or(text);
         if digits.len() != 6 || !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
@@ -124,7 +124,7 @@ mod tests {
     use fearless_simd::dispatch;
 
     #[test]
-    fn sixteen_colours_at_once_have_the_bytes_of_each() {
+    fn sixteen_colors_at_once_have_the_bytes_of_each() {
         let codes = Codes::get();
         let least = BLACK.to_bits();
         let most = 1.0_f32.to_bits();
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn hexadecimal_colours_are_read() {
+    fn hexadecimal_colors_are_read() {
         assert_eq!(LinearRgb::from_hex("#ff8000").map(LinearRgb::to_srgb), Some([255, 128, 0]));
         assert_eq!(LinearRgb::from_hex("FF8000").map(LinearRgb::to_srgb), Some([255, 128, 0]));
         for text in ["", "#fff", "#ff80000", "+f8000", "red", "#ff80é"] {

@@ -1,5 +1,5 @@
-//! What painted points have near them in a picture: how much of their surroundings that hides, and
-//! the mean over neighbours that see the same.
+//! Ambient occlusion: what painted points have near them in a picture, how much of their
+//! surroundings that hides, and the mean over neighbours that see the same.
 //!
 //! Nothing is asked of functions: what a picture does not show hides nothing. So this is for looks,
 //! as shading is.
@@ -45,9 +45,9 @@ struct Place {
     surface: u16,
 }
 
-/// The painted points of a picture, by quantity: one large piece of memory would not be given back
-/// to the system as soon.
-pub struct Near<'a> {
+/// Ambient occlusion in screen space: the painted points of a picture, by quantity. One large piece
+/// of memory would not be given back to the system as soon.
+pub struct AmbientOcclusion<'a> {
     rays: &'a RayGrid,
     at: Vec<Vec3>,
     normal: Vec<Vec3>,
@@ -56,7 +56,7 @@ pub struct Near<'a> {
     looks: [[Vec2; LOOKS]; TURNS],
 }
 
-impl<'a> Near<'a> {
+impl<'a> AmbientOcclusion<'a> {
     /// Those of a buffer whose normals are known. Points are computed relative to `centre`.
     pub fn new(buffer: &GBuffer, rays: &'a RayGrid, centre: DVec3) -> Self {
         let [mut at, mut normal] = [(); 2].map(|()| vec![Vec3::ZERO; buffer.drawn.len()]);
@@ -220,7 +220,7 @@ mod tests {
     fn an_inner_corner_is_dark_and_an_outer_one_is_not() {
         for inward in [true, false] {
             let (mut buffer, rays) = corner(inward);
-            let near = Near::new(&buffer, &rays, DVec3::ZERO);
+            let near = AmbientOcclusion::new(&buffer, &rays, DVec3::ZERO);
             near.occlusion(&mut buffer, 0.8, &|| true);
             near.mean(&mut buffer.occlusion);
             let column = |column: usize| {
@@ -240,7 +240,7 @@ mod tests {
     #[test]
     fn a_mean_does_not_reach_across_an_edge() {
         let (mut buffer, rays) = corner(false);
-        let near = Near::new(&buffer, &rays, DVec3::ZERO);
+        let near = AmbientOcclusion::new(&buffer, &rays, DVec3::ZERO);
         buffer.shadow = (0..64 * 64).map(|pixel| if pixel % 64 < 32 { 200 } else { 0 }).collect();
         let before = buffer.shadow.clone();
         near.mean(&mut buffer.shadow);
