@@ -5,9 +5,9 @@ use crate::side::Side;
 use anyhow::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Pictures that are drawn one after another each time, as while a view is turned: where each is
-/// waited for alone, threads are measured that wake one another, on the one side as on the other.
-const IN_A_ROW: usize = 8;
+/// Pictures that are drawn one after another each time, as while a view is turned for a moment:
+/// where each is waited for alone, what is measured is how threads wake one another.
+const IN_A_ROW: usize = 32;
 
 /// Some threads for each of some pictures, which are drawn at once.
 pub struct Pooled {
