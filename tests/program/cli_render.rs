@@ -5,6 +5,13 @@ use serde_json::Value;
 
 const SPHERE: &str = "x^2+y^2+z^2 = 1";
 
+/// A power-8 Mandelbulb of two rounds, by angles.
+pub const BULB: &str = "\
+    r = sqrt(x^2+y^2+z^2); a = 8 acos(z/r); b = 8 atan2(y, x)\n\
+    u = r^8 sin(a) cos(b) + x; v = r^8 sin(a) sin(b) + y; w = r^8 cos(a) + z\n\
+    s = sqrt(u^2+v^2+w^2); c = 8 acos(w/s); d = 8 atan2(v, u)\n\
+    (s^8 sin(c) cos(d) + x)^2 + (s^8 sin(c) sin(d) + y)^2 + (s^8 cos(c) + z)^2 = 4\n";
+
 fn picture(place: &Place, name: &str) -> image::RgbImage {
     image::open(place.path(name)).expect("a picture").to_rgb8()
 }
@@ -454,6 +461,63 @@ fn every_thread_count_gives_the_same_claim() {
         let one = picture(surface, method, "1");
         assert!(one == picture(surface, method, "3"), "{surface}, {method}");
     }
+}
+
+/// Formulas that would take minutes: angles, and tangents that change their sign millions of times
+/// in a pixel.
+#[test]
+fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
+    let place = Place::new();
+    place.write("bulb.zset", BULB);
+    let size = "700";
+    for (formula, domain) in [
+        ("bulb.zset", &["--domain", "1.2"][..]),
+        ("bulb.zset", &[]),
+        ("sum(k = 1..10, tan(k*1e6*x + k*y)) = z", &["--domain", "1"]),
+        ("sum(k = 1..10, tan(k*1e6*x + k*y)) = z", &[]),
+    ] {
+        let render = |more: &[&str]| {
+            let fixed =
+                ["render", formula, "--size", size, "--budget", "1", "-o", "p.png", "--json"];
+            place.run(&[&fixed[..], domain, more].concat())
+        };
+        let run = render(&[]).ok();
+        let object = run.json();
+        let of = |name: &str| object["pixels"][name].as_u64().expect("a count");
+        let unreached = object["undecided"]["budget"].as_u64().expect("a count");
+        let all = of("hit") + of("miss") + of("undecided");
+        assert!(0 < unreached && unreached < all, "{formula}: {unreached} of {all}");
+        let note = "of these were not reached within 1 s and are not drawn: a larger --budget";
+        assert!(run.stderr.contains(note), "{}", run.stderr);
+        assert_eq!(picture(&place, "p.png").width(), 700);
+        assert_eq!(render(&["--strict"]).code, Some(1));
+    }
+}
+
+/// The time runs from the start: what is needed to choose where to look, and from where, is of it.
+#[test]
+fn a_budget_of_time_is_no_other_for_the_view() {
+    let place = Place::new();
+    let formula = "sum(k = 1..10, tan(k*1e6*x + k*y)) = z";
+    for domain in [&["--domain", "1"][..], &[]] {
+        let fixed = ["render", formula, "--size", "64", "--budget", "1e-9", "--json"];
+        let run = place.run(&[&fixed[..], domain].concat()).ok();
+        let object = run.json();
+        assert_eq!(object["undecided"]["budget"], 64 * 64);
+        let note = "no domain was found in time: x, y, z in -2..2 are drawn; --domain says where";
+        assert_eq!(run.stderr.contains(note), domain.is_empty(), "{}", run.stderr);
+    }
+    // Each frame has it anew.
+    let formula = "sum(k = 1..10, tan(k*1e6*x + k*y)) = a*z";
+    let fixed =
+        ["render", formula, "--domain", "1", "--sweep", "a=1..2", "--frames", "3", "--json"];
+    let run = place.run(&[&fixed[..], &["--size", "700", "--budget", "1"]].concat()).ok();
+    for frame in run.text().lines() {
+        let object: Value = serde_json::from_str(frame).expect("JSON");
+        let unreached = object["undecided"]["budget"].as_u64().expect("a count");
+        assert!(0 < unreached && unreached < 700 * 700, "{unreached}");
+    }
+    assert_eq!(run.text().lines().count(), 3);
 }
 
 #[test]
