@@ -93,13 +93,15 @@ impl Driver<'_> {
         work
     }
 
-    /// Finds which painted points of `buffer` do not see the light: that of `lights` whose turn it
-    /// is, in squares of as many pixels. A ray starts `offset` away from its point (in world
-    /// units), and what it meets before it is clear of that surface does not count: otherwise a
-    /// surface would shade itself wherever enclosures are wide.
+    /// Adds to `buffer.shadow` which painted points do not see the light: that of `lights` whose
+    /// turn it is, in squares of as many pixels. What is dark already is not asked about. A ray
+    /// starts `offset` away from its point (in world units), and what it meets before it is clear
+    /// of that surface does not count: otherwise a surface would shade itself wherever enclosures
+    /// are wide.
     pub fn shadows(&self, buffer: &mut GBuffer, lights: &[Light; TURNS], offset: f64) -> Work {
-        let painted: Vec<usize> =
-            (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
+        buffer.shadow.resize(buffer.status.len(), 0);
+        let is_lit = |pixel: &usize| buffer.is_drawn(*pixel) && buffer.shadow[*pixel] == 0;
+        let painted: Vec<usize> = (0..buffer.drawn.len()).filter(is_lit).collect();
         let width = self.rays.width();
         let segment = |pixel: usize| {
             let [column, row] = [pixel % width, pixel / width];
@@ -115,10 +117,10 @@ impl Driver<'_> {
                 pixel: [f64::INFINITY, 0.0],
             }
         };
-        buffer.shadow.clear();
-        buffer.shadow.resize(buffer.status.len(), 0);
         self.follow(&painted, segment, Start::OnSurface, |pixel, found| {
-            buffer.shadow[pixel] = if found.drawn.is_finite() { u8::MAX } else { 0 };
+            if found.drawn.is_finite() {
+                buffer.shadow[pixel] = u8::MAX;
+            }
         })
     }
 

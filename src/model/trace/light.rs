@@ -136,19 +136,17 @@ impl<T: KernelFloat> Shot<'_, T> {
         let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
         let lights = light.widened(self.model.region.centre());
         let mut work = Work::default();
-        let mut hidden = vec![0; buffer.drawn.len()];
+        buffer.shadow.clear();
         // Shadows are no pixels finished.
         let wanted = |_| (self.advance)(0);
         for surface in self.model.seen() {
             let tracer = self.tracer(surface, Aim { depth, ..Aim::of(self.settings) })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
             work += driver.shadows(buffer, &lights, offset);
-            hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
             if !(self.advance)(0) {
                 break;
             }
         }
-        buffer.shadow = hidden;
         Ok(work)
     }
 
