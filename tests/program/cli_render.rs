@@ -463,6 +463,61 @@ fn every_thread_count_gives_the_same_claim() {
     }
 }
 
+/// What is compiled for which picture, and nothing else: seen from a given side, since a view that
+/// is searched for asks, too.
+#[test]
+fn kernels_are_made_for_what_the_picture_asks() {
+    let place = Place::new();
+    let ball = "x^2+y^2+z^2 = 1";
+    let found = ["the function: segments, f32", "the function: tiles, f32"];
+    let [values, gradients] =
+        ["the function: values, f32", "function and derivatives: gradients, f32"];
+    let bounds = "the function: bounds, f32";
+    let cleared = [
+        "the numerator: bounds, f32",
+        "the numerator: segments, f32",
+        "the numerator: tiles, f32",
+        "the denominator: bounds, f32",
+    ];
+    let doubles =
+        ["the function: segments, f64", "the function: tiles, f64", "the function: zeros, f64"];
+    for (formula, flags, expected) in [
+        (ball, &["-o", "p.png"][..], &[&found[..], &[gradients]].concat()[..]),
+        (ball, &["--status", "s.npy"], &found),
+        ("z = tan(x)", &["-o", "p.png"], &[&[bounds], &cleared[..], &[gradients]].concat()),
+        ("z = tan(x)", &["--status", "s.npy"], &[&[bounds], &cleared[..]].concat()),
+        ("x^2+y^2+z^2 < 1", &["-o", "p.png"], &[&[bounds], &found[..], &[gradients]].concat()),
+        ("x^2+y^2+z^2 < 1", &["--status", "s.npy"], &[&[bounds], &found[..]].concat()),
+        (ball, &["-o", "p.png", "--normals", "central"], &[&found[..], &[values]].concat()),
+        (ball, &["-o", "p.png", "--no-contract"], &[&found[..], &[gradients]].concat()),
+        (ball, &["-o", "p.png", "--no-interval"], &[&found[..], &[gradients]].concat()),
+        (ball, &["-o", "p.png", "--shadows"], &[&found[..], &[gradients]].concat()),
+        (
+            ball,
+            &["-o", "p.png", "--precision", "f64"],
+            &[&doubles[..], &["function and derivatives: gradients, f64"]].concat(),
+        ),
+        (
+            ball,
+            &["-o", "p.png", "--method", "knoll"],
+            &[values, "the function: zeros, f32", gradients],
+        ),
+        (ball, &["-o", "p.png", "--method", "march"], &[values, gradients]),
+        (ball, &["-o", "p.png", "--method", "march", "--normals", "central"], &[values]),
+        (ball, &["-o", "p.png", "--method", "march", "--shadows"], &[values, gradients]),
+    ] {
+        let fixed =
+            ["render", formula, "--domain", "2", "--view", "front", "--size", "48", "--json"];
+        let object = place.run(&[&fixed[..], flags].concat()).ok().json();
+        let kernels = object["kernels"].as_array().expect("kernels").iter();
+        let one = |kernel: &Value| {
+            let word = |name: &str| kernel[name].as_str().expect("a word").to_owned();
+            format!("{}: {}, {}", word("form"), word("question"), word("precision"))
+        };
+        assert_eq!(kernels.map(one).collect::<Vec<_>>(), expected, "{formula} {flags:?}");
+    }
+}
+
 /// Formulas that would take minutes: angles, and tangents that change their sign millions of times
 /// in a pixel.
 #[test]
