@@ -445,21 +445,46 @@ fn shadows_central_normals_and_parallel_rays() {
 }
 
 #[test]
-fn every_thread_count_gives_the_same_claim() {
+fn every_thread_count_gives_the_same_picture_and_arrays() {
     let place = Place::new();
-    let picture = |surface: &str, method: &str, threads: &str| {
-        let fixed = ["render", surface, "--size", "133x71", "--status", "s.npy", "-o", "p.png"];
-        let more = ["--distance", "d.npy", "--method", method, "--threads", threads];
-        place.run(&[&fixed[..], &more].concat()).ok();
-        let [status, distance] =
-            ["s.npy", "d.npy"].map(|name| std::fs::read(place.path(name)).expect("written"));
-        (status, distance, self::picture(&place, "p.png"))
+    place.write("behind.zset", "domain 1.5\nopacity 40%\nx^2+y^2+z^2 = 1\nz = x*y\nx < -1\n");
+    place.write("shadows.zset", "domain 2\nx^2+y^2+z^2 = 1/2\nz = -1\n");
+    const ARRAYS: [&str; 5] = ["status", "distance", "bracket", "normal", "surface-id"];
+    let made = |arguments: &[&str], threads: &str| {
+        let mut all =
+            vec!["render", "--size", "133x71", "-o", "p.png", "--threads", threads, "--json"];
+        let files = ARRAYS.map(|array| (format!("--{array}"), format!("{array}.npy")));
+        all.extend(files.iter().flat_map(|(flag, file)| [flag.as_str(), file]));
+        all.extend(arguments);
+        let object = place.run(&all).ok().json();
+        let names = ARRAYS.iter().map(|array| format!("{array}.npy")).chain(["p.png".to_owned()]);
+        let files = names.map(|name| std::fs::read(place.path(&name)).expect("written"));
+        (files.collect::<Vec<_>>(), object)
     };
-    for (surface, method) in
-        [("tangle", "affine"), ("tangle", "knoll"), ("double-root-sphere", "affine")]
-    {
-        let one = picture(surface, method, "1");
-        assert!(one == picture(surface, method, "3"), "{surface}, {method}");
+    for arguments in [
+        &["tangle"][..],
+        &["tangle", "--method", "knoll", "--shadows"],
+        &["tangle", "--method", "march"],
+        &["double-root-sphere", "--aa", "64"],
+        &["shadows.zset", "--shadows", "--light", "1,1,9"],
+        &["behind.zset", "--shadows", "--look", "night"],
+        // Doubles have the last word.
+        &["(x-1000)^2+(y-1000)^2+(z-1000)^2 = 1", "--shadows", "--precision", "auto"],
+        &["z = tan(x)", "--normals", "central"],
+    ] {
+        let (one, object) = made(arguments, "1");
+        let kernels = object["kernels"].as_array().expect("kernels");
+        let is_double = kernels.iter().any(|kernel| kernel["precision"] == "f64");
+        assert!(is_double || !arguments.contains(&"auto"), "{arguments:?}");
+        for threads in ["2", "5"] {
+            let (other, again) = made(arguments, threads);
+            for (number, (one, other)) in one.iter().zip(&other).enumerate() {
+                let what = ARRAYS.get(number).unwrap_or(&"picture");
+                assert!(one == other, "{arguments:?}, {threads} threads: another {what}");
+            }
+            assert_eq!(object["edge_rays"], again["edge_rays"], "{arguments:?}");
+            assert_eq!(object["undecided"], again["undecided"], "{arguments:?}");
+        }
     }
 }
 
