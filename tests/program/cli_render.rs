@@ -876,3 +876,22 @@ fn a_document_says_how_its_picture_looks() {
     let refused = place.run(&["render", &format!("look nigt; {SPHERE}"), "-o", "p.png"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("did you mean `night`?"));
 }
+
+#[test]
+fn a_domain_of_multiples_of_pi_is_written_as_such() {
+    let place = Place::new();
+    let run =
+        place.run(&["render", "sin(x)+sin(y)+sin(z) = 0", "--status", "s.npy", "--size", "8"]);
+    let run = run.ok();
+    let (_, ends) = run.stderr.split_once("domain x, y, z in ").expect("a domain");
+    let (low, high) = ends.trim().split_once("..").expect("two ends");
+    assert!(low.starts_with('-') && low.ends_with('π') && high.ends_with('π'), "{ends}");
+    let found = std::fs::read(place.path("s.npy")).expect("written");
+    let domain = [low, high].join(",");
+    let domain = [domain.as_str(); 3].join(",");
+    let again = ["render", "sin(x)+sin(y)+sin(z) = 0", "--status", "s.npy", "--size", "8"];
+    place.run(&[&again[..], &["--domain", &domain]].concat()).ok();
+    assert!(found == std::fs::read(place.path("s.npy")).expect("written"));
+    let explained = place.run(&["explain", "sin(x)+sin(y) = z", "--domain", "2π"]).ok();
+    assert!(explained.text().contains("domain      x in [-2π, 2π], y in"), "{}", explained.text());
+}
