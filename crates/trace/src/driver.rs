@@ -13,6 +13,7 @@ use crate::rows::{Rows, work_on};
 use crate::squares::RAYS;
 use crate::work::Work;
 use rayon::prelude::*;
+use std::cell::Cell;
 
 /// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the
 /// side of its squares.
@@ -82,11 +83,16 @@ impl Driver<'_> {
     }
 
     fn rows(&self, rows: &mut Rows<'_>, only: &[bool]) -> Work {
-        let (mut work, wanted) = (Work::default(), || (self.advance)(0));
-        let mut band = rows.band(only, &wanted);
+        let (mut work, told) = (Work::default(), Cell::new(0));
+        let advance = |found: usize| {
+            told.set(told.get() + found);
+            (self.advance)(found)
+        };
+        let mut band = rows.band(only, &advance);
         if band.is_wanted() {
             self.tracer.band(self.rays, &mut band, &mut work);
-            (self.advance)(band.width * band.height);
+            // Where nothing was found is known now, too.
+            (self.advance)((band.width * band.height).saturating_sub(told.get()));
         } else {
             band.give_up(0);
         }
