@@ -2,6 +2,7 @@
 //!
 //! Knows neither flags nor commands: whoever asks says how a domain is asked for.
 
+use crate::coordinate::coordinate;
 use crate::domain::{AutoDomain, REACH};
 use crate::scene;
 use zeroset_syntax::Document;
@@ -57,8 +58,8 @@ impl Blank {
             }
             Self::Empty => "nothing is seen: the surface is proven empty up to ±1e12".to_owned(),
             Self::Elsewhere(found) => {
-                let ends =
-                    [0, 1, 2].map(|axis| format!("{},{}", found.low[axis], found.high[axis]));
+                let ends = [0, 1, 2]
+                    .map(|axis| [found.low[axis], found.high[axis]].map(coordinate).join(","));
                 let place = domain(&ends.join(","));
                 format!("nothing is seen here; the surface lies elsewhere: try {place}")
             }

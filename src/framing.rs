@@ -108,8 +108,8 @@ pub fn camera_over(
     Ok(Some(fitted.unwrap_or(usual)))
 }
 
-/// As [`camera_while`], to the end, or to that of the settings' budget of time: then it is the view
-/// of the whole domain.
+/// As [`camera_while`], to the end, or to that of a part of the settings' budget of time: then it
+/// is the view of the whole domain.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -119,10 +119,23 @@ pub fn camera(
     choice: &CameraChoice,
     settings: &Settings,
 ) -> Result<Camera, SceneError> {
-    match camera_while(model, document, choice, settings, &settings.has_time())? {
+    match camera_while(model, document, choice, settings, &settings.has_time_to_choose())? {
         Some(camera) => Ok(camera),
-        None => Ok(usual(document, model.region(), choice, settings)?.0),
+        None => whole(model.region(), document, choice, settings),
     }
+}
+
+/// The camera that shows the whole domain where none is chosen.
+///
+/// # Errors
+/// As [`camera_while`].
+pub(crate) fn whole(
+    region: &Region,
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+) -> Result<Camera, SceneError> {
+    Ok(usual(document, region, choice, settings)?.0)
 }
 
 /// The view of the whole domain, and how another is fitted where that is free to be chosen.

@@ -19,6 +19,7 @@
 //! files.
 
 pub mod blank;
+pub mod coordinate;
 pub mod domain;
 pub mod enclosure;
 pub mod framing;

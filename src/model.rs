@@ -268,10 +268,8 @@ impl Model {
         let pixels = settings.width * settings.height * self.seen().count();
         let done = AtomicUsize::new(0);
         let advance = |pixels_done: usize| {
-            if pixels_done > 0 {
-                let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
-                progress(done, pixels);
-            }
+            let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
+            progress(done, pixels);
             true
         };
         self.trace(camera, settings, &advance)
@@ -352,7 +350,7 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 
-/// Told how many of how many pixels are done, from several threads.
+/// Told every now and then how many of how many pixels are done, from several threads.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Renders all surfaces of `document` in `region` as seen by `camera`.

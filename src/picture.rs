@@ -46,6 +46,8 @@ pub struct Settings {
     /// How long surfaces may be looked for: what was not reached by then is undecided and not
     /// painted.
     pub budget: Option<Duration>,
+    /// When the budget's time began; `None` if it begins with the picture.
+    pub begun: Option<Instant>,
     /// The same depth for shadow rays; `None` for no shadows.
     pub shadow_depth: Option<u32>,
     /// Where normals come from; `None` if neither colors nor normals are wanted.
@@ -105,6 +107,7 @@ impl Default for Settings {
             brackets: false,
             keeps_normals: true,
             budget: None,
+            begun: None,
             shadow_depth: None,
             normals: Some(Normals::Gradient),
             undecided: UndecidedStyle::Shade,
@@ -124,9 +127,28 @@ impl Settings {
         self.max_depth.saturating_sub(1).max(1)
     }
 
-    /// Tells whether there is time left for a picture that is begun now.
-    pub(crate) fn has_time(&self) -> impl Fn() -> bool + Sync + use<> {
-        let end = self.budget.and_then(|budget| Instant::now().checked_add(budget));
+    /// The same with all of the budget's time from now on.
+    #[must_use]
+    pub fn begin(&self) -> Self {
+        Self { begun: Some(Instant::now()), ..self.clone() }
+    }
+
+    /// Tells whether there is time left for a picture, of which this is the beginning if it was
+    /// not begun before.
+    pub fn has_time(&self) -> impl Fn() -> bool + Sync + use<> {
+        self.has_time_for(1.0)
+    }
+
+    /// Tells whether there is time left to choose where to look, or from where: each may take as
+    /// much as a quarter of what is left now, so that most of it is the picture's.
+    pub fn has_time_to_choose(&self) -> impl Fn() -> bool + Sync + use<> {
+        self.has_time_for(0.25)
+    }
+
+    fn has_time_for(&self, share: f64) -> impl Fn() -> bool + Sync + use<> {
+        let now = Instant::now();
+        let end = self.budget.and_then(|budget| self.begun.unwrap_or(now).checked_add(budget));
+        let end = end.map(|end| now + end.saturating_duration_since(now).mul_f64(share));
         move || end.is_none_or(|end| Instant::now() < end)
     }
 

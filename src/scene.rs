@@ -113,16 +113,17 @@ impl From<Option<ClipChoice>> for Cut {
     }
 }
 
-/// Numbers with commas between.
+/// Numbers, or constant expressions such as `2π`, with commas between.
 ///
 /// # Errors
 /// One phrase that says which of them is none.
 pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    let number = |part: &str| {
+    let one = |part: &str| {
         let part = part.trim();
-        part.parse().map_err(|_| format!("'{part}' is not a number"))
+        let float = part.parse().ok();
+        float.or_else(|| number(part)).ok_or_else(|| format!("'{part}' is not a number"))
     };
-    text.split(',').map(number).collect()
+    text.split(',').map(one).collect()
 }
 
 /// From where to look. What is `None` is taken from the document, and what that leaves open is

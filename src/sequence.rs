@@ -121,13 +121,14 @@ impl Sequence {
     }
 
     /// Domain and camera for all frames. A frame that has no surface is passed over. The camera
-    /// shows all of the domain's box if `shows_domain`, else what is visible.
+    /// shows all of the domain's box if `shows_domain`, or if the time to find what is visible ran
+    /// out, else what is visible.
     ///
     /// # Errors
     /// If the text is wrong, if no frame has a surface, or if domain or camera are impossible.
     ///
     /// # Panics
-    /// Never: there is at least one sample, and the camera is wanted to the end.
+    /// Never: there is at least one sample.
     pub fn stage(
         &self,
         text: &str,
@@ -171,10 +172,11 @@ impl Sequence {
         let camera = if shows_domain && !is_turned {
             framing::of_domain(&region, &seen[0], choice, settings).map(Some)
         } else {
-            let (document, wanted) = (&seen[0], &|| true);
+            let (document, wanted) = (&seen[0], &settings.has_time_to_choose());
             framing::camera_over(visible, document, choice, settings, &region, is_turned, wanted)
         };
-        let camera = camera.map_err(at_start)?.expect("wanted to the end");
+        let whole = || framing::whole(&region, &seen[0], choice, settings);
+        let camera = camera.and_then(|camera| camera.map_or_else(whole, Ok)).map_err(at_start)?;
         Ok(Stage { region, searched, camera })
     }
 

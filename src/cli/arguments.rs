@@ -160,6 +160,10 @@ pub struct RenderArgs {
     pub sequence: SequenceArgs,
 
     /// Stop looking for surfaces after this long: what was not reached is undecided and not drawn
+    ///
+    /// The time runs from the start, or from that of each frame. To choose where to look, and then
+    /// from where, takes a quarter of what is left each, at most. Kernels that are being compiled
+    /// are waited for, and so are the colors of what was found, and a sequence's domain.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub budget: Option<f64>,
 

@@ -9,6 +9,7 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
+use zeroset::coordinate::coordinate;
 use zeroset::model::make_kernels;
 use zeroset::picture::{Precision, Settings};
 use zeroset::program::{ClearedGraph, KernelSource, Program};
@@ -66,8 +67,8 @@ fn explain_in<T: KernelFloat>(
     let domain = region.as_ref().map_or([Interval::ENTIRE; 3], scene::bounds);
     // Kernels do not depend on it beyond the domain.
     let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
-    let [x, y, z] = domain;
-    writeln!(text, "domain      x in {}, y in {}, z in {}", range(x), range(y), range(z))?;
+    let [x, y, z] = domain.map(|ends| [ends.lo, ends.hi].map(coordinate).join(", "));
+    writeln!(text, "domain      x in [{x}], y in [{y}], z in [{z}]")?;
     let mut code = String::new();
     for parameter in &document.parameters {
         let value = parameter.value.bounds();

@@ -33,6 +33,8 @@ impl Progress {
             && std::io::stderr().is_terminal()
         {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            // There may be no step for a long time.
+            self.bar.tick();
         }
     }
 }

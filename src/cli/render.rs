@@ -14,15 +14,19 @@ use super::{UNDECIDED, notes, report};
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zeroset::blank::Blank;
 use zeroset::domain::AutoDomain;
 use zeroset::framing;
 use zeroset::model::{Model, Strip};
 use zeroset::picture::{Open, Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance};
-use zeroset::scene;
+use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::SrgbColor;
 use zeroset_trace::{LinearRgb, MethodOption, Pattern, Region};
+
+/// What is drawn where the search for a domain ran out of time reaches so far from the origin along
+/// each axis.
+const ANYWHERE: f64 = 2.0;
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
@@ -39,7 +43,20 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let around = Around::asked(&arguments.shading, &subject.document);
     let render = || -> Result<_> {
         let document = &subject.document;
-        let (region, searched) = scene::region(document, subject.domain, cut)?;
+        let wanted = settings.has_time_to_choose();
+        let (region, searched) =
+            match scene::region_while(&mut None, document, subject.domain, cut, &wanted)? {
+                Some(found) => found,
+                None => {
+                    let [low, high] = [-ANYWHERE, ANYWHERE];
+                    notes::note(&format!(
+                        "no domain was found in time: x, y, z in {low}..{high} are drawn; --domain \
+                         says where to look"
+                    ));
+                    let anywhere = DomainChoice::Bounds([low, high, low, high, low, high]);
+                    scene::region(document, anywhere, cut)?
+                }
+            };
         let model = Model::new(document, &region, &settings)?;
         let camera = if around.axes {
             framing::of_domain(&region, document, &choice, &settings)?
@@ -182,6 +199,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         keeps_normals,
         brackets: outputs.arrays.0.iter().any(|(row, _)| row.needs_brackets),
         budget,
+        begun: Some(Instant::now()),
         undecided: shading.undecided,
         light: shading.light,
         look: shading.look,

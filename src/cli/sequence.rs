@@ -283,7 +283,8 @@ impl<'a> Maker<'a> {
 
     /// One frame, with kernels of the one before where they serve.
     fn make(&mut self, frame: usize, last: &mut Option<Model>) -> Result<(Camera, Picture)> {
-        let Self { overrides, time, sequence, settings, stage, .. } = self;
+        let Self { overrides, time, sequence, stage, .. } = self;
+        let settings = self.settings.begin();
         let options = Options { overrides, time: *time, ..Options::default() };
         let named = || {
             let values = sequence.values(frame).map(|(name, value)| format!(", {name} = {value}"));
@@ -292,10 +293,10 @@ impl<'a> Maker<'a> {
         let document = sequence.document(&self.subject.source.text, &options, frame);
         let document = document.map_err(|errors| anyhow!("{errors}")).with_context(named)?;
         let rebound = last.as_ref().and_then(|model| model.rebound(&document, &stage.region));
-        let model = rebound.unwrap_or_else(|| Model::new(&document, &stage.region, settings));
+        let model = rebound.unwrap_or_else(|| Model::new(&document, &stage.region, &settings));
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
-        let mut picture = model.picture(&camera, settings, &|_, _| {}).with_context(named)?;
+        let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
         let shown = Shown { camera: &camera, region: &stage.region, picture: &picture };
         picture.rgb = self.around.over(shown);
         self.subject.document = document;

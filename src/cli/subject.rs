@@ -5,6 +5,7 @@ use super::notes;
 use super::source::{self, Source};
 use anyhow::Result;
 use std::time::{Duration, Instant};
+use zeroset::coordinate::coordinate;
 use zeroset::domain::AutoDomain;
 use zeroset::scene::{self, DomainChoice};
 use zeroset_syntax::{Document, Errors, Options};
@@ -76,7 +77,7 @@ pub fn note_time(time: Option<f64>, document: &Document) {
 
 /// One line on a domain that was searched for.
 pub fn describe_domain(found: &AutoDomain) -> String {
-    let range = |axis: usize| format!("{}..{}", found.low[axis], found.high[axis]);
+    let range = |axis: usize| [found.low[axis], found.high[axis]].map(coordinate).join("..");
     let [x, y, z] = [0, 1, 2].map(range);
     let shown = if x == y && y == z {
         format!("x, y, z in {x}")

@@ -2,6 +2,7 @@
 //! ends are such.
 
 use std::f64::consts::{FRAC_PI_2, PI};
+use zeroset::coordinate::of_pi;
 use zeroset::legend::nice;
 
 /// Ticks on an axis, about.
@@ -47,20 +48,6 @@ fn shown(value: f64, step: f64) -> String {
     let text = format!("{value:.digits$}");
     // Zero has no sign.
     if value == 0.0 { text.trim_start_matches('-').to_owned() } else { text }
-}
-
-/// So many times π, a multiple of a quarter.
-fn of_pi(times: f64) -> String {
-    let quarters = (4.0 * times).round() as i64;
-    let (sign, quarters) = (if quarters < 0 { "-" } else { "" }, quarters.abs());
-    // Whole multiples have none.
-    let divisor = [1, 2].into_iter().find(|d| quarters * d % 4 == 0).unwrap_or(4);
-    let factor = match quarters * divisor / 4 {
-        0 => return "0".to_owned(),
-        1 => String::new(),
-        more => more.to_string(),
-    };
-    if divisor == 1 { format!("{sign}{factor}π") } else { format!("{sign}{factor}π/{divisor}") }
 }
 
 #[cfg(test)]

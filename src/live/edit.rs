@@ -6,7 +6,7 @@ use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused};
 use super::session::Live;
 use super::source::DocumentSource;
-use super::undo::Gesture;
+use super::undo::{Gesture, Said};
 use super::values::{self, TIME, defined};
 use crate::program::Program;
 use crate::scene::is_idle;
@@ -31,7 +31,7 @@ impl Live {
     /// Shows what the document would be if a line that is still being typed were entered; `None`
     /// for the document as it is.
     pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
-        let shown = |request: &Request, readable: &str| {
+        let shown = |Said { request, readable, .. }: &Said| {
             Ok(match line {
                 Some(line) => (after(request, readable, line, adding).0.into(), defined(line)),
                 None => (Arc::clone(&request.text), Vec::new()),
@@ -92,12 +92,17 @@ impl Live {
         gesture: Option<Gesture>,
         work: impl Fn(&Request, &str) -> Result<Edit, Refusal>,
     ) -> Result<Option<Document>, Refusal> {
-        self.change_after(work, |state, Edit { text, defined, source, document }| {
-            let (before, was) = (state.said(), Arc::clone(&state.request.text));
+        let work = |said: &Said| {
+            let edit = work(&said.request, &said.readable)?;
+            let dragged = said.dragged_in(&edit.text);
+            Ok((edit, dragged))
+        };
+        self.change_after(work, |state, (Edit { text, defined, source, document }, dragged)| {
+            let before = state.said();
             state.request.forget_given(&defined);
             state.request.text = Arc::clone(&text);
             state.readable = Arc::clone(&text);
-            state.forget_dragged(&was);
+            state.dragged = dragged;
             if let Some(source) = source {
                 state.request.source = source;
             }

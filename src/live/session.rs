@@ -19,7 +19,8 @@ use zeroset_trace::UndecidedStyle;
 /// A document that is typed and turned, and its picture.
 ///
 /// All methods may be called from any thread. The lock is held for moments only: what takes longer,
-/// as reading and simplifying, is done without it.
+/// as reading and simplifying, is done without it, and what moves values or the view waits for none
+/// of that.
 pub struct Live {
     state: Mutex<State>,
     pipeline: Pipeline,
@@ -41,6 +42,10 @@ pub(super) struct State {
     /// The values that were dragged since the document gave them.
     pub dragged: Vec<Dragged>,
     pub undo: Undo,
+    /// So many edits have right of way: values that are moved wait for them.
+    first: usize,
+    /// What moves those values, the latest of each gesture.
+    waiting: Vec<(Gesture, Box<dyn FnOnce(&Live) + Send>)>,
     revision: u64,
     /// The latest request when there was nothing to show: what it led to is not seen any more.
     cleared: u64,
@@ -48,13 +53,52 @@ pub(super) struct State {
 
 impl State {
     pub fn said(&self) -> Said {
-        Said { request: self.request.clone(), dragged: self.dragged.clone() }
+        let Self { request, readable, dragged, .. } = self;
+        Said { request: request.clone(), readable: Arc::clone(readable), dragged: dragged.clone() }
     }
 
-    /// Values whose definition is no longer what dragging left of it are no longer dragged ones.
-    pub fn forget_dragged(&mut self, before: &str) {
-        let now = Arc::clone(&self.request.text);
-        self.dragged.retain(|one| right_side(before, &one.name) == right_side(&now, &one.name));
+    /// Whether the document is still the one of which this was said.
+    fn keeps_document(&self, said: &Said) -> bool {
+        same_document(&self.request, &said.request)
+            && self.readable == said.readable
+            && self.dragged == said.dragged
+    }
+}
+
+impl Said {
+    /// The values that are dragged ones in another text: where a definition is no longer what
+    /// dragging left of it, its value is none.
+    pub fn dragged_in(&self, text: &str) -> Vec<Dragged> {
+        let side = |text, one: &Dragged| right_side(text, &one.name);
+        let kept =
+            self.dragged.iter().filter(|one| side(&self.request.text, one) == side(text, one));
+        kept.cloned().collect()
+    }
+}
+
+/// The right of way of an edit, at whose end values move on.
+struct First<'a>(&'a Live);
+
+impl<'a> First<'a> {
+    fn before_values(live: &'a Live) -> Self {
+        live.lock().first += 1;
+        Self(live)
+    }
+}
+
+impl Drop for First<'_> {
+    fn drop(&mut self) {
+        loop {
+            let mut state = self.0.lock();
+            // What moves meanwhile waits, too, so that the latest is the last.
+            if state.first > 1 || state.waiting.is_empty() {
+                state.first -= 1;
+                return;
+            }
+            let (_, go_on) = state.waiting.remove(0);
+            drop(state);
+            go_on(self.0);
+        }
     }
 }
 
@@ -164,28 +208,46 @@ impl Live {
         self.lock().request.settings.clone()
     }
 
-    /// Does `work`, which may take long, without the lock, and again if somebody has changed the
-    /// document meanwhile, the third time with the lock: values may move all the time. What it
-    /// results in is then applied.
+    /// Does `work`, which may take long, without the lock, and again as long as somebody changes
+    /// the document meanwhile; what it results in is then applied. Values may move all the time:
+    /// after the second try they wait for this.
     pub(super) fn change_after<W, R>(
         &self,
-        work: impl Fn(&Request, &str) -> Result<W, Refusal>,
+        work: impl Fn(&Said) -> Result<W, Refusal>,
         apply: impl FnOnce(&mut State, W) -> R,
     ) -> Result<R, Refusal> {
-        for _ in 0..2 {
-            let (request, readable) = {
-                let state = self.lock();
-                (state.request.clone(), Arc::clone(&state.readable))
-            };
-            let result = work(&request, &readable)?;
+        let mut tries = 0;
+        let mut _first = None;
+        loop {
+            let said = self.lock().said();
+            let result = work(&said)?;
             let mut state = self.lock();
-            if same_document(&state.request, &request) && state.readable == readable {
+            if state.keeps_document(&said) {
                 return Ok(apply(&mut state, result));
             }
+            drop(state);
+            tries += 1;
+            if tries == 2 {
+                _first = Some(First::before_values(self));
+            }
         }
+    }
+
+    /// Moves a value, or leaves that to the edit for which values wait.
+    pub(super) fn move_value<R: Default>(
+        &self,
+        gesture: Gesture,
+        go_on: impl FnOnce(&Self, Gesture) -> R + Send + 'static,
+    ) -> R {
         let mut state = self.lock();
-        let result = work(&state.request, &state.readable)?;
-        Ok(apply(&mut state, result))
+        if state.first == 0 {
+            drop(state);
+            return go_on(self, gesture);
+        }
+        state.waiting.retain(|(other, _)| *other != gesture);
+        let later = gesture.clone();
+        state.waiting.push((gesture, Box::new(move |live| drop(go_on(live, later)))));
+        R::default()
     }
 
     /// Takes `text` for the document. If `again`, the text is the same document in a newer version:
@@ -194,42 +256,45 @@ impl Live {
     pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
-        let mut state = self.lock();
-        let before = state.said();
-        let text = if again && is_readable {
-            state.dragged.retain(|one| {
+        let merged = |said: &Said| {
+            let mut dragged = said.dragged.clone();
+            if !(again && is_readable) {
+                return Ok((Some(Arc::clone(&given)), dragged));
+            }
+            dragged.retain(|one| {
                 right_side(text, &one.name).map_or(String::new(), |(_, side)| side) == one.side
             });
             // As after saving.
-            if text.trim_end() == state.request.text.trim_end() {
-                state.kept = given;
-                return;
-            }
-            Arc::from(with_dragged(text, &state.readable, &state.dragged))
-        } else {
-            Arc::clone(&given)
+            let is_same = text.trim_end() == said.request.text.trim_end();
+            let text = || with_dragged(text, &said.readable, &dragged).into();
+            Ok(((!is_same).then(text), dragged))
         };
-        if is_readable || !again {
-            state.readable = Arc::clone(&text);
-        }
-        state.kept = given;
-        state.typed.clear();
-        let request = &mut state.request;
-        request.source = source;
-        request.text = Arc::clone(&text);
-        if !again {
-            *request = Request {
-                source: mem::take(&mut request.source),
-                text: Arc::clone(&text),
-                clip: request.clip,
-                axes: request.axes,
-                settings: request.settings.clone(),
-                ..Request::default()
-            };
-            state.dragged.clear();
-        }
-        state.shown = text;
-        self.say(&mut state, before, None);
+        let _never_refused = self.change_after(merged, |state, (text, dragged)| {
+            let before = state.said();
+            state.kept = Arc::clone(&given);
+            state.dragged = dragged;
+            let Some(text) = text else { return };
+            if is_readable || !again {
+                state.readable = Arc::clone(&text);
+            }
+            state.typed.clear();
+            let request = &mut state.request;
+            request.source = source;
+            request.text = Arc::clone(&text);
+            if !again {
+                *request = Request {
+                    source: mem::take(&mut request.source),
+                    text: Arc::clone(&text),
+                    clip: request.clip,
+                    axes: request.axes,
+                    settings: request.settings.clone(),
+                    ..Request::default()
+                };
+                state.dragged.clear();
+            }
+            state.shown = text;
+            self.say(state, before, None);
+        });
     }
 
     /// Takes the whole document away, and what was said of its domain and view.
@@ -329,12 +394,10 @@ impl Live {
     fn step(&self, step: impl FnOnce(&mut Undo, &Said) -> Option<Said>) -> bool {
         let mut state = self.lock();
         let now = state.said();
-        let Some(Said { request, dragged }) = step(&mut state.undo, &now) else { return false };
-        let text = Arc::clone(&request.text);
-        if parse(&text, &Limits::default()).is_ok() {
-            state.readable = Arc::clone(&text);
-        }
-        (state.request, state.dragged) = (request, dragged);
+        let Some(said) = step(&mut state.undo, &now) else { return false };
+        let text = Arc::clone(&said.request.text);
+        (state.request, state.readable, state.dragged) =
+            (said.request, said.readable, said.dragged);
         state.typed.clear();
         self.show(&mut state, text);
         true
@@ -380,4 +443,74 @@ fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {
         };
         moved().unwrap_or(text)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::slider::Slider;
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::thread;
+    use std::time::Instant;
+
+    const LIMIT: Duration = Duration::from_mins(1);
+
+    const TEXT: &str = "domain 2\nr = 0 in [0, 9]\nx^2+y^2+z^2 = r";
+
+    /// A ball, and the slider of its size.
+    fn ball() -> (Live, Slider) {
+        let settings = Settings { width: 8, height: 8, ..Settings::default() };
+        let live = Live::new(Request { text: TEXT.into(), settings, ..Request::default() });
+        assert!(live.wait(LIMIT));
+        let slider = live.snapshot().rendering.expect("a picture").sliders().remove(0);
+        (live, slider)
+    }
+
+    /// Waits as long as nobody should have to.
+    fn soon(done: impl Fn() -> bool) {
+        let started = Instant::now();
+        while !done() {
+            assert!(started.elapsed() < LIMIT, "it waits");
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn a_value_that_moves_all_the_time_waits_for_no_edit_nor_keeps_it_from_its_end() {
+        let (live, slider) = ball();
+        let tries = AtomicUsize::new(0);
+        let work = |said: &Said| {
+            let value = tries.fetch_add(1, Ordering::Relaxed) as f64 + 1.0;
+            thread::scope(|scope| {
+                // As the window's loop does, which never waits.
+                let moves = scope.spawn(|| {
+                    live.drag(&slider, value + 0.5);
+                    live.drag(&slider, value);
+                    live.turn(|orbit| orbit.turn(1.0, 1.0, 8));
+                });
+                soon(|| moves.is_finished());
+            });
+            Ok(format!("{}\nz = 0", said.request.text))
+        };
+        let changed = live.change_after(work, |state, text| state.request.text = text.into());
+        assert!(changed.is_ok());
+        // Twice too late; then the values wait, and the last of them comes after it.
+        assert_eq!(tries.into_inner(), 3);
+        assert_eq!(live.text(), TEXT.replace("r = 0", "r = 3") + "\nz = 0");
+        live.drag(&slider, 4.0);
+        assert!(live.text().contains("r = 4"));
+    }
+
+    #[test]
+    fn an_edit_that_is_refused_late_leaves_no_value_waiting() {
+        let (live, slider) = ball();
+        let tries = AtomicUsize::new(0);
+        let work = |_: &Said| {
+            let number = tries.fetch_add(1, Ordering::Relaxed) + 1;
+            live.drag(&slider, number as f64);
+            if number < 3 { Ok(()) } else { Err(Refusal::Command("no".to_owned())) }
+        };
+        assert!(live.change_after(work, |_, ()| ()).is_err());
+        assert!(live.text().contains("r = 3"));
+    }
 }

@@ -3,9 +3,9 @@
 
 use super::draft::with_value;
 use super::edit::base;
-use super::pipeline::{Rendering, Request};
+use super::pipeline::Rendering;
 use super::session::Live;
-use super::undo::{Dragged, Gesture};
+use super::undo::{Dragged, Gesture, Said};
 use super::values::{right_side, written};
 use crate::scene::{self, nearest};
 use std::f64::consts::TAU;
@@ -111,8 +111,9 @@ impl Rendering {
 
 impl Live {
     /// Gives a name a value within its slider's range, as a hand that drags it does, and returns
-    /// the number of the request for its picture. The text says so at once, and, if it gave no
-    /// range, that of the slider, so that code made for it serves for all that follow.
+    /// the number of the latest request for a picture. The text says so at once, or after an edit
+    /// that values have overtaken too often; and, if it gave no range, that of the slider, so that
+    /// code made for it serves for all that follow.
     ///
     /// Many calls are one step of [`Live::undo`].
     pub fn drag(&self, slider: &Slider, value: f64) -> u64 {
@@ -134,12 +135,20 @@ impl Live {
     }
 
     fn put(&self, slider: &Slider, value: &str, is_step: bool) -> u64 {
+        let (slider, value) = (slider.clone(), value.to_owned());
+        self.move_value(Gesture::Value(slider.name.clone()), move |live, gesture| {
+            live.put_now(&slider, &value, is_step, gesture);
+        });
+        self.revision()
+    }
+
+    fn put_now(&self, slider: &Slider, value: &str, is_step: bool, gesture: Gesture) {
         let Slider { name, low, high, .. } = slider;
         let range = match (slider.is_time, *low, *high) {
             (true, 0.0, TAU) => "[0, 2pi]".to_owned(),
             (_, low, high) => format!("[{}, {}]", written(low), written(high)),
         };
-        let moved = |request: &Request, readable: &str| {
+        let moved = |Said { request, readable, .. }: &Said| {
             let base = base(request, readable, "");
             let typed = right_side(&request.text, name);
             Ok(with_value(&base, name, value, &range).map(|new| (new, typed)))
@@ -163,9 +172,8 @@ impl Live {
             state.readable = text;
             state.request.forget_given(std::slice::from_ref(name));
             let before = before.unwrap_or_else(|| state.said());
-            self.say(state, before, Some(Gesture::Value(name.clone())));
+            self.say(state, before, Some(gesture));
         });
-        self.revision()
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a picture shows and what it took, in words and as the command that reproduces it.
 
 use super::pipeline::{Rendering, Snapshot};
+use crate::coordinate::coordinate;
 use crate::names::Named;
 use crate::picture::Settings;
 use crate::scene::{self, ClipChoice, DomainChoice};
@@ -27,13 +28,9 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
         let _ = writeln!(text, "surface     {}", surface.echo);
     }
     let (region, statistics) = (rendering.model.region(), &rendering.picture.statistics);
-    let (low, high) = (region.low(), region.high());
+    let [x, y, z] = scene::bounds(region).map(|ends| [ends.lo, ends.hi].map(coordinate).join(".."));
     let found = rendering.searched.map_or("", |found| found.finding.describe());
-    let _ = writeln!(
-        text,
-        "domain      x {}..{}, y {}..{}, z {}..{}  {found}",
-        low.x, high.x, low.y, high.y, low.z, high.z
-    );
+    let _ = writeln!(text, "domain      x {x}, y {y}, z {z}  {found}");
     let settings = &rendering.request.settings;
     let options = options(settings, |option| match option {
         MethodOption::Depth => Some(format!(", depth {}", settings.max_depth)),
@@ -168,7 +165,7 @@ impl Rendering {
             // What was found may depend on what was shown before.
             DomainChoice::Document | DomainChoice::Auto if self.searched.is_some() => {
                 let [x, y, z] = scene::bounds(self.model.region())
-                    .map(|Interval { lo, hi }| format!("{lo},{hi}"));
+                    .map(|Interval { lo, hi }| [lo, hi].map(coordinate).join(","));
                 let _ = write!(command, " --domain {x},{y},{z}");
                 if self.model.region().ball().is_some() {
                     command.push_str(" --clip-to ball");
@@ -177,7 +174,7 @@ impl Rendering {
             DomainChoice::Document => {}
             DomainChoice::Auto => command.push_str(" --domain auto"),
             DomainChoice::Bounds(bounds) => {
-                let bounds: Vec<String> = bounds.iter().map(ToString::to_string).collect();
+                let bounds: Vec<String> = bounds.into_iter().map(coordinate).collect();
                 let _ = write!(command, " --domain {}", bounds.join(","));
             }
         }

@@ -210,9 +210,13 @@ impl Live {
     /// If there is no such surface, or its text cannot say so.
     pub fn set_opacity(&self, number: usize, opacity: f64) -> Result<(), Refusal> {
         let gesture = Gesture::Value(format!("opacity {number}"));
-        self.restyle(number, &["opacity"], Some(gesture), |drawn| {
-            drawn[number - 1].opacity = opacity.clamp(0.0, 1.0);
-        })
+        let set = self.move_value(gesture, move |live, gesture| {
+            Some(live.restyle(number, &["opacity"], Some(gesture), |drawn| {
+                drawn[number - 1].opacity = opacity.clamp(0.0, 1.0);
+            }))
+        });
+        // What is left to an edit is not refused.
+        set.unwrap_or(Ok(()))
     }
 
     /// Gives a surface another place among the others; both are counted from 1.

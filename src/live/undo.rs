@@ -3,6 +3,7 @@
 
 use super::pipeline::Request;
 use std::mem;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// So many steps are kept.
@@ -36,6 +37,8 @@ pub(super) struct Dragged {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Said {
     pub request: Request,
+    /// The last text that could be read.
+    pub readable: Arc<str>,
     pub dragged: Vec<Dragged>,
 }
 
@@ -116,7 +119,7 @@ mod tests {
 
     fn said(text: &str) -> Said {
         let request = Request { text: text.into(), ..Request::default() };
-        Said { request, dragged: Vec::new() }
+        Said { request, readable: text.into(), dragged: Vec::new() }
     }
 
     #[test]

@@ -92,9 +92,7 @@ impl Model {
         let pixels = (pixels + small.width * small.height) * self.seen().count();
         let done = AtomicUsize::new(0);
         let advance = |now: usize| {
-            if now > 0 {
-                progress(done.fetch_add(now, Ordering::Relaxed) + now, pixels);
-            }
+            progress(done.fetch_add(now, Ordering::Relaxed) + now, pixels);
             has_time()
         };
         let whole = camera.rays(width, height);

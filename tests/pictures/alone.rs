@@ -4,7 +4,9 @@ use glam::DVec3;
 use zeroset::program::Program;
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Projection, Status, TraceOptions};
+use zeroset_trace::{
+    Camera, Driver, GBuffer, Light, METHODS, Projection, Status, TraceOptions, Work,
+};
 
 const SIZE: [usize; 2] = [96, 80];
 
@@ -62,4 +64,62 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
         }
     }
     assert!(compared > 10_000, "{compared}");
+}
+
+/// Two balls above a floor: where one hides the light, nobody asks whether the other does, too.
+#[test]
+fn what_is_dark_already_is_followed_to_the_light_no_more() {
+    let text = "x^2+y^2+(z-1)^2=0.3; x^2+y^2+(z-1.9)^2=0.2; z=-0.9";
+    let document = read(text, &Options::default()).expect(text);
+    let domain = DomainChoice::Bounds([-2.5, 2.5, -2.5, 2.5, -2.5, 2.5]);
+    let (region, _) = region(&document, domain, None).expect(text);
+    let program = Program::new(&document, bounds(&region)).expect(text);
+    let projection = Projection::Perspective { fov: 50.0 };
+    let eye = DVec3::new(4.0, -6.0, 4.0);
+    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect(text);
+    let rays = camera.rays(SIZE[0], SIZE[1]);
+    let lights = Light::Positional(DVec3::new(0.5, 0.5, 9.0)).widened(region.centre());
+    for method in METHODS {
+        let advance = |_| true;
+        let tracers = [0, 1, 2].map(|surface| {
+            method.prepare(program.surface(surface), &region, TraceOptions::default()).expect(text)
+        });
+        let drivers = tracers.each_ref().map(|tracer| Driver {
+            rays: &rays,
+            tracer: &**tracer,
+            advance: &advance,
+        });
+        let mut seen = GBuffer::new(SIZE[0], SIZE[1], 0);
+        for driver in &drivers {
+            let mut layer = GBuffer::new(SIZE[0], SIZE[1], 0);
+            driver.picture(&mut layer);
+            seen.merge(&layer);
+        }
+        let shadows = |buffer: &mut GBuffer, surface: usize| -> Work {
+            drivers[surface].shadows(buffer, &lights, 0.02)
+        };
+        let alone = [0, 1].map(|surface| {
+            let mut buffer = seen.clone();
+            let work = shadows(&mut buffer, surface);
+            (buffer.shadow, work)
+        });
+        let mut both = seen.clone();
+        let first = shadows(&mut both, 0);
+        let second = shadows(&mut both, 1);
+        let [(one, work_of_one), (other, work_of_other)] = &alone;
+        let either: Vec<u8> = one.iter().zip(other).map(|(one, other)| one | other).collect();
+        assert!(both.shadow == either, "{}: other shadows", method.name);
+        let dark = |shadow: &[u8]| shadow.iter().filter(|dark| **dark > 0).count();
+        assert!(dark(one) > 100 && dark(&either) > dark(one), "{}: {}", method.name, dark(one));
+        let lanes = |work: &Work| {
+            let Work { interval, tiles, segments, point, gradient, given_up: _ } = work;
+            [interval, tiles, segments, point, gradient]
+                .map(|count| count.lanes)
+                .iter()
+                .sum::<u64>()
+        };
+        assert_eq!(lanes(&first), lanes(work_of_one));
+        let (fewer, all) = (lanes(&second), lanes(work_of_other));
+        assert!(fewer < all, "{}: {fewer} of {all}", method.name);
+    }
 }

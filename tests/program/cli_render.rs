@@ -5,6 +5,13 @@ use serde_json::Value;
 
 const SPHERE: &str = "x^2+y^2+z^2 = 1";
 
+/// A power-8 Mandelbulb of two rounds, by angles.
+pub const BULB: &str = "\
+    r = sqrt(x^2+y^2+z^2); a = 8 acos(z/r); b = 8 atan2(y, x)\n\
+    u = r^8 sin(a) cos(b) + x; v = r^8 sin(a) sin(b) + y; w = r^8 cos(a) + z\n\
+    s = sqrt(u^2+v^2+w^2); c = 8 acos(w/s); d = 8 atan2(v, u)\n\
+    (s^8 sin(c) cos(d) + x)^2 + (s^8 sin(c) sin(d) + y)^2 + (s^8 cos(c) + z)^2 = 4\n";
+
 fn picture(place: &Place, name: &str) -> image::RgbImage {
     image::open(place.path(name)).expect("a picture").to_rgb8()
 }
@@ -438,22 +445,159 @@ fn shadows_central_normals_and_parallel_rays() {
 }
 
 #[test]
-fn every_thread_count_gives_the_same_claim() {
+fn every_thread_count_gives_the_same_picture_and_arrays() {
     let place = Place::new();
-    let picture = |surface: &str, method: &str, threads: &str| {
-        let fixed = ["render", surface, "--size", "133x71", "--status", "s.npy", "-o", "p.png"];
-        let more = ["--distance", "d.npy", "--method", method, "--threads", threads];
-        place.run(&[&fixed[..], &more].concat()).ok();
-        let [status, distance] =
-            ["s.npy", "d.npy"].map(|name| std::fs::read(place.path(name)).expect("written"));
-        (status, distance, self::picture(&place, "p.png"))
+    place.write("behind.zset", "domain 1.5\nopacity 40%\nx^2+y^2+z^2 = 1\nz = x*y\nx < -1\n");
+    place.write("shadows.zset", "domain 2\nx^2+y^2+z^2 = 1/2\nz = -1\n");
+    const ARRAYS: [&str; 5] = ["status", "distance", "bracket", "normal", "surface-id"];
+    let made = |arguments: &[&str], threads: &str| {
+        let mut all =
+            vec!["render", "--size", "133x71", "-o", "p.png", "--threads", threads, "--json"];
+        let files = ARRAYS.map(|array| (format!("--{array}"), format!("{array}.npy")));
+        all.extend(files.iter().flat_map(|(flag, file)| [flag.as_str(), file]));
+        all.extend(arguments);
+        let object = place.run(&all).ok().json();
+        let names = ARRAYS.iter().map(|array| format!("{array}.npy")).chain(["p.png".to_owned()]);
+        let files = names.map(|name| std::fs::read(place.path(&name)).expect("written"));
+        (files.collect::<Vec<_>>(), object)
     };
-    for (surface, method) in
-        [("tangle", "affine"), ("tangle", "knoll"), ("double-root-sphere", "affine")]
-    {
-        let one = picture(surface, method, "1");
-        assert!(one == picture(surface, method, "3"), "{surface}, {method}");
+    for arguments in [
+        &["tangle"][..],
+        &["tangle", "--method", "knoll", "--shadows"],
+        &["tangle", "--method", "march"],
+        &["double-root-sphere", "--aa", "64"],
+        &["shadows.zset", "--shadows", "--light", "1,1,9"],
+        &["behind.zset", "--shadows", "--look", "night"],
+        // Doubles have the last word.
+        &["(x-1000)^2+(y-1000)^2+(z-1000)^2 = 1", "--shadows", "--precision", "auto"],
+        &["z = tan(x)", "--normals", "central"],
+    ] {
+        let (one, object) = made(arguments, "1");
+        let kernels = object["kernels"].as_array().expect("kernels");
+        let is_double = kernels.iter().any(|kernel| kernel["precision"] == "f64");
+        assert!(is_double || !arguments.contains(&"auto"), "{arguments:?}");
+        for threads in ["2", "5"] {
+            let (other, again) = made(arguments, threads);
+            for (number, (one, other)) in one.iter().zip(&other).enumerate() {
+                let what = ARRAYS.get(number).unwrap_or(&"picture");
+                assert!(one == other, "{arguments:?}, {threads} threads: another {what}");
+            }
+            assert_eq!(object["edge_rays"], again["edge_rays"], "{arguments:?}");
+            assert_eq!(object["undecided"], again["undecided"], "{arguments:?}");
+        }
     }
+}
+
+/// What is compiled for which picture, and nothing else: seen from a given side, since a view that
+/// is searched for asks, too.
+#[test]
+fn kernels_are_made_for_what_the_picture_asks() {
+    let place = Place::new();
+    let ball = "x^2+y^2+z^2 = 1";
+    let found = ["the function: segments, f32", "the function: tiles, f32"];
+    let [values, gradients] =
+        ["the function: values, f32", "function and derivatives: gradients, f32"];
+    let bounds = "the function: bounds, f32";
+    let cleared = [
+        "the numerator: bounds, f32",
+        "the numerator: segments, f32",
+        "the numerator: tiles, f32",
+        "the denominator: bounds, f32",
+    ];
+    let doubles =
+        ["the function: segments, f64", "the function: tiles, f64", "the function: zeros, f64"];
+    for (formula, flags, expected) in [
+        (ball, &["-o", "p.png"][..], &[&found[..], &[gradients]].concat()[..]),
+        (ball, &["--status", "s.npy"], &found),
+        ("z = tan(x)", &["-o", "p.png"], &[&[bounds], &cleared[..], &[gradients]].concat()),
+        ("z = tan(x)", &["--status", "s.npy"], &[&[bounds], &cleared[..]].concat()),
+        ("x^2+y^2+z^2 < 1", &["-o", "p.png"], &[&[bounds], &found[..], &[gradients]].concat()),
+        ("x^2+y^2+z^2 < 1", &["--status", "s.npy"], &[&[bounds], &found[..]].concat()),
+        (ball, &["-o", "p.png", "--normals", "central"], &[&found[..], &[values]].concat()),
+        (ball, &["-o", "p.png", "--no-contract"], &[&found[..], &[gradients]].concat()),
+        (ball, &["-o", "p.png", "--no-interval"], &[&found[..], &[gradients]].concat()),
+        (ball, &["-o", "p.png", "--shadows"], &[&found[..], &[gradients]].concat()),
+        (
+            ball,
+            &["-o", "p.png", "--precision", "f64"],
+            &[&doubles[..], &["function and derivatives: gradients, f64"]].concat(),
+        ),
+        (
+            ball,
+            &["-o", "p.png", "--method", "knoll"],
+            &[values, "the function: zeros, f32", gradients],
+        ),
+        (ball, &["-o", "p.png", "--method", "march"], &[values, gradients]),
+        (ball, &["-o", "p.png", "--method", "march", "--normals", "central"], &[values]),
+        (ball, &["-o", "p.png", "--method", "march", "--shadows"], &[values, gradients]),
+    ] {
+        let fixed =
+            ["render", formula, "--domain", "2", "--view", "front", "--size", "48", "--json"];
+        let object = place.run(&[&fixed[..], flags].concat()).ok().json();
+        let kernels = object["kernels"].as_array().expect("kernels").iter();
+        let one = |kernel: &Value| {
+            let word = |name: &str| kernel[name].as_str().expect("a word").to_owned();
+            format!("{}: {}, {}", word("form"), word("question"), word("precision"))
+        };
+        assert_eq!(kernels.map(one).collect::<Vec<_>>(), expected, "{formula} {flags:?}");
+    }
+}
+
+/// Formulas that would take minutes: angles, and tangents that change their sign millions of times
+/// in a pixel.
+#[test]
+fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
+    let place = Place::new();
+    place.write("bulb.zset", BULB);
+    let size = "700";
+    for (formula, domain) in [
+        ("bulb.zset", &["--domain", "1.2"][..]),
+        ("bulb.zset", &[]),
+        ("sum(k = 1..10, tan(k*1e6*x + k*y)) = z", &["--domain", "1"]),
+        ("sum(k = 1..10, tan(k*1e6*x + k*y)) = z", &[]),
+    ] {
+        let render = |more: &[&str]| {
+            let fixed =
+                ["render", formula, "--size", size, "--budget", "1", "-o", "p.png", "--json"];
+            place.run(&[&fixed[..], domain, more].concat())
+        };
+        let run = render(&[]).ok();
+        let object = run.json();
+        let of = |name: &str| object["pixels"][name].as_u64().expect("a count");
+        let unreached = object["undecided"]["budget"].as_u64().expect("a count");
+        let all = of("hit") + of("miss") + of("undecided");
+        assert!(0 < unreached && unreached < all, "{formula}: {unreached} of {all}");
+        let note = "of these were not reached within 1 s and are not drawn: a larger --budget";
+        assert!(run.stderr.contains(note), "{}", run.stderr);
+        assert_eq!(picture(&place, "p.png").width(), 700);
+        assert_eq!(render(&["--strict"]).code, Some(1));
+    }
+}
+
+/// The time runs from the start: what is needed to choose where to look, and from where, is of it.
+#[test]
+fn a_budget_of_time_is_no_other_for_the_view() {
+    let place = Place::new();
+    let formula = "sum(k = 1..10, tan(k*1e6*x + k*y)) = z";
+    for domain in [&["--domain", "1"][..], &[]] {
+        let fixed = ["render", formula, "--size", "64", "--budget", "1e-9", "--json"];
+        let run = place.run(&[&fixed[..], domain].concat()).ok();
+        let object = run.json();
+        assert_eq!(object["undecided"]["budget"], 64 * 64);
+        let note = "no domain was found in time: x, y, z in -2..2 are drawn; --domain says where";
+        assert_eq!(run.stderr.contains(note), domain.is_empty(), "{}", run.stderr);
+    }
+    // Each frame has it anew.
+    let formula = "sum(k = 1..10, tan(k*1e6*x + k*y)) = a*z";
+    let fixed =
+        ["render", formula, "--domain", "1", "--sweep", "a=1..2", "--frames", "3", "--json"];
+    let run = place.run(&[&fixed[..], &["--size", "700", "--budget", "1"]].concat()).ok();
+    for frame in run.text().lines() {
+        let object: Value = serde_json::from_str(frame).expect("JSON");
+        let unreached = object["undecided"]["budget"].as_u64().expect("a count");
+        assert!(0 < unreached && unreached < 700 * 700, "{unreached}");
+    }
+    assert_eq!(run.text().lines().count(), 3);
 }
 
 #[test]
@@ -735,4 +879,23 @@ fn what_may_be_typed_is_what_there_is() {
     assert_eq!(zeroset_trace::LOOKS.map(|look| look.name), zeroset_syntax::LOOKS);
     assert_eq!(zeroset_trace::COLOR_MAPS.map(|map| map.name), zeroset_syntax::COLOR_MAPS);
     assert_eq!(zeroset_trace::StandardView::ALL.map(|(name, _)| name), zeroset_syntax::PRESETS);
+}
+
+#[test]
+fn a_domain_of_multiples_of_pi_is_written_as_such() {
+    let place = Place::new();
+    let run =
+        place.run(&["render", "sin(x)+sin(y)+sin(z) = 0", "--status", "s.npy", "--size", "8"]);
+    let run = run.ok();
+    let (_, ends) = run.stderr.split_once("domain x, y, z in ").expect("a domain");
+    let (low, high) = ends.trim().split_once("..").expect("two ends");
+    assert!(low.starts_with('-') && low.ends_with('π') && high.ends_with('π'), "{ends}");
+    let found = std::fs::read(place.path("s.npy")).expect("written");
+    let domain = [low, high].join(",");
+    let domain = [domain.as_str(); 3].join(",");
+    let again = ["render", "sin(x)+sin(y)+sin(z) = 0", "--status", "s.npy", "--size", "8"];
+    place.run(&[&again[..], &["--domain", &domain]].concat()).ok();
+    assert!(found == std::fs::read(place.path("s.npy")).expect("written"));
+    let explained = place.run(&["explain", "sin(x)+sin(y) = z", "--domain", "2π"]).ok();
+    assert!(explained.text().contains("domain      x in [-2π, 2π], y in"), "{}", explained.text());
 }

@@ -1,5 +1,6 @@
 //! The prompt under a pseudo-terminal without a display: a preview, mistakes, history, clean ends.
 
+use crate::cli_render::BULB;
 use crate::window_support::{Terminal, until};
 use std::path::PathBuf;
 
@@ -7,6 +8,27 @@ use std::path::PathBuf;
 fn has_letters(shown: &str) -> bool {
     // More in a row than sixels write without counting them.
     ["@@@@@", "%%%%%", "#####", "*****"].iter().any(|row| shown.contains(row))
+}
+
+/// All rows of this picture are of one band.
+#[test]
+fn a_slow_picture_shows_how_far_it_is_and_then_nothing_of_that() {
+    let view = ["--domain", "1.2", "--view", "front", "--ortho", "5e-4", "--size", "60000x16"];
+    let flags = ["--budget", "6", "-o", "p.png"];
+    let terminal = Terminal::start(&[&["render", BULB], &view[..], &flags].concat(), None);
+    terminal.shows("tracing");
+    let percents = |shown: &str| -> Vec<u32> {
+        let number = |before: &str| before.rsplit(' ').next()?.parse().ok();
+        shown.split('%').filter_map(number).collect()
+    };
+    until("some of it is done", || percents(&terminal.shown()).iter().any(|done| *done > 0));
+    assert!(!terminal.place().join("p.png").exists());
+    until("the line is empty again", || {
+        let shown = terminal.shown();
+        shown.rfind("\x1b[2K") > shown.rfind("tracing")
+    });
+    until("it is written", || terminal.place().join("p.png").exists());
+    assert_eq!(terminal.ends(), 0);
 }
 
 #[test]

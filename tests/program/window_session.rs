@@ -36,6 +36,42 @@ fn the_picture_is_centred_and_follows_mouse_and_keys() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+/// The X server tells of a step as of a button that is pressed and let go.
+#[test]
+fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
+    if !have(PROGRAMS) {
+        return;
+    }
+    let scene = Scene::start(CUBE);
+    // The middle of the picture, below which there is a line of 20 pixels.
+    scene.point(200, 150);
+    let start = scene.rest();
+    let zoomed = scene.changes("plus", || scene.key("plus"));
+    let back = || assert!(scene.changes("reset", || scene.key("r")) == start);
+    back();
+    let step = scene.changes("a step", || {
+        scene.display.tool(&["click", "4"]);
+    });
+    assert!(step == zoomed, "a step of the wheel is no step of the key");
+    back();
+    // Pressed in one look at the mouse, and let go in another.
+    let slow = scene.changes("a slow step", || {
+        scene.display.tool(&["mousedown", "4"]);
+        std::thread::sleep(std::time::Duration::from_millis(200));
+        scene.display.tool(&["mouseup", "4"]);
+    });
+    assert!(slow == zoomed, "a slow step is another");
+    back();
+    let far = scene.changes("minus", || scene.key("minus"));
+    back();
+    let step = scene.changes("a step back", || {
+        scene.display.tool(&["click", "5"]);
+    });
+    assert!(step == far, "a step back is no step of the key");
+    scene.key("q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 #[test]
 fn a_line_is_typed_corrected_and_entered_in_the_window() {
     if !have(PROGRAMS) {

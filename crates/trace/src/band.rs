@@ -2,6 +2,7 @@
 
 use crate::found::{Found, LENGTH_ERROR, Reason, Status};
 use crate::painted::are_misses;
+use std::cell::Cell;
 use std::ops::Range;
 
 /// Some neighbouring rows of a picture, and where what is found of their pixels goes.
@@ -22,14 +23,17 @@ pub struct Band<'a> {
     /// Of each pixel, what is proven of the surfaces that were looked for before, and where they
     /// are painted; empty if there are none.
     pub(crate) before: (&'a [Status], &'a [f64]),
-    pub(crate) wanted: &'a (dyn Fn() -> bool + Sync),
+    /// Told of how many pixels something was found since it was last called.
+    pub(crate) advance: &'a dyn Fn(usize) -> bool,
+    /// So many that it was not told of yet.
+    pub(crate) found: Cell<usize>,
 }
 
 impl Band<'_> {
     /// Whether what is still to be found is wanted. To be asked every now and then; after a
     /// `false`, columns that were not reached are to be [given up](Band::give_up).
     pub fn is_wanted(&self) -> bool {
-        (self.wanted)()
+        (self.advance)(self.found.take())
     }
 
     /// Whether anybody asks what becomes of a pixel, given by its column and its row in the band.
@@ -80,6 +84,7 @@ impl Band<'_> {
         let pixel = row * self.width + column;
         debug_assert!(found.status != Status::Hit || found.distance == found.drawn);
         debug_assert!(found.status != Status::Miss || !found.drawn.is_finite());
+        self.count(1);
         self.status[pixel] = found.status;
         self.drawn[pixel] = found.drawn;
         if found.status == Status::Undecided {
@@ -88,6 +93,11 @@ impl Band<'_> {
         if let Some(bracket) = self.bracket.get_mut(pixel) {
             *bracket = found.bracket;
         }
+    }
+
+    #[inline]
+    fn count(&self, pixels: usize) {
+        self.found.set(self.found.get() + pixels);
     }
 
     /// Writes what was found on a ray behind all that was found before: what is proven stays as it
@@ -117,6 +127,7 @@ impl Band<'_> {
     pub fn add_hit(&mut self, column: usize, row: usize, distance: f64, off: f64) {
         let pixel = row * self.width + column;
         if self.status[pixel] == Status::Miss {
+            self.count(1);
             (self.status[pixel], self.drawn[pixel]) = (Status::Hit, distance);
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 // The distance itself is rounded.
@@ -155,6 +166,7 @@ impl Band<'_> {
             status[row.clone()].fill(Status::Hit);
             drawn[row].copy_from_slice(distance);
         }
+        self.count(16);
         true
     }
 }

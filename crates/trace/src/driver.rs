@@ -13,6 +13,7 @@ use crate::rows::{Rows, work_on};
 use crate::squares::RAYS;
 use crate::work::Work;
 use rayon::prelude::*;
+use std::cell::Cell;
 
 /// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the
 /// side of its squares.
@@ -86,24 +87,31 @@ impl Driver<'_> {
     }
 
     fn rows(&self, rows: &mut Rows<'_>, only: &[bool], before: Option<&GBuffer>) -> Work {
-        let (mut work, wanted) = (Work::default(), || (self.advance)(0));
-        let mut band = rows.band(only, before, &wanted);
+        let (mut work, told) = (Work::default(), Cell::new(0));
+        let advance = |found: usize| {
+            told.set(told.get() + found);
+            (self.advance)(found)
+        };
+        let mut band = rows.band(only, before, &advance);
         if band.is_wanted() {
             self.tracer.band(self.rays, &mut band, &mut work);
-            (self.advance)(band.width * band.height);
+            // Where nothing was found is known now, too.
+            (self.advance)((band.width * band.height).saturating_sub(told.get()));
         } else {
             band.give_up(0);
         }
         work
     }
 
-    /// Finds which painted points of `buffer` do not see the light: that of `lights` whose turn it
-    /// is, in squares of as many pixels. A ray starts `offset` away from its point (in world
-    /// units), and what it meets before it is clear of that surface does not count: otherwise a
-    /// surface would shade itself wherever enclosures are wide.
+    /// Adds to `buffer.shadow` which painted points do not see the light: that of `lights` whose
+    /// turn it is, in squares of as many pixels. What is dark already is not asked about. A ray
+    /// starts `offset` away from its point (in world units), and what it meets before it is clear
+    /// of that surface does not count: otherwise a surface would shade itself wherever enclosures
+    /// are wide.
     pub fn shadows(&self, buffer: &mut GBuffer, lights: &[Light; TURNS], offset: f64) -> Work {
-        let painted: Vec<usize> =
-            (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)).collect();
+        buffer.shadow.resize(buffer.status.len(), 0);
+        let is_lit = |pixel: &usize| buffer.is_drawn(*pixel) && buffer.shadow[*pixel] == 0;
+        let painted: Vec<usize> = (0..buffer.drawn.len()).filter(is_lit).collect();
         let width = self.rays.width();
         let segment = |pixel: usize| {
             let [column, row] = [pixel % width, pixel / width];
@@ -119,10 +127,10 @@ impl Driver<'_> {
                 pixel: [f64::INFINITY, 0.0],
             }
         };
-        buffer.shadow.clear();
-        buffer.shadow.resize(buffer.status.len(), 0);
         self.follow(&painted, segment, Start::OnSurface, |pixel, found| {
-            buffer.shadow[pixel] = if found.drawn.is_finite() { u8::MAX } else { 0 };
+            if found.drawn.is_finite() {
+                buffer.shadow[pixel] = u8::MAX;
+            }
         })
     }
 

@@ -10,6 +10,7 @@ use crate::shade::Seen;
 use crate::work::Work;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
+use std::cell::Cell;
 use std::ops::Range;
 
 /// Pixels that are made misses at a time.
@@ -140,13 +141,12 @@ impl Rows<'_> {
     }
 
     /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is
-    /// wanted, if not all are; `before` holds other surfaces; `wanted` says whether the work is to
-    /// go on.
+    /// wanted, if not all are; `before` holds other surfaces; `advance` is as a driver's.
     pub(crate) fn band<'a>(
         &'a mut self,
         only: &'a [bool],
         before: Option<&'a GBuffer>,
-        wanted: &'a (dyn Fn() -> bool + Sync),
+        advance: &'a dyn Fn(usize) -> bool,
     ) -> Band<'a> {
         let only = if only.is_empty() { only } else { &only[self.pixels()] };
         let before = before.map_or((&[][..], &[][..]), |before| {
@@ -163,7 +163,8 @@ impl Rows<'_> {
             bracket: &mut *self.bracket,
             only,
             before,
-            wanted,
+            advance,
+            found: Cell::new(0),
         }
     }
 }

@@ -16,6 +16,7 @@ mod sliders;
 mod surfaces;
 mod tasks;
 mod thumbnails;
+mod wheel;
 
 use super::canvas::Canvas;
 use super::line_edit::LineEdit;

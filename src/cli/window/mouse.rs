@@ -3,6 +3,7 @@
 
 use super::Window;
 use super::keys::ZOOM;
+use super::wheel::Wheel;
 use crate::cli::pick::Pick;
 use minifb::{MouseButton, MouseMode};
 use std::time::Instant;
@@ -17,6 +18,7 @@ pub struct Mouse {
     drag: Option<Drag>,
     /// Where it was, and whether a button was held.
     last: Option<((f64, f64), bool)>,
+    wheel: Wheel,
 }
 
 /// A press of a mouse button that has not ended.
@@ -161,12 +163,12 @@ impl Window {
 
     /// Zooms, or moves the cut, or scrolls what is listed.
     fn wheel(&mut self, at: (f64, f64), inside: bool) {
-        let Some((_, steps)) = self.native.get_scroll_wheel() else { return };
+        let Some((_, counted)) = self.native.get_scroll_wheel() else { return };
+        let steps = self.mouse.wheel.steps(counted).clamp(-5.0, 5.0);
         if steps == 0.0 || !inside {
             return;
         }
         self.active = Instant::now();
-        let steps = f64::from(steps.clamp(-5.0, 5.0));
         if self.browser.is_open() {
             return self.scroll_gallery(steps);
         }

@@ -4,7 +4,7 @@ use super::super::paint::{Finish, Painter};
 use super::super::{Aim, Stopwatch};
 use super::Shot;
 use crate::legend::Legend;
-use crate::picture::Times;
+use crate::picture::{Normals, Times};
 use crate::program::ProgramError;
 use crate::scene;
 use glam::DVec3;
@@ -136,19 +136,17 @@ impl<T: KernelFloat> Shot<'_, T> {
         let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
         let lights = light.widened(self.model.region.centre());
         let mut work = Work::default();
-        let mut hidden = vec![0; buffer.drawn.len()];
+        buffer.shadow.clear();
         // Shadows are no pixels finished.
         let wanted = |_| (self.advance)(0);
         for surface in self.model.seen() {
             let tracer = self.tracer(surface, Aim { depth, ..Aim::of(self.settings) })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
             work += driver.shadows(buffer, &lights, offset);
-            hidden.iter_mut().zip(&buffer.shadow).for_each(|(all, this)| *all |= this);
             if !(self.advance)(0) {
                 break;
             }
         }
-        buffer.shadow = hidden;
         Ok(work)
     }
 
@@ -190,7 +188,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         if self.model.styles[surface].kind == SurfaceKind::Solid {
             return false;
         }
-        let Ok(kernel) = self.model.program.kernels::<T>(surface).gradients() else { return false };
+        let kernels = self.model.program.kernels::<T>(surface);
         let (low, high) = (self.model.region.low(), self.model.region.high());
         let points = (0..6 * POINTS * POINTS).map(|n| {
             let (face, u, v) = (n / (POINTS * POINTS), n / POINTS % POINTS, n % POINTS);
@@ -202,9 +200,22 @@ impl<T: KernelFloat> Shot<'_, T> {
             self.model.region.ball().map_or(point, on_sphere).to_array()
         });
         let points: Vec<[f64; 3]> = points.collect();
+        let batches = Points::near(&points);
+        // By the kernel that normals are made of.
+        let values = match self.settings.normals {
+            Some(Normals::Central) => kernels.values().map(|kernel| {
+                let values = kernel.ask_all(&batches);
+                values.into_iter().map(|out| out.value).collect::<Vec<_>>()
+            }),
+            Some(Normals::Gradient) | None => kernels.gradients().map(|kernel| {
+                let gradients = kernel.ask_all(&batches);
+                gradients.into_iter().map(|out| out.value).collect()
+            }),
+        };
+        let Ok(values) = values else { return false };
         let (mut negative, mut signed) = (0_usize, 0_usize);
-        for (out, points) in kernel.ask_all(&Points::near(&points)).iter().zip(points.chunks(16)) {
-            for value in out.value.0.iter().take(points.len()) {
+        for (values, points) in values.iter().zip(points.chunks(16)) {
+            for value in values.0.iter().take(points.len()) {
                 let value: f64 = (*value).into();
                 negative += usize::from(value < 0.0);
                 signed += usize::from(value != 0.0 && !value.is_nan());
