@@ -119,7 +119,7 @@ impl Model {
 /// Surfaces by number, each with what finds it.
 pub(super) type Tracers<'a> = Vec<(usize, Box<dyn Tracer + 'a>)>;
 
-/// What all parts of a picture share; colours come from kernels of `T`.
+/// What all parts of a picture share; colors come from kernels of `T`.
 pub(super) struct Shot<'a, T> {
     pub model: &'a Model,
     pub settings: &'a Settings,
@@ -237,7 +237,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         Ok(lit)
     }
 
-    /// Whether each row of the picture can be coloured once it is traced, whatever is in the
+    /// Whether each row of the picture can be colored once it is traced, whatever is in the
     /// others.
     fn is_plain(&self) -> bool {
         self.settings.normals.is_some()
@@ -249,8 +249,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
     }
 
     /// All surfaces along the rays for which `only` says so, all if that is empty; and the
-    /// picture's colours, if there is a shader for them, which needs normals. Rows go from nothing
-    /// to colours while they are in the nearer caches.
+    /// picture's colors, if there is a shader for them, which needs normals. Rows go from nothing
+    /// to colors while they are in the nearer caches.
     fn surfaces(
         &self,
         rays: &RayGrid,

@@ -73,7 +73,7 @@ impl Reader<'_> {
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
         if before.is_some() && types.iter().any(|token| size_of(self.words.word(*token)) > 1) {
-            // A normal or a colour is not drawn.
+            // A normal or a color is not drawn.
             self.program.last_function = before;
         }
         self.run(&steps, &mut frame)?;

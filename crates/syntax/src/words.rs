@@ -1,4 +1,4 @@
-//! Every word of the language and what kind it is, for help, completion and colours: drawn from the
+//! Every word of the language and what kind it is, for help, completion and colors: drawn from the
 //! tables that reading uses. What is done with them is not known here.
 
 use crate::paint::POINT_NAMES;
