@@ -16,6 +16,7 @@ mod properties;
 mod property_support;
 mod reference;
 mod settled;
+mod several;
 mod soundness;
 mod stability;
 mod stability_proofs;

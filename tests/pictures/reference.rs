@@ -25,9 +25,13 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, region.centre(), DVec3::Y, projection).expect(example.slug);
         let rays = camera.rays(SIZE[0], SIZE[1]);
-        for method in &METHODS {
-            // The precisions in turn.
-            let precision = [Precision::Auto, Precision::F32, Precision::F64][number % 3];
+        // The default method in all precisions, others in one of them in turn.
+        let precisions = [Precision::Auto, Precision::F32, Precision::F64];
+        let runs = METHODS.iter().flat_map(|method| {
+            let all = if method.name == "affine" { 0..3 } else { number % 3..number % 3 + 1 };
+            precisions[all].iter().map(move |precision| (method, *precision))
+        });
+        for (method, precision) in runs {
             let options =
                 TraceOptions { precision, depth: 7, tolerance: 0.1, ..TraceOptions::default() };
             let [native, software] = [Evaluator::Native, Evaluator::Reference].map(|evaluator| {
@@ -69,6 +73,6 @@ fn the_reference_evaluator_draws_the_same_pictures() {
             assert_eq!(native.1, software.1, "{what:?}");
         }
     }
-    assert!(hits > 5000, "{hits}");
-    assert!(kernels > 800, "{kernels}");
+    assert!(hits > 20_000, "{hits}");
+    assert!(kernels > 1200, "{kernels}");
 }

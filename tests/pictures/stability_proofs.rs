@@ -95,7 +95,8 @@ fn hold_against_certified(case: &Case, camera: &Camera, picture: &Picture) {
         fov: Ok(fov),
         size: [SIDE; 2],
         depth: 10,
-        double: false,
+        tolerance: 0.5,
+        precision: "auto",
     };
     let some: Vec<_> = claims(&scene, camera, picture).into_iter().step_by(37).collect();
     let tally = hold(&scene, &|_| Some(some.clone())).unwrap_or_else(|failure| panic!("{failure}"));

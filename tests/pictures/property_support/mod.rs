@@ -36,12 +36,16 @@ pub fn picture(scene: &Scene, method: &'static Method) -> Option<(Camera, Pictur
     };
     let camera = Camera::new(eye, target, up, projection).ok()?;
     let [width, height] = scene.size;
+    let precision = [Precision::Auto, Precision::F32, Precision::F64]
+        .into_iter()
+        .find(|precision| precision.to_string() == scene.precision)?;
     let settings = Settings {
         method,
         width,
         height,
-        precision: if scene.double { Precision::F64 } else { Precision::Auto },
+        precision,
         max_depth: scene.depth,
+        tolerance: scene.tolerance,
         brackets: true,
         ..Settings::default()
     };
@@ -68,7 +72,14 @@ pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
             Status::Hit => Claimed::Hit(buffer.bracket[index].map(|end| ray.parameter(end))),
             Status::Undecided => Claimed::Undecided(ray.parameter(distance)),
         };
-        Pixel { place: [index % width, index / width], line, claimed }
+        let hit = (buffer.status[index] == Status::Hit).then(|| {
+            // Where floats are short of digits brackets are wider than what was asked for.
+            let [near, far] = buffer.bracket[index];
+            let room = scene.tolerance * frame.footprint(drawn) + (far - near);
+            let ends = [drawn - room, drawn + room].map(|end| ray.parameter(end));
+            (usize::from(buffer.surface[index]), ends)
+        });
+        Pixel { place: [index % width, index / width], line, claimed, hit }
     });
     pixels.collect()
 }

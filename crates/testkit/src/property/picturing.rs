@@ -25,6 +25,8 @@ pub struct Pixel {
     pub line: Line,
     /// The claim.
     pub claimed: Claimed,
+    /// Of hits, the number of the surface that is painted, and between which distances it is.
+    pub hit: Option<(usize, [f64; 2])>,
 }
 
 /// Evaluations per ray: what takes more remains undecided.
@@ -33,28 +35,48 @@ const BUDGET: u32 = 4000;
 /// Parts by which a distance in world units, plus 1, may be off: by a few roundings of the floats
 /// in which it was computed.
 fn rounding(scene: &Scene) -> f64 {
-    if scene.double { 1e-12 } else { 1e-6 }
+    if scene.precision == "f64" { 1e-12 } else { 1e-6 }
 }
 
-/// What is certain of a ray.
+/// What is certain of a surface on a ray.
 #[derive(Debug)]
 struct Certain {
     /// Of the function's zeros.
     zeros: Certificate,
     /// Of the region's face, for a solid.
     face: Option<Entry>,
+    /// Whether the face is part of the solid is known, or else does not matter.
+    known: bool,
 }
 
 impl Certain {
-    fn of(function: &Function, scene: &Scene, line: &Line) -> Self {
-        let region = &scene.formula.region;
-        let face = scene.formula.solid.then(|| function.entry(line, region)).flatten();
-        Self { zeros: function.trace(line, region, BUDGET), face }
+    fn of((function, solid): &(Function, bool), region: &[[f64; 2]; 3], line: &Line) -> Self {
+        let face = solid.then(|| function.entry(line, region)).flatten();
+        let known = !solid || face.is_some_and(|face| face.below.is_some());
+        Self { zeros: function.trace(line, region, BUDGET), face, known }
+    }
+
+    /// Where the solid certainly meets the region's face.
+    fn capped(&self) -> Option<(f64, f64)> {
+        self.face.filter(|face| face.below == Some(true)).map(|face| face.distance)
+    }
+
+    /// A distance before which there certainly is nothing.
+    fn first(&self) -> f64 {
+        let beyond = if self.known { self.zeros.first() } else { f64::NEG_INFINITY };
+        self.capped().map_or(beyond, |(near, _)| near)
+    }
+
+    /// A distance before which there certainly is something.
+    fn last(&self) -> f64 {
+        let crossing = self.zeros.crossing.map_or(f64::INFINITY, |crossing| crossing.far);
+        self.capped().map_or(crossing, |(_, far)| far)
     }
 }
 
 /// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds
-/// each claim against what is certain of that ray. `defined` counts rays with a certain crossing.
+/// each claim against what is certain of the nearest surface on that ray. `defined` counts rays with
+/// a certain crossing.
 ///
 /// # Errors
 /// The first false claim.
@@ -64,11 +86,12 @@ pub fn picture(
 ) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     let Some(pixels) = draw(scene) else { return Ok(tally) };
-    let function = scene.formula.function();
+    let (functions, region) = (scene.formula.functions(), &scene.formula.region);
     for pixel in &pixels {
-        let certain = Certain::of(&function, scene, &pixel.line);
+        let of = |function| Certain::of(function, region, &pixel.line);
+        let certain: Vec<Certain> = functions.iter().map(of).collect();
         tally.compared += 1;
-        tally.defined += u64::from(certain.zeros.crossing.is_some());
+        tally.defined += u64::from(certain.iter().any(|one| one.zeros.crossing.is_some()));
         let Some(what) = contradiction(scene, pixel, &certain) else { continue };
         let [i, j] = pixel.place;
         return Err(Failure::new(format!(
@@ -80,35 +103,25 @@ pub fn picture(
     Ok(tally)
 }
 
-fn contradiction(scene: &Scene, pixel: &Pixel, certain: &Certain) -> Option<&'static str> {
-    let Pixel { line, claimed, .. } = *pixel;
+fn contradiction(scene: &Scene, pixel: &Pixel, certain: &[Certain]) -> Option<&'static str> {
+    let Pixel { line, claimed, hit, .. } = *pixel;
     let unit = line.direction.iter().fold(0.0_f64, |length, part| length.hypot(*part)).recip();
     let room = |distance: f64| rounding(scene) * (unit + distance);
-    let passes = |at: f64, far: f64| at > far + room(far);
-    if let Some(Entry { distance: (near, far), below: Some(true) }) = certain.face {
-        return match claimed {
-            Claimed::Miss => Some("a solid denied"),
-            Claimed::Hit([at, _]) | Claimed::Undecided(at) if passes(at, far) => {
-                Some("a solid passed over")
-            }
-            Claimed::Hit([_, at]) if at + room(at) < near => Some("a hit before the solid"),
-            Claimed::Hit(_) | Claimed::Undecided(_) => None,
-        };
-    }
-    let far = certain.zeros.crossing.map(|crossing| crossing.far);
-    // Whether the face is part of the solid is known, or else does not matter.
-    let known = !scene.formula.solid || certain.face.is_some_and(|face| face.below.is_some());
+    let is_before = |near: f64, far: f64| near + room(near) < far;
+    let is_behind = |near: f64, far: f64| near > far + room(far);
+    let first = certain.iter().map(Certain::first).fold(f64::INFINITY, f64::min);
+    let last = certain.iter().map(Certain::last).fold(f64::INFINITY, f64::min);
     match claimed {
-        Claimed::Miss if far.is_some() => Some("a false miss"),
-        Claimed::Hit(_) if known && certain.zeros.is_miss() => Some("a false hit"),
-        Claimed::Hit([_, at]) if known && at + room(at) < certain.zeros.first() => {
-            Some("a hit before any zero")
+        Claimed::Miss if last < f64::INFINITY => return Some("a false miss"),
+        Claimed::Hit(_) if first == f64::INFINITY => return Some("a false hit"),
+        Claimed::Hit([_, at]) if is_before(at, first) => return Some("a hit before any zero"),
+        Claimed::Hit([at, _]) | Claimed::Undecided(at) if is_behind(at, last) => {
+            return Some("a zero passed over");
         }
-        Claimed::Hit([at, _]) | Claimed::Undecided(at)
-            if far.is_some_and(|far| passes(at, far)) =>
-        {
-            Some("a zero passed over")
-        }
-        Claimed::Miss | Claimed::Hit(_) | Claimed::Undecided(_) => None,
+        Claimed::Miss | Claimed::Hit(_) | Claimed::Undecided(_) => {}
     }
+    let (surface, [near, far]) = hit?;
+    let Some(painted) = certain.get(surface) else { return Some("no such surface") };
+    let is_there = !is_before(far, painted.first()) && !is_behind(near, painted.last());
+    (!is_there).then_some("another surface is painted")
 }

@@ -8,16 +8,14 @@ use std::fmt;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, NodeId};
 use zeroset_ops::{Notation, Op, TABLE};
-use zeroset_syntax::{Document, Options, SurfaceKind, read};
+use zeroset_syntax::{Document, Options, Surface, SurfaceKind, read};
 
 /// A function as text that can be typed, over a bounded region.
 #[derive(Clone, Debug)]
 pub struct Formula {
-    /// What is typed: one surface.
+    /// What is typed.
     pub text: String,
-    /// Whether the surface bounds a solid, where the function is below 0.
-    pub solid: bool,
-    /// What is read.
+    /// What is read: at least one surface, none of them hidden.
     pub document: Document,
     /// Per axis, the lower and the upper end, in order and not equal.
     pub region: [[f64; 2]; 3],
@@ -59,16 +57,18 @@ impl Formula {
         let text = typed(&case.graph, case.root, &values)?;
         let document = read(&text, &Options::default())
             .unwrap_or_else(|errors| panic!("{}", errors.render(None, &text, false)));
-        (document.surfaces.len() == 1).then_some(Self { text, solid: false, document, region, aim })
+        (document.surfaces.len() == 1).then_some(Self { text, document, region, aim })
     }
 
-    /// The surface of a text; `None` if it does not read, or draws not one surface.
+    /// The surfaces of a text; `None` if it does not read, or does not show all that it draws.
     pub fn given(text: &str, region: [[f64; 2]; 3]) -> Option<Self> {
         let document = read(text, &Options::default()).ok()?;
-        let [surface] = document.surfaces.as_slice() else { return None };
-        let solid = surface.kind == SurfaceKind::Solid;
+        let surfaces = &document.surfaces;
+        if surfaces.is_empty() || surfaces.iter().any(|surface| surface.hidden) {
+            return None;
+        }
         let aim = region.map(|[low, high]| low.midpoint(high));
-        Some(Self { text: text.to_owned(), solid, document, region, aim })
+        Some(Self { text: text.to_owned(), document, region, aim })
     }
 
     /// The solid where the function is not above 0.
@@ -80,14 +80,20 @@ impl Formula {
         let text = format!("{} <= 0", self.text);
         let document = read(&text, &Options::default())
             .unwrap_or_else(|errors| panic!("{}", errors.render(None, &text, false)));
-        Self { text, solid: true, document, ..self }
+        Self { text, document, ..self }
     }
 
-    /// The function as typed, for certified tracing.
-    pub fn function(&self) -> Function {
+    /// The surfaces' functions as typed, for certified tracing, and whether each bounds a solid,
+    /// where it is below 0.
+    pub fn functions(&self) -> Vec<(Function, bool)> {
+        let Document { graph, parameters, surfaces, .. } = &self.document;
         let values: Vec<Constant> =
-            self.document.parameters.iter().map(|parameter| parameter.value.clone()).collect();
-        Function::new(&self.document.graph, self.document.surfaces[0].root, &values)
+            parameters.iter().map(|parameter| parameter.value.clone()).collect();
+        let function = |surface: &Surface| {
+            let function = Function::new(graph, surface.root, &values);
+            (function, surface.kind == SurfaceKind::Solid)
+        };
+        surfaces.iter().map(function).collect()
     }
 
     fn random_target(&self, rng: &mut Rng) -> [f64; 3] {
@@ -185,8 +191,10 @@ pub struct Scene {
     pub size: [usize; 2],
     /// How often a ray's way is halved.
     pub depth: u32,
-    /// Whether kernels compute in `f64`.
-    pub double: bool,
+    /// How far off hits may be, in pixels.
+    pub tolerance: f64,
+    /// What kernels compute in: `f32`, `f64`, or `auto`.
+    pub precision: &'static str,
 }
 
 impl Scene {
@@ -212,9 +220,10 @@ impl Scene {
         let depth = rng.u32(1..=DEEPEST);
         // Once the size of packets; still drawn, so that saved seeds mean the same scenes.
         rng.u32(0..3);
-        let double = rng.bool();
+        let precision = if rng.bool() { "f64" } else { "auto" };
         let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };
-        let mut scene = Self { formula, eye, target, up, fov, size, depth, double };
+        let tolerance = 0.5;
+        let mut scene = Self { formula, eye, target, up, fov, size, depth, tolerance, precision };
         if rng.u32(0..4) == 1 {
             scene.be_extreme(rng);
         }
@@ -275,7 +284,7 @@ impl fmt::Display for Scene {
         let [width, height] = self.size;
         write!(
             f,
-            "zeroset render {} --eye={} --target={} --up={} {} --size {width}x{height} --max-depth {} --precision {} --json",
+            "zeroset render {} --eye={} --target={} --up={} {} --size {width}x{height} --max-depth {} --tolerance {:?} --precision {} --json",
             self.formula,
             point(self.eye),
             point(self.target),
@@ -285,7 +294,8 @@ impl fmt::Display for Scene {
                 Err(height) => format!("--ortho {height:?}"),
             },
             self.depth,
-            if self.double { "f64" } else { "auto" },
+            self.tolerance,
+            self.precision,
         )
     }
 }

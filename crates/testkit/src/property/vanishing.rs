@@ -27,7 +27,7 @@ pub fn vanish<T: Adversarial>(
     make: MakeZeros<T>,
 ) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
-    let function = formula.function();
+    let (function, _) = formula.functions().swap_remove(0);
     let mut kernel = None;
     for _ in 0..LINES {
         let line = formula.random_line(rng);

@@ -1,0 +1,81 @@
+//! What pictures of several surfaces claim, against the nearest of what the certified tracer finds
+//! of each: surfaces that hide, meet and touch one another, are the same or next to it, and solids.
+//!
+//! A long run: `ZEROSET_CASES=2000 cargo test --release --test pictures several -- --nocapture`.
+
+use crate::cameras::{Survey, scene};
+use zeroset_testkit::property::Formula;
+use zeroset_testkit::{Adversarial, Effort, Rng};
+
+/// Half the side of the region.
+const EXTENT: f64 = 2.0;
+
+/// A multiple of an eighth from `low` to `high` eighths, as it is typed: exact in all floats.
+fn eighths(rng: &mut Rng, low: i32, high: i32) -> String {
+    format!("({:?})", f64::from(rng.i32(low..=high)) / 8.0)
+}
+
+/// A function that has zeros in the region.
+fn function(rng: &mut Rng) -> String {
+    let [x, y, z] = ["x", "y", "z"].map(|axis| format!("({axis}-{})", eighths(rng, -8, 8)));
+    let size = eighths(rng, 4, 12);
+    match rng.u32(0..7) {
+        0 | 1 => format!("{x}^2+{y}^2+{z}^2-{size}^2"),
+        2 => {
+            let [a, b, c] = [(); 3].map(|()| eighths(rng, -8, 8));
+            format!("{a}*{x}+{b}*{y}+{c}*{z}+{z}/16")
+        }
+        3 => format!("({x}^2+{y}^2+{z}^2+0.84*{size}^2)^2-4*{size}^2*({x}^2+{y}^2)"),
+        4 => format!("abs{x}+abs{y}+abs{z}-{size}"),
+        5 => format!("sin(3*{x})*cos(2*{y})-{z}"),
+        _ => format!("{size}/{x}+{y}-{z}"),
+    }
+}
+
+/// A function beside another: whose zeros are the same, or next to them, touch them along a curve,
+/// or are anywhere.
+fn beside(other: &str, rng: &mut Rng) -> String {
+    match rng.u32(0..5) {
+        0 => other.to_owned(),
+        1 => {
+            let sign = if rng.bool() { '+' } else { '-' };
+            format!("{other}{sign}2^-{}", rng.u32(2..=24))
+        }
+        2 => format!("{other}+({})^2", function(rng)),
+        _ => function(rng),
+    }
+}
+
+fn formula(rng: &mut Rng) -> Formula {
+    let mut functions = vec![function(rng)];
+    for _ in 0..rng.u32(1..=2) {
+        functions.push(beside(&functions[0], rng));
+    }
+    let texts: Vec<String> = functions
+        .into_iter()
+        .map(|function| format!("{function} {} 0", ["=", "=", "<=", ">="][rng.u32(0..4) as usize]))
+        .collect();
+    let text = texts.join("; ");
+    Formula::given(&text, [[-EXTENT, EXTENT]; 3]).expect(&text)
+}
+
+#[test]
+fn pictures_of_several_surfaces_claim_nothing_false() {
+    let effort = Effort::from_environment(0x5eed_0770, 40);
+    let (mut survey, mut none) = (Survey::default(), 0);
+    for case in effort.seed..effort.seed + effort.cases {
+        let rng = &mut Rng::with_seed(case);
+        let formula = formula(rng);
+        let Some(mut scene) = scene(&formula, case % 4, rng) else {
+            none += 1;
+            continue;
+        };
+        scene.precision = ["auto", "f32", "f64"][rng.u32(0..3) as usize];
+        scene.tolerance = if f64::uniform(rng) < 0.5 { 0.5 } else { 5e-4 };
+        survey.add(&scene, case, rng);
+    }
+    println!("{survey}; {none} cameras see nothing");
+    let each = effort.cases / 2;
+    assert!(survey.crossings > survey.compared() / 3 && none < effort.cases / 4);
+    assert!(survey.hits[0] > 8 * each && survey.hits[1] > 4 * each && survey.hits[2] > each);
+}
