@@ -44,19 +44,18 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let render = || -> Result<_> {
         let document = &subject.document;
         let wanted = settings.has_time_to_choose();
-        let (region, searched) =
-            match scene::region_while(&mut None, document, subject.domain, cut, &wanted)? {
-                Some(found) => found,
-                None => {
-                    let [low, high] = [-ANYWHERE, ANYWHERE];
-                    notes::note(&format!(
-                        "no domain was found in time: x, y, z in {low}..{high} are drawn; --domain \
-                         says where to look"
-                    ));
-                    let anywhere = DomainChoice::Bounds([low, high, low, high, low, high]);
-                    scene::region(document, anywhere, cut)?
-                }
-            };
+        let found = scene::region_while(&mut None, document, subject.domain, cut, &wanted)?;
+        let (region, searched) = if let Some(found) = found {
+            found
+        } else {
+            let [low, high] = [-ANYWHERE, ANYWHERE];
+            notes::note(&format!(
+                "no domain was found in time: x, y, z in {low}..{high} are drawn; --domain says \
+                 where to look"
+            ));
+            let anywhere = DomainChoice::Bounds([low, high, low, high, low, high]);
+            scene::region(document, anywhere, cut)?
+        };
         let model = Model::new(document, &region, &settings)?;
         let camera = if around.axes {
             framing::of_domain(&region, document, &choice, &settings)?

@@ -26,6 +26,9 @@ pub struct Live {
     pipeline: Pipeline,
 }
 
+/// Moves a value.
+type Move = Box<dyn FnOnce(&Live) + Send>;
+
 #[derive(Default)]
 pub(super) struct State {
     /// What is asked for, with the document as entered.
@@ -45,7 +48,7 @@ pub(super) struct State {
     /// So many edits have right of way: values that are moved wait for them.
     first: usize,
     /// What moves those values, the latest of each gesture.
-    waiting: Vec<(Gesture, Box<dyn FnOnce(&Live) + Send>)>,
+    waiting: Vec<(Gesture, Move)>,
     revision: u64,
     /// The latest request when there was nothing to show: what it led to is not seen any more.
     cleared: u64,

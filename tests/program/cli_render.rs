@@ -446,10 +446,11 @@ fn shadows_central_normals_and_parallel_rays() {
 
 #[test]
 fn every_thread_count_gives_the_same_picture_and_arrays() {
+    const ARRAYS: [&str; 5] = ["status", "distance", "bracket", "normal", "surface-id"];
+
     let place = Place::new();
     place.write("behind.zset", "domain 1.5\nopacity 40%\nx^2+y^2+z^2 = 1\nz = x*y\nx < -1\n");
     place.write("shadows.zset", "domain 2\nx^2+y^2+z^2 = 1/2\nz = -1\n");
-    const ARRAYS: [&str; 5] = ["status", "distance", "bracket", "normal", "surface-id"];
     let made = |arguments: &[&str], threads: &str| {
         let mut all =
             vec!["render", "--size", "133x71", "-o", "p.png", "--threads", threads, "--json"];

@@ -66,7 +66,7 @@ impl Reader<'_> {
                         let text = reader.words.text[span.range()].to_owned();
                         match value {
                             LoopValue::Known(number) => {
-                                frame.aliases.push(text, written(number, span))
+                                frame.aliases.push(text, written(number, span));
                             }
                             LoopValue::Typed(tokens) => {
                                 reader.set(Name { text, span }, 1, tokens, frame)?;
