@@ -5,16 +5,15 @@ use glam::DVec3;
 use zeroset::model::render;
 use zeroset::picture::Settings;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection, Region};
+use zeroset_trace::{Camera, GBuffer, Projection, RayGrid, Region, Status};
 
 const SIDE: usize = 64;
 
 /// The height of a surface over x and y.
 type Height = Box<dyn Fn(f64, f64) -> f64>;
 
-/// Points drawn of a formula within ±2, seen from above a corner, and how many pixels are
-/// undecided.
-fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
+/// A formula within ±2, seen from above a corner.
+fn picture(formula: &str) -> (RayGrid, GBuffer) {
     let document = read(formula, &Options::default()).expect(formula);
     let projection = Projection::Orthographic { height: 6.0 };
     let eye = DVec3::new(5.0, -7.0, 4.0);
@@ -22,23 +21,71 @@ fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
     let settings = Settings { width: SIDE, height: SIDE, normals: None, ..Settings::default() };
     let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a cube");
     let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
-    let rays = camera.rays(SIDE, SIDE);
-    let hits = (0..SIDE * SIDE).filter(|&pixel| picture.buffer.is_drawn(pixel));
-    let points = hits.map(|pixel| rays.ray_of(pixel).at(picture.buffer.drawn[pixel])).collect();
-    (points, picture.buffer.counts().undecided)
+    (camera.rays(SIDE, SIDE), picture.buffer)
+}
+
+/// Points drawn, and how many pixels are undecided.
+fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
+    let (rays, buffer) = picture(formula);
+    let hits = (0..SIDE * SIDE).filter(|&pixel| buffer.is_drawn(pixel));
+    let points = hits.map(|pixel| rays.ray_of(pixel).at(buffer.drawn[pixel])).collect();
+    (points, buffer.counts().undecided)
+}
+
+/// Surfaces of functions with gaps, and how far a place is from the nearest of these.
+fn with_gaps() -> [(&'static str, Height, Height); 4] {
+    [
+        ("z = sin(x)/x", Box::new(|x, _| x.sin() / x), Box::new(|x, _| x.abs())),
+        ("(x^2 - 1)/(x - 1) = z", Box::new(|x, _| x + 1.0), Box::new(|x, _| (x - 1.0).abs())),
+        ("z = (e^x - 1)/x", Box::new(|x, _| x.exp_m1() / x), Box::new(|x, _| x.abs())),
+        (
+            "sin(x) sin(y)/(x y) = z",
+            Box::new(|x, y| x.sin() * y.sin() / (x * y)),
+            Box::new(|x, y| x.abs().min(y.abs())),
+        ),
+    ]
+}
+
+/// A gap leaves rays undecided on which a root lies behind it: that is painted where it is.
+#[test]
+fn what_is_undecided_hides_no_root_behind_it() {
+    for (formula, height, gap) in with_gaps() {
+        let (rays, buffer) = picture(formula);
+        let (mut behind, mut early) = (0, 0);
+        for pixel in (0..SIDE * SIDE).filter(|&pixel| buffer.status[pixel] == Status::Undecided) {
+            let ray = rays.ray_of(pixel);
+            let places = (0..16_000).map(|k| f64::from(k) * 1e-3);
+            let inside = places.filter(|t| ray.at(*t).abs().max_element() < 1.99);
+            let is_above = |t: f64| {
+                let point = ray.at(t);
+                height(point.x, point.y) > point.z
+            };
+            let mut inside = inside.peekable();
+            let Some(start) = inside.peek().map(|t| is_above(*t)) else { continue };
+            let Some(root) = inside.find(|t| is_above(*t) != start) else { continue };
+            // In a gap there is none.
+            let point = ray.at(root);
+            if gap(point.x, point.y) < 0.05 {
+                continue;
+            }
+            behind += 1;
+            // Half a pixel is 0.047.
+            let drawn = buffer.drawn[pixel];
+            assert!(drawn < root + 0.05, "{formula}, pixel {pixel}: {drawn} for {root}");
+            early += usize::from(drawn < root - 0.05);
+        }
+        println!("{formula}: {behind} roots behind gaps, {early} hidden by a gap that is painted");
+        // A part beside a gap whose signs are soon certain is not always told from a zero.
+        let most = if formula.contains("x^2") || formula.contains("e^x") { 8 } else { 0 };
+        assert!(behind > 50 && early <= most, "{formula}: {early} of {behind}");
+    }
 }
 
 /// Where numerator and denominator vanish together the function is undefined and stays what it was:
 /// nothing is there.
 #[test]
 fn a_gap_in_a_function_is_no_wall() {
-    let cases: [(&str, Height); 4] = [
-        ("z = sin(x)/x", Box::new(|x, _| x.sin() / x)),
-        ("(x^2 - 1)/(x - 1) = z", Box::new(|x, _| x + 1.0)),
-        ("z = (e^x - 1)/x", Box::new(|x, _| x.exp_m1() / x)),
-        ("sin(x) sin(y)/(x y) = z", Box::new(|x, y| x.sin() * y.sin() / (x * y))),
-    ];
-    for (formula, height) in cases {
+    for (formula, height, _) in with_gaps() {
         let (points, _) = drawn(formula);
         let off = |point: &&DVec3| (height(point.x, point.y) - point.z).abs() > 0.1;
         let wrong = points.iter().filter(off).count();

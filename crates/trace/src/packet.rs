@@ -371,4 +371,4 @@ impl<T: Scalar> Packet<T> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

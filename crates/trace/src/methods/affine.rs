@@ -13,6 +13,8 @@
 //! can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.
 
 mod bundle;
+#[cfg(test)]
+mod exact;
 mod frame;
 mod level;
 mod narrow;

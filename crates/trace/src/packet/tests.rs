@@ -34,7 +34,7 @@ impl Random {
     }
 }
 
-fn exact(value: f64) -> BigRational {
+pub(crate) fn exact(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
 }
 
@@ -75,7 +75,7 @@ fn scene(random: &mut Random) -> (Region, Vec<Segment>) {
 }
 
 /// Whether a point is in the region, exactly.
-fn inside(region: &Region, point: &[BigRational; 3]) -> bool {
+pub(crate) fn inside(region: &Region, point: &[BigRational; 3]) -> bool {
     let in_box = (0..3).all(|axis| {
         exact(region.low()[axis]) <= point[axis] && point[axis] <= exact(region.high()[axis])
     });

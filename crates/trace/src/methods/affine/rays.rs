@@ -34,6 +34,11 @@ pub(super) struct Follower<'a, T: Scalar> {
 /// `f32`.
 const STRETCH: f64 = 256.0;
 
+/// Beside a gap more parts stay open than are looked at. What is passed over behind each is so many
+/// times as long as behind the one before, but no longer than a hit's bracket: the ray is undecided
+/// either way, and a root behind the gap is to be painted.
+const GROWTH: f64 = 4.0;
+
 impl<'a, T: Scalar> Follower<'a, T> {
     pub fn new(task: Task<'a>) -> Result<Self, KernelError> {
         let refines = task.options.precision == Precision::Auto;
@@ -124,7 +129,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
                             work.given_up += 1;
                             None
                         } else {
-                            rest(far)
+                            let passed = (far - near) * GROWTH.powi(parts[lane] as i32 - 1);
+                            rest(far + passed.min(way.longest))
                         }
                     }
                 };

@@ -1,0 +1,441 @@
+//! What is left of segments, against exact points of exact rays: of random pictures and tiles, from
+//! near and far, of all sizes.
+//!
+//! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace exact -- --nocapture`.
+
+use super::frame::Frame;
+use super::plane::Plane;
+use super::screens::outward;
+use crate::camera::{Camera, Projection, Ray};
+use crate::grid::RayGrid;
+use crate::packet::tests::{exact, inside};
+use crate::region::Region;
+use crate::scalar::Scalar;
+use crate::widths::levels;
+use fearless_simd::{Level, dispatch};
+use glam::DVec3;
+use num_rational::BigRational;
+use zeroset_eval::{LANES, Lanes, Planes, Tiles};
+use zeroset_testkit::{Adversarial, Effort, Ends, Rng};
+
+/// Pixels in a row, and rows.
+const SIDE: u32 = 48;
+
+/// Checks a random case with vectors of some width: what it counts, or what is wrong.
+type Property<const N: usize> = fn(&mut Rng, Level) -> Result<[u32; N], String>;
+
+/// Tries a property on as many cases as are wanted, of both floats in turn; adds up what it counts.
+fn attack<const N: usize>(
+    seed: u64,
+    cases: u64,
+    [single, double]: [Property<N>; 2],
+) -> ([u64; N], u64) {
+    let Effort { seed, cases } = Effort::from_environment(seed, cases);
+    let (levels, mut all) = (levels(), [0; N]);
+    for case in seed..seed + cases {
+        let rng = &mut Rng::with_seed(case);
+        let level = levels[rng.u32(0..levels.len() as u32) as usize];
+        let property = if rng.bool() { single } else { double };
+        let counts = property(rng, level).unwrap_or_else(|wrong| {
+            panic!(
+                "{wrong}\nZEROSET_SEED={case:#x} ZEROSET_CASES=1 cargo test --release -p zeroset-trace exact"
+            )
+        });
+        for (all, count) in all.iter_mut().zip(counts) {
+            *all += u64::from(count);
+        }
+    }
+    println!("{all:?}");
+    (all, cases)
+}
+
+/// Uniform in [−1, 1].
+fn signed(rng: &mut Rng) -> f64 {
+    f64::uniform(rng) * 2.0 - 1.0
+}
+
+fn vector(rng: &mut Rng) -> DVec3 {
+    DVec3::new(signed(rng), signed(rng), signed(rng))
+}
+
+/// A power of two: mostly of a moderate number, now and then of up to so large a one.
+fn size(rng: &mut Rng, extreme: i32) -> f64 {
+    let most = if rng.u32(0..8) == 0 { extreme } else { 8 };
+    2_f64.powi(rng.i32(-most..=most))
+}
+
+/// A number, or one that is off by a few roundings or some more.
+fn beside(number: f64, size: f64, rng: &mut Rng) -> f64 {
+    match rng.u32(0..4) {
+        0 => number,
+        _ => number + signed(rng) * size * 2_f64.powi(-rng.i32(3..=54)),
+    }
+}
+
+/// A picture, its region and its frame; `None` if there is no such camera.
+fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, Frame)> {
+    let size = size(rng, 55);
+    let away = [0.0, 1.0, 1e4][rng.u32(0..3) as usize];
+    let centre = vector(rng) * size * away;
+    let half = vector(rng).abs() * size + DVec3::splat(0.01 * size);
+    let mut region = Region::new(centre - half, centre + half).ok()?;
+    if rng.u32(0..3) == 0 {
+        region = region.with_ball();
+    }
+    let distance = size * 10_f64.powi(rng.i32(-2..=7));
+    let mut way = vector(rng);
+    if rng.u32(0..3) == 0 {
+        // Along an axis: rays may be level with faces.
+        let axis = rng.u32(0..3) as usize;
+        way = DVec3::AXES[axis] * way[axis];
+    }
+    let mut eye = centre + distance * way;
+    if rng.u32(0..6) == 0 {
+        // Within the region, or in a face of it.
+        eye = centre + half * vector(rng);
+        let axis = rng.u32(0..3) as usize;
+        if rng.bool() {
+            eye[axis] = region.low()[axis];
+        }
+    }
+    let target = if rng.bool() { centre } else { centre + half * vector(rng) };
+    let wide = 2.0 * size / eye.distance(target);
+    let projection = match rng.u32(0..3) {
+        0 => Projection::Orthographic { height: size * 10_f64.powi(rng.i32(-2..=1)) },
+        1 => Projection::Perspective { fov: wide.atan().to_degrees() },
+        _ => Projection::Perspective { fov: 170.0 * f64::uniform(rng) },
+    };
+    let up = [DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, -1.0)][rng.u32(0..3) as usize];
+    let camera = Camera::new(eye, target, up, projection).ok()?;
+    let rays = camera.rays(SIDE as usize, SIDE as usize);
+    let frame = Frame::new(&rays, &region);
+    Some((region, rays, frame))
+}
+
+/// Sixteen tiles of so many pixels on a side: their first pixels, centres and halves.
+struct Sixteen {
+    side: usize,
+    first: [[usize; 2]; LANES],
+    centre: [Lanes<f64>; 2],
+    half: [Lanes<f64>; 2],
+}
+
+impl Sixteen {
+    fn random(rays: &RayGrid, side: u32, rng: &mut Rng) -> Self {
+        let first = [(); LANES].map(|()| [(); 2].map(|()| rng.u32(0..=SIDE - side) as usize));
+        let side = side as usize;
+        let mut centre = [Lanes::splat(0.0); 2];
+        for (lane, [column, row]) in first.into_iter().enumerate() {
+            let middle = rays.screen(2 * column + side - 1, 2 * row + side - 1);
+            [centre[0][lane], centre[1][lane]] = middle;
+        }
+        let half = [Lanes::splat((side - 1) as f64 * rays.unit); 2];
+        Self { side, first, centre, half }
+    }
+
+    /// The rays of a tile's corners.
+    fn corners(&self, rays: &RayGrid, lane: usize) -> [Ray; 4] {
+        let ([column, row], last) = (self.first[lane], self.side - 1);
+        [[0, 0], [last, 0], [0, last], [last, last]].map(|[i, j]| rays.ray(column + i, row + j))
+    }
+}
+
+/// s between which a ray is in the region's box; `None` if it is nowhere.
+fn in_box(region: &Region, ray: &Ray, start: f64) -> Option<[BigRational; 2]> {
+    let mut ends: Option<[BigRational; 2]> = None;
+    for axis in 0..3 {
+        let [o, d, low, high] =
+            [ray.origin, ray.direction, region.low(), region.high()].map(|v| exact(v[axis]));
+        if d == exact(0.0) {
+            if o < low || high < o {
+                return None;
+            }
+            continue;
+        }
+        let at = |face: BigRational| (face - &o) / &d - exact(start);
+        let (a, b) = (at(low), at(high));
+        let new = if a < b { [a, b] } else { [b, a] };
+        ends = Some(match ends {
+            None => new,
+            Some([near, far]) => {
+                let [first, last] = new;
+                [near.max(first), far.min(last)]
+            }
+        });
+    }
+    ends.filter(|[near, far]| near <= far)
+}
+
+fn at(ray: &Ray, s: f64, start: f64) -> [BigRational; 3] {
+    let t = exact(s) + exact(start);
+    [0, 1, 2].map(|axis| exact(ray.origin[axis]) + &t * exact(ray.direction[axis]))
+}
+
+/// Whether what is left of a segment holds all that is in both it and `wanted`, and how much is.
+fn keeps(asked: [f64; 2], left: [f64; 2], [first, last]: &[BigRational; 2]) -> Option<bool> {
+    let (first, last) = (first.max(&exact(asked[0])).clone(), last.min(&exact(asked[1])).clone());
+    (first <= last).then(|| exact(left[0]) <= first && last <= exact(left[1]))
+}
+
+/// About where a tile's first ray meets the faces of the region, or else the frame's span.
+fn about(region: &Region, ray: &Ray, frame: &Frame) -> [f64; 2] {
+    let [mut near, mut far] = frame.span;
+    for axis in 0..3 {
+        let at = |face: f64| (face - ray.origin[axis]) / ray.direction[axis] - frame.start;
+        let (a, b) = (at(region.low()[axis]), at(region.high()[axis]));
+        (near, far) = (near.max(a.min(b)), far.min(a.max(b)));
+    }
+    [near, far]
+}
+
+/// Segments as they are asked about: throughout, or about where the tile is in the region.
+fn segments(
+    tiles: &Sixteen,
+    (region, rays, frame): &(Region, RayGrid, Frame),
+    rng: &mut Rng,
+) -> [Lanes<f64>; 2] {
+    let mut asked = frame.span.map(Lanes::splat);
+    if rng.u32(0..3) > 0 {
+        let [nears, fars] = &mut asked;
+        for (lane, (from, to)) in nears.iter_mut().zip(fars.iter_mut()).enumerate() {
+            let corner = tiles.corners(rays, lane)[rng.u32(0..4) as usize];
+            let [near, far] = about(region, &corner, frame)
+                .map(|end| beside(end, frame.size(), rng).clamp(frame.span[0], frame.span[1]));
+            (*from, *to) = (near, far.max(near));
+        }
+    }
+    asked
+}
+
+/// Counts rays of which something is left, segments that were shortened, and tiles that are inside.
+fn clipped<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 4], String> {
+    let mut counts = [0; 4];
+    let Some(picture) = picture(rng) else { return Ok(counts) };
+    let side = [1, 4, 16][rng.u32(0..3) as usize];
+    let tiles = Sixteen::random(&picture.1, side, rng);
+    let asked = segments(&tiles, &picture, rng);
+    let (region, rays, frame) = &picture;
+    let screens = (&tiles.centre, Some(&tiles.half));
+    let (mut left, mut alone) = (asked, asked);
+    let (inside_bits, certain): (u16, [Lanes<T>; 2]) = dispatch!(level, simd => {
+        frame.clip(simd, screens, region, &mut left);
+        let certain =
+            frame.clip_rays(simd, &tiles.centre, region, frame.size(), &mut alone);
+        let ends = asked.each_ref().map(|ends| f64::wide(simd, ends));
+        (frame.inside(simd, screens, region, ends), certain)
+    });
+    for lane in 0..LANES {
+        let of = |ends: &[Lanes<f64>; 2]| ends.each_ref().map(|lanes| lanes[lane]);
+        let (asked, left, alone) = (of(&asked), of(&left), of(&alone));
+        counts[1] += u32::from(left != asked);
+        for ray in tiles.corners(rays, lane) {
+            let [first, last]: [f64; 2] = certain.each_ref().map(|ends| ends[lane].into());
+            let wrong = |what: &str| {
+                let s = (asked, left, alone, [first, last]);
+                Err(format!("{what}: {s:?} of {ray:?} from {} in {region:?}", frame.start))
+            };
+            let ends = in_box(region, &ray, frame.start);
+            if let Some(ends) = &ends {
+                let ahead = [ends[0].clone().max(exact(-frame.start)), ends[1].clone()];
+                let everywhere = [f64::MIN, f64::MAX];
+                if keeps(everywhere, frame.span, &ahead) == Some(false) {
+                    return wrong("the frame leaves out a part");
+                }
+                let kept = keeps(asked, left, &ahead);
+                counts[0] += u32::from(kept.is_some());
+                if kept == Some(false) {
+                    return wrong("a tile is clipped too far");
+                }
+                if side == 1 && keeps(asked, alone, &ahead) == Some(false) {
+                    return wrong("a ray is clipped too far");
+                }
+            }
+            if inside_bits >> lane & 1 == 1 {
+                counts[2] += 1;
+                if !asked.iter().all(|s| inside(region, &at(&ray, *s, frame.start))) {
+                    return wrong("not inside");
+                }
+            }
+            if side == 1 && first <= last {
+                counts[3] += 1;
+                let is_in = |s: f64| {
+                    let s = exact(s);
+                    ends.as_ref().is_some_and(|[near, far]| *near <= s && s <= *far)
+                };
+                if !(is_in(first) && is_in(last)) {
+                    return wrong("not between the faces");
+                }
+            }
+        }
+    }
+    Ok(counts)
+}
+
+#[test]
+fn no_exact_point_of_the_region_is_clipped_away_and_none_outside_is_called_inside() {
+    let ([kept, shorter, inside, certain], cases) =
+        attack(0x5eed_0780, 600, [clipped::<f32>, clipped::<f64>]);
+    assert!(kept > 8 * cases && shorter > cases, "{kept} {shorter}");
+    assert!(inside > cases && certain > cases, "{inside} {certain}");
+}
+
+/// A form of a tile, and what its plane leaves of segments of sixteen parts of it.
+fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32; 2], String> {
+    let number = |x: f64| -> f64 { T::nearest(x).into() };
+    // A tile, as it is put into a batch.
+    let reach = size(rng, 60);
+    let (mut tile, mut out) = (Tiles::<T>::default(), Planes::<T>::default());
+    let centre = [(); 2].map(|()| 0.8 * reach * signed(rng));
+    let half = [(); 2].map(|()| 0.2 * reach * 2_f64.powi(-rng.i32(0..=24)));
+    for axis in 0..2 {
+        tile.centre[axis][0] = T::nearest(centre[axis]);
+        tile.half[axis][0] = T::nearest(half[axis] + T::PATH_ERROR * reach);
+    }
+    // A segment, and a form with zeros on it.
+    let length = size(rng, 60);
+    let near = number(length * signed(rng));
+    let far: f64 = T::above(near + length * 2_f64.powi(-rng.i32(0..=20))).into();
+    let middle = number(near.midpoint(far));
+    let half_way: f64 = T::above((far - middle).max(middle - near)).into();
+    let scale = size(rng, if T::UNIT > 1e-10 { 140 } else { 1000 });
+    let depth = number(scale * signed(rng));
+    let share = if rng.bool() { signed(rng) * 1.25 } else { f64::from(rng.i32(-1..=1)) };
+    let small = |rng: &mut Rng, most: i32| match rng.u32(0..3) {
+        0 => 0.0,
+        _ => number(depth * signed(rng) * 2_f64.powi(-rng.i32(0..=most))),
+    };
+    let mut form = [number(depth * share), small(rng, 6), small(rng, 6), depth];
+    let mut error = small(rng, 28).abs();
+    if rng.u32(0..8) == 0 {
+        let any: f64 = T::adversarial(rng, Ends::Infinite).into();
+        match rng.u32(0..5) {
+            4 => error = any.abs(),
+            k => form[k as usize] = any,
+        }
+        // A form has no number that is infinite but for what overflowed, which its error says.
+        if form.iter().any(|number| !number.is_finite()) {
+            error = if rng.bool() { f64::INFINITY } else { f64::NAN };
+        }
+    }
+    let lane = |lanes: &mut Lanes<T>, number: f64| lanes[0] = T::nearest(number);
+    lane(&mut out.value, form[0]);
+    (0..3).for_each(|axis| lane(&mut out.slope[axis], form[axis + 1]));
+    lane(&mut out.error, error);
+    lane(&mut out.middle, middle);
+    lane(&mut out.half, half_way);
+
+    // Parts of the tile, or rays.
+    let are_rays = rng.bool();
+    let [mut centres, mut halves] = [[Lanes::splat(0.0); 2]; 2];
+    for axis in 0..2 {
+        for lane in 0..LANES {
+            let part = if are_rays { 0.0 } else { 2_f64.powi(-rng.i32(0..=4)) };
+            let aside = if rng.bool() { signed(rng) } else { f64::from(rng.i32(-1..=1)) };
+            halves[axis][lane] = half[axis] * part;
+            centres[axis][lane] = centre[axis] + half[axis] * (1.0 - part) * aside;
+        }
+    }
+    let rays = (&centres, (!are_rays).then_some(&halves));
+    let plane = Plane::new(&tile, &out, 0);
+    let mut left = [near, far].map(Lanes::splat);
+    dispatch!(level, simd => plane.narrow::<_, T>(simd, rays, &mut left));
+
+    let mut counts = [0; 2];
+    for lane in 0..LANES {
+        let (asked, left) = ([near, far], left.each_ref().map(|lanes| lanes[lane]));
+        counts[1] += u32::from(left != asked && left[0] <= left[1]);
+        let wrong = |what: &str, at: &[BigRational; 2]| {
+            Err(format!("{what}: {left:?} of {asked:?}, {form:?} ± {error:?} at {at:?}"))
+        };
+        if form.iter().any(|number| !number.is_finite()) || !error.is_finite() {
+            if left != asked {
+                return wrong("bounded by what is no number", &[exact(0.0), exact(0.0)]);
+            }
+            continue;
+        }
+        for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
+            let symbols = [0, 1].map(|axis| {
+                let way = exact(signs[axis]) * exact(halves[axis][lane]);
+                let off = exact(centres[axis][lane]) + way - exact(tile.centre[axis][0].into());
+                off / exact(tile.half[axis][0].into())
+            });
+            if symbols.iter().any(|symbol| *symbol > exact(1.0) || *symbol < exact(-1.0)) {
+                continue;
+            }
+            let [value, across, upward, depth] = form.map(exact);
+            let value = value + across * &symbols[0] + upward * &symbols[1];
+            let zeros = if depth == exact(0.0) {
+                if value > exact(error) || value < exact(-error) {
+                    continue;
+                }
+                asked.map(exact)
+            } else {
+                let at =
+                    |level: f64| exact(middle) + exact(half_way) * (exact(level) - &value) / &depth;
+                let (a, b) = (at(error), at(-error));
+                if a < b { [a, b] } else { [b, a] }
+            };
+            match keeps(asked, left, &zeros) {
+                Some(true) => counts[0] += 1,
+                Some(false) => return wrong("a zero is left out", &symbols),
+                None => {}
+            }
+        }
+    }
+    Ok(counts)
+}
+
+#[test]
+fn no_exact_zero_of_a_form_is_outside_of_what_its_plane_leaves() {
+    let ([kept, shorter], cases) = attack(0x5eed_0781, 2_000, [narrowed::<f32>, narrowed::<f64>]);
+    assert!(kept > 8 * cases && shorter > 4 * cases, "{kept} {shorter}");
+}
+
+/// Segments as floats, rounded outward.
+fn rounded<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
+    let number = |x: f64| -> f64 { T::nearest(x).into() };
+    // Segments are far longer than what underflows.
+    let reach = size(rng, 60);
+    let mut asked = [Lanes::splat(0.0); 2];
+    let mut left = asked;
+    for lane in 0..LANES {
+        let [a, b] = [(); 2].map(|()| number(0.9 * reach * signed(rng)));
+        let ends = [a.min(b), a.max(b)];
+        for (k, end) in ends.into_iter().enumerate() {
+            asked[k][lane] = end;
+            left[k][lane] = match rng.u32(0..4) {
+                0 => end,
+                1 => beside(end, reach, rng).clamp(ends[0], ends[1]),
+                2 => ends[0].max(0.0).min(ends[1]) * 2_f64.powi(-rng.i32(0..=1000)),
+                _ => ends[0] + (ends[1] - ends[0]) * f64::uniform(rng),
+            };
+        }
+    }
+    let mut floats = [Lanes::<T>::splat(T::default()); 2];
+    let [near, far] = &mut floats;
+    let any = dispatch!(level, simd => {
+        outward::<_, T>(simd, &asked, &left, reach, [&mut *near, &mut *far])
+    });
+    let mut count = 0;
+    for lane in 0..LANES {
+        let of = |ends: &[Lanes<f64>; 2]| ends.each_ref().map(|lanes| lanes[lane]);
+        let (asked, left) = (of(&asked), of(&left));
+        let [first, last]: [f64; 2] = floats.each_ref().map(|lanes| lanes[lane].into());
+        let is_right = (any >> lane & 1 == 1) == (left[0] <= left[1])
+            && first <= left[0]
+            && left[1] <= last
+            && (left[0] != asked[0] || first == asked[0])
+            && (left[1] != asked[1] || last == asked[1]);
+        if !is_right {
+            return Err(format!("[{first}, {last}] for {left:?} of {asked:?} within {reach}"));
+        }
+        count += u32::from(first != asked[0] && last != asked[1]);
+    }
+    Ok([count])
+}
+
+#[test]
+fn what_is_left_is_rounded_outward() {
+    let ([shorter], cases) = attack(0x5eed_0782, 1_000, [rounded::<f32>, rounded::<f64>]);
+    assert!(shorter > 4 * cases, "{shorter}");
+}
