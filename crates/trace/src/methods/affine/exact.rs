@@ -3,7 +3,7 @@
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace exact -- --nocapture`.
 
-use super::frame::Frame;
+use super::frame::RayFrame;
 use super::plane::Plane;
 use super::screens::outward;
 use crate::camera::{Camera, Projection, Ray};
@@ -73,7 +73,7 @@ fn beside(number: f64, size: f64, rng: &mut Rng) -> f64 {
 }
 
 /// A picture, its region and its frame; `None` if there is no such camera.
-fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, Frame)> {
+fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     let size = size(rng, 55);
     let away = [0.0, 1.0, 1e4][rng.u32(0..3) as usize];
     let centre = vector(rng) * size * away;
@@ -108,7 +108,7 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, Frame)> {
     let up = [DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, -1.0)][rng.u32(0..3) as usize];
     let camera = Camera::new(eye, target, up, projection).ok()?;
     let rays = camera.rays(SIDE as usize, SIDE as usize);
-    let frame = Frame::new(&rays, &region);
+    let frame = RayFrame::new(&rays, &region);
     Some((region, rays, frame))
 }
 
@@ -178,7 +178,7 @@ fn keeps(asked: [f64; 2], left: [f64; 2], [first, last]: &[BigRational; 2]) -> O
 }
 
 /// About where a tile's first ray meets the faces of the region, or else the frame's span.
-fn about(region: &Region, ray: &Ray, frame: &Frame) -> [f64; 2] {
+fn about(region: &Region, ray: &Ray, frame: &RayFrame) -> [f64; 2] {
     let [mut near, mut far] = frame.span;
     for axis in 0..3 {
         let at = |face: f64| (face - ray.origin[axis]) / ray.direction[axis] - frame.start;
@@ -191,7 +191,7 @@ fn about(region: &Region, ray: &Ray, frame: &Frame) -> [f64; 2] {
 /// Segments as they are asked about: throughout, or about where the tile is in the region.
 fn segments(
     tiles: &Sixteen,
-    (region, rays, frame): &(Region, RayGrid, Frame),
+    (region, rays, frame): &(Region, RayGrid, RayFrame),
     rng: &mut Rng,
 ) -> [Lanes<f64>; 2] {
     let mut asked = frame.span.map(Lanes::splat);
