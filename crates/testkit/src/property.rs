@@ -14,6 +14,7 @@ mod picturing;
 mod reading;
 mod rewriting;
 mod scene;
+mod sloping;
 mod spelled;
 mod tile;
 mod vanishing;
@@ -27,6 +28,7 @@ pub use picturing::{Claimed, Pixel, picture};
 pub use reading::read_and_print;
 pub use rewriting::keep;
 pub use scene::{Formula, Scene};
+pub use sloping::{bound, native_slopes, reference_slopes};
 pub use spelled::spelled;
 pub use vanishing::{MakeZeros, vanish};
 
@@ -101,6 +103,20 @@ pub fn jit_vs_oracle(data: &[u8]) -> Result<Tally, Failure> {
     } else {
         enclose::<f32>(&case, &mut rng, BOXES)
     }
+}
+
+/// [`bound`] for a case, an evaluator and a precision that bytes choose.
+///
+/// # Errors
+/// The first contradiction, made smaller, with a line that reproduces it.
+pub fn slopes(data: &[u8]) -> Result<Tally, Failure> {
+    /// Boxes per kernel.
+    const BOXES: usize = 16;
+    let mut rng = Rng::from_bytes(data);
+    let (native, double) = (rng.bool(), rng.bool());
+    let case = any_case(&mut rng, LARGEST_DIFFERENTIATED);
+    let ask = if double { bound::<f64> } else { bound::<f32> };
+    ask(native, &case, &mut rng, BOXES)
 }
 
 /// [`contract`] for a case and a precision that bytes choose, or [`linear`] for an operation.

@@ -5,7 +5,9 @@
 //! `ZEROSET_CASES=100000 cargo test --release -p zeroset-testkit --test all simplif`.
 
 use std::path::{Path, PathBuf};
-use zeroset_testkit::property::{forms, jit_vs_oracle, jit_vs_reference, parse, simplify, spelled};
+use zeroset_testkit::property::{
+    forms, jit_vs_oracle, jit_vs_reference, parse, simplify, slopes, spelled,
+};
 use zeroset_testkit::suite::{Failure, Tally};
 use zeroset_testkit::{Effort, attack};
 
@@ -56,4 +58,9 @@ fn what_is_spelled_by_forms_holds_as_what_is_written_out() {
 #[test]
 fn affine_forms_hold_what_the_oracle_knows() {
     hold(forms, "forms", 0x5eed_0740, 1000);
+}
+
+#[test]
+fn bounds_of_gradients_hold_what_the_oracle_knows() {
+    hold(slopes, "slopes", 0x5eed_0790, 1000);
 }

@@ -4,33 +4,21 @@
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all slopes`.
 
-use zeroset_eval::{Assumptions, Binding, Boxes, EncloseGradient, Kernel, Real, Reference, Tape};
+use zeroset_eval::{Assumptions, Binding, Boxes, EncloseGradient, Kernel, Real, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Graph, NodeId, gradient};
 use zeroset_jit::Native;
 use zeroset_ops::Op;
 use zeroset_syntax::{Options, read};
-use zeroset_testkit::property::Subject;
-use zeroset_testkit::suite::{check_slopes, check_slopes_of_ops};
+use zeroset_testkit::property::{bound, reference_slopes};
+use zeroset_testkit::suite::check_slopes_of_ops;
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
 /// Boxes per kernel.
 const BOXES: usize = 64;
 
-type Made<T> = Option<Box<dyn Kernel<EncloseGradient, T>>>;
-
-fn reference<T: Real>(case: &Case) -> Made<T> {
-    let tape = Subject::GradientBounds.tape(false, case)?;
-    Some(Box::new(Reference::<EncloseGradient, T>::new(tape, Binding::new(&case.parameters))))
-}
-
-fn native<T: Real>(case: &Case) -> Made<T> {
-    let tape = Subject::GradientBounds.tape(true, case)?;
-    Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
-}
-
 fn operations<T: Adversarial>(seed: u64) {
-    let tally = check_slopes_of_ops::<T>(&reference, seed, 400);
+    let tally = check_slopes_of_ops::<T>(&reference_slopes, seed, 400);
     let tally = tally.unwrap_or_else(|failure| panic!("{failure}"));
     println!("{:?}: {tally:?}", T::FORMAT);
     assert!(tally.defined * 8 > tally.compared, "{tally:?}");
@@ -54,8 +42,7 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         let options = GraphOptions { size: rng.u32(1..=options.size), ..options.clone() };
         let case = Case::random(&mut rng, &options);
         let simple = rng.bool();
-        let make = if simple { native::<T> } else { reference::<T> };
-        let tally = check_slopes(&make, &case, &mut rng, BOXES).unwrap_or_else(|failure| {
+        let tally = bound::<T>(simple, &case, &mut rng, BOXES).unwrap_or_else(|failure| {
             panic!("{failure}\nsimplified: {simple}, ZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
         });
         compared += tally.compared;

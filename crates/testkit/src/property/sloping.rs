@@ -1,0 +1,37 @@
+//! Bounds of gradients hold what the oracle knows of slopes and derivatives.
+
+use super::Subject;
+use crate::suite::{Failure, Tally, check_slopes};
+use crate::{Adversarial, Case, Rng};
+use zeroset_eval::{Binding, EncloseGradient, Kernel, Real, Reference};
+use zeroset_jit::Native;
+
+/// Native code that bounds the gradient of a case, simplified over its domain; `None` if the graph
+/// is too large.
+///
+/// # Panics
+/// If the code does not compile.
+pub fn native_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGradient, T>>> {
+    let tape = Subject::GradientBounds.tape(true, case)?;
+    Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
+}
+
+/// The reference evaluator of a case as typed; `None` if the graph is too large.
+pub fn reference_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGradient, T>>> {
+    let tape = Subject::GradientBounds.tape(false, case)?;
+    Some(Box::new(Reference::<EncloseGradient, T>::new(tape, Binding::new(&case.parameters))))
+}
+
+/// Asks either about `boxes` random boxes of a case.
+///
+/// # Errors
+/// The first contradiction, made smaller, with a line that reproduces it.
+pub fn bound<T: Adversarial>(
+    native: bool,
+    case: &Case,
+    rng: &mut Rng,
+    boxes: usize,
+) -> Result<Tally, Failure> {
+    let make = if native { native_slopes::<T> } else { reference_slopes::<T> };
+    check_slopes(&make, case, rng, boxes)
+}
