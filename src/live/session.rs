@@ -481,18 +481,18 @@ mod tests {
     #[test]
     fn a_value_that_moves_all_the_time_waits_for_no_edit_nor_keeps_it_from_its_end() {
         let (live, slider) = ball();
+        let live = Arc::new(live);
         let tries = AtomicUsize::new(0);
         let work = |said: &Said| {
             let value = tries.fetch_add(1, Ordering::Relaxed) as f64 + 1.0;
-            thread::scope(|scope| {
-                // As the window's loop does, which never waits.
-                let moves = scope.spawn(|| {
-                    live.drag(&slider, value + 0.5);
-                    live.drag(&slider, value);
-                    live.turn(|orbit| orbit.turn(1.0, 1.0, 8));
-                });
-                soon(|| moves.is_finished());
+            // As the window's loop does, which never waits.
+            let (live, slider) = (Arc::clone(&live), slider.clone());
+            let moves = thread::spawn(move || {
+                live.drag(&slider, value + 0.5);
+                live.drag(&slider, value);
+                live.turn(|orbit| orbit.turn(1.0, 1.0, 8));
             });
+            soon(|| moves.is_finished());
             Ok(format!("{}\nz = 0", said.request.text))
         };
         let changed = live.change_after(work, |state, text| state.request.text = text.into());

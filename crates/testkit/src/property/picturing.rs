@@ -75,8 +75,8 @@ impl Certain {
 }
 
 /// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds
-/// each claim against what is certain of the nearest surface on that ray. `defined` counts rays with
-/// a certain crossing.
+/// each claim against what is certain of the nearest surface on that ray. `defined` counts rays
+/// with a certain crossing.
 ///
 /// # Errors
 /// The first false claim.
