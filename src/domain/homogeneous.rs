@@ -15,7 +15,7 @@ use super::outward::Bounds;
 use std::array::from_fn;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Law, Op};
 
 /// A step of a function, and the steps that it takes.
 #[derive(Clone, Copy, Debug)]
@@ -260,52 +260,28 @@ fn applied(
         let lifted = |k: usize| (one(k), (most - degree(k)) as u32);
         (step(lifted(0), lifted(1)), most)
     };
-    Some(match op {
-        Op::Neg => (Step::Negation(one(0)), degree(0)),
-        Op::Abs => (Step::Absolute(one(0)), degree(0)),
-        Op::Sqr => (Step::Power(one(0), 2), 2 * degree(0)),
-        Op::Sqrt if degree(0) % 2 == 0 => (Step::Root(one(0)), degree(0) / 2),
-        Op::Add => level(Step::Sum),
-        Op::Sub => level(Step::Difference),
-        Op::Mul => (Step::Product(one(0), one(1)), degree(0) + degree(1)),
-        Op::Div => (Step::Quotient(one(0), one(1)), degree(0) - degree(1)),
-        Op::Min => level(Step::Least),
-        Op::Max => level(Step::Most),
-        Op::Pow => {
+    Some(match op.row().class {
+        Class::Negation => (Step::Negation(one(0)), degree(0)),
+        Class::Sum if op == Op::Add => level(Step::Sum),
+        Class::Sum => level(Step::Difference),
+        Class::Product => (Step::Product(one(0), one(1)), degree(0) + degree(1)),
+        Class::Quotient => (Step::Quotient(one(0), one(1)), degree(0) - degree(1)),
+        Class::Square => (Step::Power(one(0), 2), 2 * degree(0)),
+        Class::Power => {
             let exponent = u32::try_from(graph.number(at(1).1)?.as_integer()?).ok()?;
             (Step::Power(one(0), exponent), degree(0).checked_mul(i32::try_from(exponent).ok()?)?)
         }
-        Op::Sqrt
-        | Op::Sign
-        | Op::Floor
-        | Op::Ceil
-        | Op::Round
-        | Op::Trunc
-        | Op::Fract
-        | Op::Cbrt
-        | Op::Exp
-        | Op::Ln
-        | Op::Log2
-        | Op::Log10
-        | Op::Sin
-        | Op::Cos
-        | Op::Tan
-        | Op::Asin
-        | Op::Acos
-        | Op::Atan
-        | Op::Sinh
-        | Op::Cosh
-        | Op::Tanh
-        | Op::Asinh
-        | Op::Acosh
-        | Op::Atanh
-        | Op::Mod
-        | Op::Atan2
-        | Op::SelectNegative
-        | Op::Otherwise
-        | Op::WhereNonneg
-        | Op::WherePositive
-        | Op::WhereNonzero
-        | Op::WhereDefined => return None,
+        Class::Extremum if op == Op::Min => level(Step::Least),
+        Class::Extremum => level(Step::Most),
+        Class::Function(Law::Magnitude) => (Step::Absolute(one(0)), degree(0)),
+        Class::Function(Law::SquareRoot) if degree(0) % 2 == 0 => {
+            (Step::Root(one(0)), degree(0) / 2)
+        }
+        Class::Function(_)
+        | Class::FunctionOfTwo
+        | Class::Remainder
+        | Class::Choice
+        | Class::Fallback
+        | Class::Restriction(_) => return None,
     })
 }
