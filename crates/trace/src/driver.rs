@@ -60,8 +60,8 @@ impl Driver<'_> {
     /// nearer caches, together with what of `parts` is theirs.
     ///
     /// # Panics
-    /// If there are fewer parts than bands of rows, `only` has another number of pixels, or `before`
-    /// another size.
+    /// If there are fewer parts than bands of rows, `only` has another number of pixels, or
+    /// `before` another size.
     pub fn new_picture<E: Send>(
         &self,
         surface: u16,
