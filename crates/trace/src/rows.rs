@@ -80,6 +80,7 @@ pub(crate) fn work_on<P: Send>(parts: Vec<P>, work: impl Fn(P) -> Work + Send + 
     if rayon::current_num_threads() == 1 {
         parts.into_iter().map(work).sum()
     } else {
+        // One by one: else a thread ends with several while others have nothing left.
         parts.into_par_iter().with_max_len(1).map(work).sum()
     }
 }

@@ -104,8 +104,8 @@ impl Window {
         self.session.hush();
         match (is_done, back) {
             (true, _) => self.message = None,
-            (false, true) => self.say("there is nothing to take back"),
-            (false, false) => self.say("nothing was taken back"),
+            (false, true) => self.say("there is nothing to undo"),
+            (false, false) => self.say("there is nothing to redo"),
         }
     }
 

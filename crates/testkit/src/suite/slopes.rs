@@ -11,7 +11,8 @@ use crate::{
     Adversarial, Case, Claim, Defined, Oracle, Place, Rng, hexadecimal, minimise, pack_boxes,
 };
 use zeroset_eval::{Assumptions, EncloseGradient, GradientEnclosures, LANES, Real};
-use zeroset_ir::{Graph, NodeId, gradient};
+use zeroset_ir::{Graph, Node, NodeId, gradient};
+use zeroset_ops::Op;
 
 /// Pairs of points tried in each box.
 const PAIRS: usize = 4;
@@ -82,12 +83,15 @@ impl Answer {
             if self.lipschitz && value.defined == Defined::No {
                 return Some("called Lipschitz continuous where undefined".into());
             }
+            let (derivatives, corners) = derivatives.split_at(3);
             for (axis, claim) in derivatives.iter().enumerate() {
                 // At a face of the box there is a derivative towards its inside, which the rules
                 // may not give; nor do they everywhere where a function as simplified has one.
                 let [lo, hi] = region[axis];
                 let is_inside = lo < point[axis] && point[axis] < hi;
-                let is_known = self.differentiable && claim.defined == Defined::Yes;
+                let is_known = self.differentiable
+                    && claim.defined == Defined::Yes
+                    && corners.as_chunks().0.iter().all(|corner| is_smooth(corner, axis));
                 if is_inside && is_known && !meets(self.slopes[axis], claim) {
                     return Some(format!("derivative {axis} is {claim:?}"));
                 }
@@ -120,11 +124,30 @@ fn ends_of<T: Real>(region: &[[T; 2]; 3]) -> [[f64; 2]; 3] {
     region.map(|range| range.map(Into::into))
 }
 
-/// A case's function and its derivatives.
-fn derivatives(case: &Case) -> (Graph, [NodeId; 4]) {
+/// Whether what turns at 0 has the derivative along an axis that the rules give, from what is
+/// certain of its argument and that one's derivatives: at 0 they give the mean of both sides, which
+/// is one where these agree. Simplified, a function may have another: max(0, min(0, y)) is 0.
+fn is_smooth([argument, derivatives @ ..]: &[Claim; 4], axis: usize) -> bool {
+    let (is_off, slope) = (argument.hi < 0.0 || 0.0 < argument.lo, derivatives[axis]);
+    is_off || slope.lo == 0.0 && slope.hi == 0.0
+}
+
+/// A case's function and its derivatives; and each argument that something turns at 0 of, with its
+/// own.
+fn derivatives(case: &Case) -> (Graph, Vec<NodeId>) {
     let mut graph = case.graph.clone();
-    let [x, y, z] = gradient(&mut graph, case.root);
-    (graph, [case.root, x, y, z])
+    let mut roots = vec![case.root];
+    roots.extend(gradient(&mut graph, case.root));
+    for (_, node) in case.graph.iter() {
+        let argument = match node {
+            Node::Apply(Op::Abs, operands) => operands[0],
+            Node::Apply(Op::Min | Op::Max, operands) => graph.apply(Op::Sub, operands),
+            _ => continue,
+        };
+        roots.push(argument);
+        roots.extend(gradient(&mut graph, argument));
+    }
+    (graph, roots)
 }
 
 /// Checks every operation alone over `boxes` random boxes, as [`check_slopes`].

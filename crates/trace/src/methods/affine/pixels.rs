@@ -12,7 +12,7 @@ use zeroset_eval::{Contractions, LANES, Lanes};
 
 /// More than what the sums round that make a distance of a bracket, as a share of it; far below
 /// what kernels leave of one.
-const ROUNDED: f64 = 1e-13;
+pub(super) const ROUNDED: f64 = 1e-13;
 
 /// A tile of 4×4 pixels. Its lanes and bits are pixels, row by row.
 pub(super) struct Patch {

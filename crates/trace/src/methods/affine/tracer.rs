@@ -4,6 +4,7 @@
 use super::Affine;
 use super::frame::RayFrame;
 use super::level::Level;
+use super::pixels::ROUNDED;
 use super::pool::Memory;
 use super::sift::Limits;
 use crate::band::Band;
@@ -19,9 +20,6 @@ use std::ops::Range;
 pub(super) const SIDES: [usize; 2] = [16, 4];
 /// The level of tiles whose parts are rays.
 pub(super) const LAST: usize = SIDES.len() - 1;
-
-/// More than what distances are rounded by, as a share of them.
-const ROUNDED: f64 = 1e-12;
 
 /// Between two looks at whether the work is still wanted, at least so many calls of kernels.
 const POLLED: u64 = 16;
