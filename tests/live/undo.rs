@@ -50,7 +50,7 @@ fn everything_said_is_taken_back_and_said_again() {
     assert!(!live.redo());
     enter(&live, ":undo");
     enter(&live, ":redo");
-    assert!(live.enter(":redo").expect_err("nothing").to_string().contains("nothing was taken"));
+    assert!(live.enter(":redo").expect_err("nothing").to_string().contains("nothing to redo"));
 }
 
 #[test]
