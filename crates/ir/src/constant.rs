@@ -210,8 +210,33 @@ pub(crate) fn bits(value: &BigRational) -> u64 {
 
 /// The tightest `f64` interval around a rational number.
 fn enclose(value: &BigRational) -> Interval {
+    match (small(value.numer()), small(value.denom())) {
+        (Some(numerator), Some(denominator)) => enclose_quotient(numerator, denominator),
+        _ => enclose_large(value),
+    }
+}
+
+/// An integer that floats of its size and below hold exactly.
+fn small(value: &BigInt) -> Option<f64> {
+    let is_small = value.bits() <= u64::from(f64::MANTISSA_DIGITS);
+    value.to_i64().filter(|_| is_small).map(|value| value as f64)
+}
+
+/// The same for the quotient of integers of at most 53 bits.
+fn enclose_quotient(numerator: f64, denominator: f64) -> Interval {
+    let near = numerator / denominator;
+    // What a quotient leaves is a float, so this is exact.
+    let rest = near.mul_add(-denominator, numerator);
+    Interval {
+        lo: if rest < 0.0 { near.next_down() } else { near },
+        hi: if rest > 0.0 { near.next_up() } else { near },
+    }
+}
+
+/// The same for any.
+fn enclose_large(value: &BigRational) -> Interval {
     if value.is_negative() {
-        let positive = enclose(&-value);
+        let positive = enclose_large(&-value);
         return Interval { lo: -positive.hi, hi: -positive.lo };
     }
     // A guess, then exact comparisons: correct whatever the rounding of the guess.
@@ -250,6 +275,20 @@ mod tests {
         let long = format!("0.{}", "1".repeat(100_000));
         let (lo, hi) = bounds(&long);
         assert!(lo <= 1.0 / 9.0 && 1.0 / 9.0 <= hi && hi <= lo.next_up().next_up());
+    }
+
+    #[test]
+    fn quotients_of_small_integers_are_enclosed_as_large_ones_are() {
+        let most = (1_i64 << 53) - 1;
+        let numbers = [1, 2, 3, 7, 10, 1000, 1001, 65_537, most / 3, most - 1, most];
+        for numerator in numbers.into_iter().flat_map(|n| [n, -n]).chain([0]) {
+            for denominator in numbers {
+                let value = BigRational::new(numerator.into(), denominator.into());
+                let [found, expected] = [enclose(&value), enclose_large(&value)];
+                assert_eq!(found, expected, "{value}");
+                assert_eq!(found.lo.is_sign_negative(), numerator < 0, "{value}");
+            }
+        }
     }
 
     #[test]

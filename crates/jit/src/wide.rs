@@ -7,24 +7,23 @@
 //! known here. Of 512 bits a comparison gives a bit a lane, which is made a vector again. Code with
 //! any instruction that is not known stays as it is.
 
+mod bytes;
 mod encodings;
 mod masks;
 mod spilled;
 
+use bytes::bytes;
 use encodings::widen;
 use iced_x86::{
-    BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Instruction,
-    InstructionBlock, MemoryOperand, Mnemonic, OpKind, Register,
+    Code, Decoder, DecoderOptions, Instruction, MemoryOperand, Mnemonic, OpKind, Register,
 };
 use std::collections::HashMap;
 
 /// Bytes of the vectors that code is made for.
 const NARROW: usize = 16;
 
-/// Where code is thought to be while it is read and written. What it refers to are distances.
+/// Where code is thought to be while it is read. What it refers to are distances.
 const ORIGIN: u64 = 0x1000;
-/// Behind all code.
-const FAR: u64 = 1 << 30;
 /// The stack may grow by less than this without a look at whether there is room.
 const PAGE: i64 = 4096;
 
@@ -147,29 +146,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
     if width == Width::Zmm {
         written = masks::kept(written, blocks_of_written);
     }
-    // Constants are thought to be far behind the code until it is known how long that is.
-    for instruction in written.iter_mut().filter(|written| written.is_ip_rel_memory_operand()) {
-        let place = instruction.memory_displacement64();
-        instruction.set_memory_displacement64(FAR + place);
-    }
-    let block = InstructionBlock::new(&written, ORIGIN);
-    let options = BlockEncoderOptions::RETURN_NEW_INSTRUCTION_OFFSETS
-        | BlockEncoderOptions::RETURN_CONSTANT_OFFSETS;
-    let encoded = BlockEncoder::encode(64, block, options).ok()?;
-    let mut bytes = encoded.code_buffer;
-    let room = bytes.len().next_multiple_of(width.bytes());
-    let nearer = u32::try_from(FAR - ORIGIN).ok()?.checked_sub(u32::try_from(room).ok()?)?;
-    let starts = encoded.new_instruction_offsets.iter().zip(&encoded.constant_offsets);
-    for (instruction, (start, inside)) in written.iter().zip(starts) {
-        if instruction.is_ip_rel_memory_operand() {
-            let at = *start as usize + inside.displacement_offset();
-            let distance = bytes.get_mut(at..at + size_of::<u32>())?.first_chunk_mut()?;
-            *distance = (u32::from_le_bytes(*distance) - nearer).to_le_bytes();
-        }
-    }
-    bytes.resize(room, 0);
-    bytes.extend(constants.bytes);
-    Some(bytes)
+    bytes(&written, &constants.bytes, width.bytes())
 }
 
 /// The instructions of a function, without the constants behind them. Each branch leads to one of

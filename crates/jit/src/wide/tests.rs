@@ -4,8 +4,7 @@ use super::*;
 const STACK: u32 = 1 << 19;
 
 fn encoded(instructions: &[Instruction]) -> Vec<u8> {
-    let block = InstructionBlock::new(instructions, ORIGIN);
-    BlockEncoder::encode(64, block, BlockEncoderOptions::NONE).expect("encodes").code_buffer
+    bytes(instructions, &[], 1).expect("encodes")
 }
 
 /// A function with this frame, which stores one vector on the stack and does something else.

@@ -1,0 +1,53 @@
+//! Instructions as bytes, and behind them the constants that they read.
+
+use super::target;
+use iced_x86::{Encoder, Instruction};
+
+/// The bytes of a function. Where an instruction reads a constant, its displacement says where among
+/// those that is; these begin at a multiple of `alignment` bytes. A branch leads to the first
+/// instruction that was at its target when it was read. `None` if one leads nowhere or
+/// has room for near targets only, or an instruction is none.
+pub fn bytes(written: &[Instruction], constants: &[u8], alignment: usize) -> Option<Vec<u8>> {
+    let mut encoder = Encoder::new(64);
+    let mut starts = Vec::with_capacity(written.len());
+    // Distances that are not known yet: where each stands, what it is from, and what it is to.
+    let (mut branches, mut references) = (Vec::new(), Vec::new());
+    let mut end = 0;
+    for instruction in written {
+        let (start, mut instruction) = (end, *instruction);
+        starts.push((instruction.ip(), start));
+        let branch = target(&instruction);
+        let constant = instruction.is_ip_rel_memory_operand();
+        let place = instruction.memory_displacement64();
+        if branch.is_some() {
+            instruction.set_near_branch64(start);
+        } else if constant {
+            instruction.set_memory_displacement64(start);
+        }
+        end += encoder.encode(&instruction, start).ok()? as u64;
+        let inside = encoder.get_constant_offsets();
+        if let Some(target) = branch {
+            if inside.immediate_size() != size_of::<i32>() {
+                return None;
+            }
+            branches.push((start as usize + inside.immediate_offset(), end, target));
+        } else if constant {
+            references.push((start as usize + inside.displacement_offset(), end, place));
+        }
+    }
+    let mut bytes = encoder.take_buffer();
+    bytes.resize(bytes.len().next_multiple_of(alignment), 0);
+    let first = bytes.len() as u64;
+    let mut write = |(at, from, to): (usize, u64, u64)| {
+        let distance = i32::try_from(to as i64 - from as i64).ok()?;
+        *bytes.get_mut(at..)?.first_chunk_mut()? = distance.to_le_bytes();
+        Some(())
+    };
+    for (at, from, target) in branches {
+        let (_, to) = starts.iter().find(|(ip, _)| *ip == target)?;
+        write((at, from, *to))?;
+    }
+    references.into_iter().try_for_each(|(at, from, to)| write((at, from, first + to)))?;
+    bytes.extend(constants);
+    Some(bytes)
+}
