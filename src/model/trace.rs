@@ -10,12 +10,13 @@ use crate::program::ProgramError;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use zeroset_eval::KernelFloat;
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
-    BAND_ROWS, Camera, Driver, GBuffer, Kept, NormalSource, Pattern, RayGrid, Rows, Shader, Tracer,
-    Work, cap, cap_rows, normals, unset_colors,
+    BAND_ROWS, Camera, Driver, GBuffer, Kept, NormalSource, Pattern, PixelCounts, RayGrid, Rows,
+    Shader, Tracer, Work, cap, cap_rows, normals, unset_colors,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -119,6 +120,16 @@ impl Model {
 /// Surfaces by number, each with what finds it.
 pub(super) type Tracers<'a> = Vec<(usize, Box<dyn Tracer + 'a>)>;
 
+/// What was found along some rays.
+struct Found {
+    buffer: GBuffer,
+    /// How many pixels have each status, if they were counted while they were in the caches.
+    counts: Option<PixelCounts>,
+    work: Work,
+    /// Colors, if they are known already.
+    rgb: Option<Vec<u8>>,
+}
+
 /// What all parts of a picture share; colors come from kernels of `T`.
 pub(super) struct Shot<'a, T> {
     pub model: &'a Model,
@@ -200,8 +211,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let mut times = self.model.times.unwrap_or_default();
         let appearance = self.is_plain().then(|| self.appearance(self.lamp(rays)));
         let shader = appearance.as_ref().map(|appearance| Shader::new(rays, appearance));
-        let (buffer, work, rgb) = self.surfaces(rays, &[], shader.as_ref(), &mut times)?;
-        self.finished(rays, buffer, work, times, rgb)
+        let found = self.surfaces(rays, &[], shader.as_ref(), &mut times)?;
+        self.finished(rays, found, times)
     }
 
     /// The picture with its unsettled pixels looked at again; `None` if that is no longer wanted.
@@ -212,16 +223,17 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         }
         let unsettled: Vec<bool> = picture.unsettled().collect();
         let Statistics { mut times, mut work, .. } = picture.statistics;
-        let (settled, more, _) = self.surfaces(rays, &unsettled, None, &mut times)?;
+        let settled = self.surfaces(rays, &unsettled, None, &mut times)?;
         if !(self.advance)(0) {
-            settled.hand_back();
+            settled.buffer.hand_back();
             return Ok(None);
         }
-        work += more;
+        work += settled.work;
         let mut buffer = picture.buffer.clone();
-        buffer.replace(&settled, &unsettled);
-        settled.hand_back();
-        self.finished(rays, buffer, work, times, None).map(Some)
+        buffer.replace(&settled.buffer, &unsettled);
+        settled.buffer.hand_back();
+        let found = Found { buffer, counts: None, work, rgb: None };
+        self.finished(rays, found, times).map(Some)
     }
 
     /// The picture in other light.
@@ -257,12 +269,12 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         only: &[bool],
         shader: Option<&Shader<'_>>,
         times: &mut Times,
-    ) -> Result<(GBuffer, Work, Option<Vec<u8>>), ProgramError> {
+    ) -> Result<Found, ProgramError> {
         let Self { model, settings, advance, .. } = *self;
         let mut watch = Stopwatch::start();
         let (width, height) = (rays.width(), rays.height());
         let mut work = Work::default();
-        let mut picture: Option<GBuffer> = None;
+        let (mut picture, mut counts): (Option<GBuffer>, _) = (None, None);
         let mut rgb = shader.map(|_| unset_colors(width * height));
         let last = model.seen().last();
         for surface in model.seen() {
@@ -271,7 +283,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             let is_solid = model.styles[surface].kind == SurfaceKind::Solid;
             let kernels = model.program.kernels::<T>(surface);
             let solid = if is_solid { Some(kernels.bounds()?) } else { None };
-            let shading = AtomicU64::new(0);
+            let (shading, counted) = (AtomicU64::new(0), Mutex::default());
             let finish = |rows: &mut Rows<'_>, bytes: &mut [u8]| {
                 let mut work = Work::default();
                 if let Some(kernel) = solid {
@@ -283,6 +295,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                     work += source.face(rows, rays, self.extent() * STEP, canvas);
                 }
                 shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
+                *counted.lock().unwrap_or_else(PoisonError::into_inner) += rows.counts();
                 work
             };
             let bytes = rgb.as_deref_mut().unwrap_or_default();
@@ -307,42 +320,48 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             times.shade += lap.min(shading);
             // One layer at a time, so that many surfaces take no more memory than one.
             match &mut picture {
-                None => picture = Some(layer),
+                None => {
+                    picture = Some(layer);
+                    counts = Some(counted.into_inner().unwrap_or_else(PoisonError::into_inner));
+                }
                 Some(picture) => {
                     picture.merge(&layer);
                     layer.hand_back();
+                    counts = None;
                 }
             }
             times.shade += watch.lap();
             if !advance(0) {
                 if let Some(picture) = picture.as_mut().filter(|_| Some(surface) != last) {
                     picture.give_up();
+                    counts = None;
                 }
                 break;
             }
         }
-        Ok((picture.unwrap_or_else(|| GBuffer::new(width, height, 0)), work, rgb))
+        let buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
+        Ok(Found { buffer, counts, work, rgb })
     }
 
     /// What was found of these rays, lit and accounted for.
     fn finished(
         &self,
         rays: &RayGrid,
-        mut buffer: GBuffer,
-        mut work: Work,
+        found: Found,
         mut times: Times,
-        rgb: Option<Vec<u8>>,
     ) -> Result<Picture, ProgramError> {
         let Self { model, settings, .. } = *self;
+        let Found { mut buffer, mut counts, mut work, rgb } = found;
         let mut lit = self.light(rays, &mut buffer, rgb, &mut times)?;
         if let Some(own) = &self.own {
             buffer.crop(own.clone());
+            counts = None;
             lit.rgb.truncate(3 * rays.width() * own.end);
             lit.rgb.drain(..(3 * rays.width() * own.start).min(lit.rgb.len()));
         }
         work += lit.work;
         let made = model.program.made();
-        let pixels = buffer.counts();
+        let pixels = counts.unwrap_or_else(|| buffer.counts());
         let statistics = Statistics {
             times,
             pixels,

@@ -5,7 +5,7 @@ use crate::numbers::SurfaceNumbers;
 use crate::spare::{PICTURES, Spares, serves};
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
-use std::ops::Range;
+use std::ops::{AddAssign, Range};
 
 /// How many pixels have each status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,6 +16,42 @@ pub struct PixelCounts {
     pub hit: usize,
     /// Pixels of which neither is proven.
     pub undecided: usize,
+}
+
+impl PixelCounts {
+    pub(crate) fn of(status: &[Status]) -> Self {
+        dispatch!(Level::new(), simd => Self::of_with(simd, status))
+    }
+
+    /// The same, compiled for such vectors.
+    #[inline(always)]
+    fn of_with<S: Simd>(_: S, status: &[Status]) -> Self {
+        /// Pixels side by side, each counted apart in a byte, so that vectors of them are added up.
+        const SIDE: usize = 64;
+        let (sides, rest) = status.as_chunks::<SIDE>();
+        let count = |status: Status| rest.iter().filter(|other| **other == status).count();
+        let [mut hit, mut undecided] = [Status::Hit, Status::Undecided].map(count);
+        for sides in sides.chunks(u8::MAX.into()) {
+            let [mut hits, mut open] = [[0_u8; SIDE]; 2];
+            for side in sides {
+                for (status, (hits, open)) in side.iter().zip(hits.iter_mut().zip(&mut open)) {
+                    *hits += u8::from(*status == Status::Hit);
+                    *open += u8::from(*status == Status::Undecided);
+                }
+            }
+            hit += hits.iter().copied().map(usize::from).sum::<usize>();
+            undecided += open.iter().copied().map(usize::from).sum::<usize>();
+        }
+        Self { miss: status.len() - hit - undecided, hit, undecided }
+    }
+}
+
+impl AddAssign for PixelCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.miss += other.miss;
+        self.hit += other.hit;
+        self.undecided += other.undecided;
+    }
 }
 
 /// One value per pixel and quantity, row by row from the top.
@@ -362,29 +398,7 @@ impl GBuffer {
 
     /// How many pixels have each status.
     pub fn counts(&self) -> PixelCounts {
-        dispatch!(Level::new(), simd => self.counts_with(simd))
-    }
-
-    /// The same, compiled for such vectors.
-    #[inline(always)]
-    fn counts_with<S: Simd>(&self, _: S) -> PixelCounts {
-        /// Pixels side by side, each counted apart in a byte, so that vectors of them are added up.
-        const SIDE: usize = 64;
-        let (sides, rest) = self.status.as_chunks::<SIDE>();
-        let count = |status: Status| rest.iter().filter(|other| **other == status).count();
-        let [mut hit, mut undecided] = [Status::Hit, Status::Undecided].map(count);
-        for sides in sides.chunks(u8::MAX.into()) {
-            let [mut hits, mut open] = [[0_u8; SIDE]; 2];
-            for side in sides {
-                for (status, (hits, open)) in side.iter().zip(hits.iter_mut().zip(&mut open)) {
-                    *hits += u8::from(*status == Status::Hit);
-                    *open += u8::from(*status == Status::Undecided);
-                }
-            }
-            hit += hits.iter().copied().map(usize::from).sum::<usize>();
-            undecided += open.iter().copied().map(usize::from).sum::<usize>();
-        }
-        PixelCounts { miss: self.status.len() - hit - undecided, hit, undecided }
+        PixelCounts::of(&self.status)
     }
 
     /// How many undecided pixels there are for each of [`Reason::ALL`].

@@ -3,15 +3,15 @@
 
 use crate::band::Band;
 use crate::found::{Reason, Status};
-use crate::gbuffer::{GBuffer, distance};
+use crate::gbuffer::{GBuffer, PixelCounts, distance};
 use crate::numbers::Numbers;
 use crate::painted::{Window, are_misses, windows};
 use crate::shade::Seen;
 use crate::work::Work;
 use fearless_simd::{Level, Simd, dispatch};
-use rayon::prelude::*;
 use std::cell::Cell;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
 /// Pixels that are made misses at a time.
 const CLEARED: usize = 64;
@@ -73,19 +73,48 @@ impl GBuffer {
     }
 }
 
-/// What was asked for by doing something with each part of a picture, on all threads. If there is
-/// only one thread for that, it is done here: another one would have to be waited for twice, until
-/// it wakes and until this one does.
+/// What was asked for by doing something with each part of a picture, on all threads. Each takes one
+/// part after another, from the middle of the picture outward: there is little in the last ones, so
+/// that no thread ends long before the others (sphere, two threads: 0.52 of one's time, and 0.56
+/// where the last part is any).
 pub(crate) fn work_on<P: Send>(parts: Vec<P>, work: impl Fn(P) -> Work + Send + Sync) -> Work {
-    if rayon::current_num_threads() == 1 {
-        parts.into_iter().map(work).sum()
+    let threads = rayon::current_num_threads().min(parts.len());
+    let rest = Mutex::new(outside_first(parts));
+    let next = || rest.lock().unwrap_or_else(PoisonError::into_inner).pop();
+    let all = Mutex::new(Work::default());
+    let take = || {
+        let own: Work = std::iter::from_fn(next).map(&work).sum();
+        *all.lock().unwrap_or_else(PoisonError::into_inner) += own;
+    };
+    if threads <= 1 {
+        // Another thread would have to be waited for twice, until it wakes and until this one does.
+        take();
     } else {
-        // One by one: else a thread ends with several while others have nothing left.
-        parts.into_par_iter().with_max_len(1).map(work).sum()
+        rayon::scope(|scope| {
+            (1..threads).for_each(|_| scope.spawn(|_| take()));
+            take();
+        });
     }
+    all.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// From both ends in turn to the middle.
+fn outside_first<P>(parts: Vec<P>) -> Vec<P> {
+    let mut rest = parts.into_iter();
+    let mut ordered = Vec::with_capacity(rest.len());
+    while let Some(first) = rest.next() {
+        ordered.push(first);
+        ordered.extend(rest.next_back());
+    }
+    ordered
 }
 
 impl Rows<'_> {
+    /// How many of their pixels have each status.
+    pub fn counts(&self) -> PixelCounts {
+        PixelCounts::of(self.status)
+    }
+
     /// Their pixels, counted from the picture's first.
     pub(crate) fn pixels(&self) -> Range<usize> {
         let first = self.first * self.width;
@@ -167,5 +196,29 @@ impl Rows<'_> {
             advance,
             found: Cell::new(0),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_taken_once_from_the_middle_outward() {
+        for (count, expected) in [(0, vec![]), (1, vec![0]), (5, vec![2, 3, 1, 4, 0])] {
+            let taken = Mutex::new(Vec::new());
+            rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread").install(
+                || {
+                    work_on((0..count).collect(), |part| {
+                        taken.lock().expect("no panic").push(part);
+                        Work { given_up: 1, ..Work::default() }
+                    })
+                },
+            );
+            assert_eq!(taken.into_inner().expect("no panic"), expected);
+        }
+        let work = |part| Work { given_up: part, ..Work::default() };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
+        assert_eq!(pool.install(|| work_on((0..100).collect(), work)).given_up, 99 * 100 / 2);
     }
 }

@@ -1,10 +1,15 @@
 use super::encodings::{by_lanes, encoding};
 use super::*;
+use iced_x86::Encoder;
 
 const STACK: u32 = 1 << 19;
 
 fn encoded(instructions: &[Instruction]) -> Vec<u8> {
-    bytes(instructions, &[], 1).expect("encodes")
+    let (mut encoder, mut end) = (Encoder::new(64), ORIGIN);
+    for instruction in instructions {
+        end += encoder.encode(instruction, end).expect("encodes") as u64;
+    }
+    encoder.take_buffer()
 }
 
 /// A function with this frame, which stores one vector on the stack and does something else.
@@ -128,22 +133,26 @@ fn each_instruction_is_known_of_all_widths() {
 
 #[test]
 fn branches_lead_to_what_takes_an_instruction_s_place() {
-    // Over the sum, to where the stack is given up.
-    let branch = Instruction::with_branch(Code::Jb_rel8_64, 5).expect("valid");
+    let branch = |code, to| Instruction::with_branch(code, to).expect("valid");
     let mut all = vec![
         change(Code::Sub_rm64_imm32, 64).expect("fits"),
-        branch,
+        branch(Code::Jb_rel32_64, ORIGIN),
         narrow_sum(),
         change(Code::Add_rm64_imm32, 64).expect("fits"),
         Instruction::with(Code::Retnq),
     ];
-    all[3].set_ip(5);
+    // Over the sum, to where the stack is given up.
+    let end = ORIGIN + encoded(&all[..3]).len() as u64;
+    all[1] = branch(Code::Jb_rel32_64, end);
     let found = instructions(&widened(&encoded(&all), Width::Ymm, 0, STACK).expect("known"));
     let found = found.expect("a function");
     assert_eq!(found[1].near_branch_target(), found[3].ip());
     assert_eq!((found[3].code(), found[3].immediate(1)), (Code::Add_rm64_imm32, 128));
     // Nor is there any way into the middle of an instruction.
-    all[1] = Instruction::with_branch(Code::Jb_rel8_64, ORIGIN + 2).expect("valid");
+    all[1] = branch(Code::Jb_rel32_64, end + 2);
+    assert_eq!(widened(&encoded(&all), Width::Ymm, 0, STACK), None);
+    // In code that is longer, a target may be too far for a branch with room for near ones.
+    all[1] = branch(Code::Jb_rel8_64, end - 4);
     assert_eq!(widened(&encoded(&all), Width::Ymm, 0, STACK), None);
 }
 
