@@ -216,9 +216,7 @@ impl Picture {
         let (all, part) = (&mut self.statistics, &other.statistics);
         all.times += part.times;
         let Statistics { pixels, open, .. } = part;
-        all.pixels.miss += pixels.miss;
-        all.pixels.hit += pixels.hit;
-        all.pixels.undecided += pixels.undecided;
+        all.pixels += *pixels;
         all.open.reasons.iter_mut().zip(open.reasons).for_each(|(all, part)| *all += part);
         all.open.blank += open.blank;
         all.open.unreached += open.unreached;

@@ -295,7 +295,9 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                     work += source.face(rows, rays, self.extent() * STEP, canvas);
                 }
                 shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
-                *counted.lock().unwrap_or_else(PoisonError::into_inner) += rows.counts();
+                // Before the lock is taken, which others would wait for.
+                let counts = rows.counts();
+                *counted.lock().unwrap_or_else(PoisonError::into_inner) += counts;
                 work
             };
             let bytes = rgb.as_deref_mut().unwrap_or_default();

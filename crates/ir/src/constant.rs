@@ -216,16 +216,17 @@ fn enclose(value: &BigRational) -> Interval {
     }
 }
 
-/// An integer that floats of its size and below hold exactly.
+/// The integer as a float, if it has at most 53 bits: floats hold all of those.
 fn small(value: &BigInt) -> Option<f64> {
     let is_small = value.bits() <= u64::from(f64::MANTISSA_DIGITS);
     value.to_i64().filter(|_| is_small).map(|value| value as f64)
 }
 
-/// The same for the quotient of integers of at most 53 bits.
+/// The same for the quotient of integers of at most 53 bits, the second of them positive.
 fn enclose_quotient(numerator: f64, denominator: f64) -> Interval {
     let near = numerator / denominator;
-    // What a quotient leaves is a float, so this is exact.
+    // What a division rounded to nearest leaves is a float where nothing underflows, and quotients
+    // are within 2^±53 here: this is exact.
     let rest = near.mul_add(-denominator, numerator);
     Interval {
         lo: if rest < 0.0 { near.next_down() } else { near },

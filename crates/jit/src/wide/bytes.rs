@@ -3,10 +3,10 @@
 use super::target;
 use iced_x86::{Encoder, Instruction};
 
-/// The bytes of a function. Where an instruction reads a constant, its displacement says where among
-/// those that is; these begin at a multiple of `alignment` bytes. A branch leads to the first
-/// instruction that was at its target when it was read. `None` if one leads nowhere or
-/// has room for near targets only, or an instruction is none.
+/// The bytes of a function. Where an instruction reads a constant, its displacement says where
+/// among those that is; these begin at a multiple of `alignment` bytes. A branch leads to the first
+/// of the instructions that were written in place of the one that it led to. `None` if there is
+/// none, if a branch has one byte for its distance, or if an instruction has no encoding.
 pub fn bytes(written: &[Instruction], constants: &[u8], alignment: usize) -> Option<Vec<u8>> {
     let mut encoder = Encoder::new(64);
     let mut starts = Vec::with_capacity(written.len());
@@ -15,7 +15,9 @@ pub fn bytes(written: &[Instruction], constants: &[u8], alignment: usize) -> Opt
     let mut end = 0;
     for instruction in written {
         let (start, mut instruction) = (end, *instruction);
-        starts.push((instruction.ip(), start));
+        if instruction.ip() != 0 {
+            starts.push((instruction.ip(), start));
+        }
         let branch = target(&instruction);
         let constant = instruction.is_ip_rel_memory_operand();
         let place = instruction.memory_displacement64();
@@ -44,8 +46,8 @@ pub fn bytes(written: &[Instruction], constants: &[u8], alignment: usize) -> Opt
         Some(())
     };
     for (at, from, target) in branches {
-        let (_, to) = starts.iter().find(|(ip, _)| *ip == target)?;
-        write((at, from, *to))?;
+        let place = starts.binary_search_by_key(&target, |(ip, _)| *ip).ok()?;
+        write((at, from, starts[place].1))?;
     }
     references.into_iter().try_for_each(|(at, from, to)| write((at, from, first + to)))?;
     bytes.extend(constants);

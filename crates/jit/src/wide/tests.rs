@@ -151,7 +151,7 @@ fn branches_lead_to_what_takes_an_instruction_s_place() {
     // Nor is there any way into the middle of an instruction.
     all[1] = branch(Code::Jb_rel32_64, end + 2);
     assert_eq!(widened(&encoded(&all), Width::Ymm, 0, STACK), None);
-    // In code that is longer, a target may be too far for a branch with room for near ones.
+    // In code that is longer, a target may be too far for one byte.
     all[1] = branch(Code::Jb_rel8_64, end - 4);
     assert_eq!(widened(&encoded(&all), Width::Ymm, 0, STACK), None);
 }
