@@ -121,7 +121,7 @@ impl Model {
 pub(super) type Tracers<'a> = Vec<(usize, Box<dyn Tracer + 'a>)>;
 
 /// What was found along some rays.
-struct Found {
+struct Traced {
     buffer: GBuffer,
     /// How many pixels have each status, if they were counted while they were in the caches.
     counts: Option<PixelCounts>,
@@ -232,7 +232,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let mut buffer = picture.buffer.clone();
         buffer.replace(&settled.buffer, &unsettled);
         settled.buffer.hand_back();
-        let found = Found { buffer, counts: None, work, rgb: None };
+        let found = Traced { buffer, counts: None, work, rgb: None };
         self.finished(rays, found, times).map(Some)
     }
 
@@ -269,12 +269,13 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         only: &[bool],
         shader: Option<&Shader<'_>>,
         times: &mut Times,
-    ) -> Result<Found, ProgramError> {
+    ) -> Result<Traced, ProgramError> {
         let Self { model, settings, advance, .. } = *self;
         let mut watch = Stopwatch::start();
         let (width, height) = (rays.width(), rays.height());
         let mut work = Work::default();
-        let (mut picture, mut counts): (Option<GBuffer>, _) = (None, None);
+        let mut picture: Option<GBuffer> = None;
+        let counted = Mutex::new(PixelCounts::default());
         let mut rgb = shader.map(|_| unset_colors(width * height));
         let last = model.seen().last();
         for surface in model.seen() {
@@ -283,7 +284,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             let is_solid = model.styles[surface].kind == SurfaceKind::Solid;
             let kernels = model.program.kernels::<T>(surface);
             let solid = if is_solid { Some(kernels.bounds()?) } else { None };
-            let (shading, counted) = (AtomicU64::new(0), Mutex::default());
+            let shading = AtomicU64::new(0);
             let finish = |rows: &mut Rows<'_>, bytes: &mut [u8]| {
                 let mut work = Work::default();
                 if let Some(kernel) = solid {
@@ -322,42 +323,40 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             times.shade += lap.min(shading);
             // One layer at a time, so that many surfaces take no more memory than one.
             match &mut picture {
-                None => {
-                    picture = Some(layer);
-                    counts = Some(counted.into_inner().unwrap_or_else(PoisonError::into_inner));
-                }
+                None => picture = Some(layer),
                 Some(picture) => {
                     picture.merge(&layer);
                     layer.hand_back();
-                    counts = None;
                 }
             }
             times.shade += watch.lap();
             if !advance(0) {
                 if let Some(picture) = picture.as_mut().filter(|_| Some(surface) != last) {
                     picture.give_up();
-                    counts = None;
                 }
                 break;
             }
         }
         let buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
-        Ok(Found { buffer, counts, work, rgb })
+        // Of several surfaces, or of rows that are not kept, they are others.
+        let is_counted = self.own.is_none() && model.seen().count() == 1;
+        let counts =
+            is_counted.then(|| counted.into_inner().unwrap_or_else(PoisonError::into_inner));
+        Ok(Traced { buffer, counts, work, rgb })
     }
 
     /// What was found of these rays, lit and accounted for.
     fn finished(
         &self,
         rays: &RayGrid,
-        found: Found,
+        found: Traced,
         mut times: Times,
     ) -> Result<Picture, ProgramError> {
         let Self { model, settings, .. } = *self;
-        let Found { mut buffer, mut counts, mut work, rgb } = found;
+        let Traced { mut buffer, counts, mut work, rgb } = found;
         let mut lit = self.light(rays, &mut buffer, rgb, &mut times)?;
         if let Some(own) = &self.own {
             buffer.crop(own.clone());
-            counts = None;
             lit.rgb.truncate(3 * rays.width() * own.end);
             lit.rgb.drain(..(3 * rays.width() * own.start).min(lit.rgb.len()));
         }

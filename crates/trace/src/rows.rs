@@ -224,6 +224,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
         assert_eq!(pool.install(|| work_on((0..100).collect(), work)).given_up, 99 * 100 / 2);
     }
+
     #[test]
     fn a_panic_on_any_thread_is_the_caller_s() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
