@@ -8,11 +8,11 @@ use super::level::Level;
 use super::pixels::Patch;
 use super::plane::Plane;
 use super::pool::{ANYWHERE, Memory, TileRay};
-use super::screens::outward;
+use super::screens::{ends, outward};
 use super::tracer::Tracer;
 use crate::painted::ones;
 use crate::scalar::Scalar;
-use fearless_simd::{f64x4, prelude::*};
+use fearless_simd::prelude::*;
 use zeroset_eval::{LANES, Lanes};
 
 /// So few rays of a tile are not asked on their own: they wait in the pool for others.
@@ -38,7 +38,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             }
             return;
         }
-        let plane = Plane::new(&level.batch, &level.out, lane);
+        let plane = level.planes.of(&level.batch, lane);
         let mut inside = ANYWHERE.map(|end| Lanes::splat(T::nearest(end)));
         let left = self.place(&patch, &plane, segment, within, &mut inside);
         let live = left & self.open[patch.index];
@@ -96,33 +96,33 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     fn place(
         &mut self,
         patch: &Patch,
-        plane: &Plane,
+        plane: &Plane<T>,
         segment: [f64; 2],
         within: bool,
         inside: &mut [Lanes<T>; 2],
     ) -> u16 {
-        let (simd, asked) = (self.simd, segment.map(Lanes::splat));
-        let (mut left, screens) = (asked, patch.screens());
-        plane.narrow::<_, T>(simd, (&screens, None), &mut left);
-        if !within {
-            let region = self.method.task.region;
-            *inside = self.frame.clip_rays(simd, &screens, region, self.size, &mut left);
+        let simd = self.simd;
+        let screens = patch.screens(simd);
+        let mut at = [Lanes::splat(T::default()); 2];
+        for (screens, at) in screens.into_iter().zip(&mut at) {
+            T::narrow(screens, at);
         }
         let batch = &mut self.memory.fresh.segments;
-        let across = f64x4::simd_from(simd, patch.across);
-        let ways = [&mut batch.origin, &mut batch.direction];
-        for (parts, way) in self.frame.by_axis().into_iter().zip(ways) {
-            for ([start, a, b], lanes) in parts.into_iter().zip(way) {
-                // What a column of the tile has in common, and what a row has.
-                let along = across.mul_add(a, start);
-                let up = patch.upward.map(|upward| upward * b);
-                let rows = [
-                    (along + up[0]).combine(along + up[1]),
-                    (along + up[2]).combine(along + up[3]),
-                ];
-                T::narrow(rows, lanes);
+        let [near, far] = [&mut batch.near, &mut batch.far];
+        [*near, *far] = segment.map(|end| Lanes::splat(T::nearest(end)));
+        let mut left = plane.narrow(simd, (&at, None), [near, far]);
+        if !within {
+            let region = self.method.task.region;
+            let mut wide = [Lanes::splat(0.0); 2];
+            for (screens, wide) in screens.into_iter().zip(&mut wide) {
+                f64::narrow(screens, wide);
             }
+            let asked = ends(simd, near, far);
+            let mut within = asked;
+            *inside = self.frame.clip_rays(simd, &wide, region, self.size, &mut within);
+            left = outward(simd, &asked, &within, self.size, [near, far]);
         }
-        outward(simd, &asked, &left, self.size, [&mut batch.near, &mut batch.far])
+        self.frame.place(simd, &at, batch);
+        left
     }
 }

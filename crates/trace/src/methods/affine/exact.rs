@@ -4,7 +4,7 @@
 //! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace exact -- --nocapture`.
 
 use super::frame::RayFrame;
-use super::plane::Plane;
+use super::plane::PlaneLanes;
 use super::screens::outward;
 use crate::camera::{Camera, Projection, Ray};
 use crate::grid::RayGrid;
@@ -15,7 +15,7 @@ use crate::widths::levels;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use num_rational::BigRational;
-use zeroset_eval::{LANES, Lanes, Planes, Tiles};
+use zeroset_eval::{LANES, Lanes, Planes, Segments, Tiles};
 use zeroset_testkit::{Adversarial, Effort, Ends, Rng};
 
 /// Pixels in a row, and rows.
@@ -284,7 +284,8 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
     let number = |x: f64| -> f64 { T::nearest(x).into() };
     // A tile, as it is put into a batch.
     let reach = size(rng, 60);
-    let (mut tile, mut out) = (Tiles::<T>::default(), Planes::<T>::default());
+    let mut tile = Tiles::<T> { count: 1, ..Tiles::default() };
+    let mut out = Planes::<T>::default();
     let centre = [(); 2].map(|()| 0.8 * reach * signed(rng));
     let half = [(); 2].map(|()| 0.2 * reach * 2_f64.powi(-rng.i32(0..=24)));
     for axis in 0..2 {
@@ -327,22 +328,33 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
     // Parts of the tile, or rays.
     let are_rays = rng.bool();
     let [mut centres, mut halves] = [[Lanes::splat(0.0); 2]; 2];
+    let [mut places, mut reaches] = [[Lanes::splat(T::default()); 2]; 2];
     for axis in 0..2 {
         for lane in 0..LANES {
             let part = if are_rays { 0.0 } else { 2_f64.powi(-rng.i32(0..=4)) };
             let aside = if rng.bool() { signed(rng) } else { f64::from(rng.i32(-1..=1)) };
-            halves[axis][lane] = half[axis] * part;
-            centres[axis][lane] = centre[axis] + half[axis] * (1.0 - part) * aside;
+            let at = centre[axis] + half[axis] * (1.0 - part) * aside;
+            // Rays are where they are, and told of as floats.
+            centres[axis][lane] = if are_rays { at } else { number(at) };
+            halves[axis][lane] = number(half[axis] * part);
+            places[axis][lane] = T::nearest(at);
+            reaches[axis][lane] = T::nearest(halves[axis][lane]);
         }
     }
-    let rays = (&centres, (!are_rays).then_some(&halves));
-    let plane = Plane::new(&tile, &out, 0);
-    let mut left = [near, far].map(Lanes::splat);
-    dispatch!(level, simd => plane.narrow::<_, T>(simd, rays, &mut left));
+    let rays = (&places, (!are_rays).then_some(&reaches));
+    let mut left = [near, far].map(|end| Lanes::splat(T::nearest(end)));
+    let [nears, fars] = &mut left;
+    let aside = [0, 1].map(|axis| centre[axis].abs() + half[axis]);
+    let any = dispatch!(level, simd => {
+        let mut planes = PlaneLanes::default();
+        planes.find(simd, &tile, &out, aside);
+        planes.of(&tile, 0).narrow(simd, rays, [&mut *nears, &mut *fars])
+    });
 
     let mut counts = [0; 2];
     for lane in 0..LANES {
-        let (asked, left) = ([near, far], left.each_ref().map(|lanes| lanes[lane]));
+        let (asked, left) = ([near, far], left.each_ref().map(|lanes| lanes[lane].into()));
+        assert_eq!(any >> lane & 1 == 1, left[0] <= left[1]);
         counts[1] += u32::from(left != asked && left[0] <= left[1]);
         let wrong = |what: &str, at: &[BigRational; 2]| {
             Err(format!("{what}: {left:?} of {asked:?}, {form:?} ± {error:?} at {at:?}"))
@@ -389,6 +401,50 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
 fn no_exact_zero_of_a_form_is_outside_of_what_its_plane_leaves() {
     let ([kept, shorter], cases) = attack(0x5eed_0781, 2_000, [narrowed::<f32>, narrowed::<f64>]);
     assert!(kept > 8 * cases && shorter > 4 * cases, "{kept} {shorter}");
+}
+
+/// Rays as a batch has them: counts coordinates whose error is small beside the region.
+fn placed<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
+    /// What a kernel rounds on its way along a ray, in units of a coordinate's terms.
+    const ALONG: f64 = 3.0;
+    let Some((region, rays, frame)) = picture(rng) else { return Ok([0]) };
+    let pixels = [(); LANES].map(|()| [(); 2].map(|()| rng.u32(0..SIDE) as usize));
+    let mut places = [Lanes::splat(T::default()); 2];
+    for (lane, [column, row]) in pixels.into_iter().enumerate() {
+        let screen = rays.screen(2 * column, 2 * row).map(T::nearest);
+        [places[0][lane], places[1][lane]] = screen;
+    }
+    let mut batch = Segments { error: frame.segments_error(), ..Segments::<T>::default() };
+    dispatch!(level, simd => frame.place(simd, &places, &mut batch));
+    let mut count = 0;
+    for (lane, [column, row]) in pixels.into_iter().enumerate() {
+        let ray = rays.ray(column, row);
+        for s in [frame.span[0], frame.span[1], frame.size() * signed(rng)] {
+            let point = at(&ray, s, frame.start);
+            for (axis, point) in point.iter().enumerate() {
+                let [o, d, error]: [f64; 3] = [&batch.origin, &batch.direction, &batch.error]
+                    .map(|lanes| lanes[axis][lane].into());
+                if !error.is_finite() {
+                    continue;
+                }
+                let off = exact(o) + exact(s) * exact(d) - point;
+                let kernels = ALONG * T::UNIT * (o.abs() + s.abs() * d.abs());
+                let room = exact(error) - exact(kernels);
+                if off > room || off < -room {
+                    return Err(format!("{o} + {s}·{d} ± {error} on axis {axis} of {ray:?}"));
+                }
+                let extent = region.high()[axis] - region.low()[axis];
+                count += u32::from(error < 1e-5 * extent);
+            }
+        }
+    }
+    Ok([count])
+}
+
+#[test]
+fn exact_rays_are_no_farther_from_those_of_a_batch_than_its_error() {
+    let ([close], cases) = attack(0x5eed_0783, 1_000, [placed::<f32>, placed::<f64>]);
+    assert!(close > 20 * cases, "{close}");
 }
 
 /// Segments as floats, rounded outward.

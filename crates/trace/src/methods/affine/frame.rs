@@ -8,9 +8,10 @@ use super::screens::{Ends, Rays};
 use crate::grid::RayGrid;
 use crate::region::Region;
 use crate::scalar::{HALF, Scalar};
+use crate::widths::parts;
 use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
-use zeroset_eval::{LANES, Lanes, Tiles};
+use zeroset_eval::{LANES, Lanes, Segments, Tiles};
 
 /// Forms lose a few times what their coordinates are rounded by.
 pub(super) const BLURS: f64 = 4.0;
@@ -102,6 +103,23 @@ impl RayFrame {
     pub fn segments_error<T: Scalar>(&self) -> [Lanes<T>; 3] {
         let error = self.error_in::<T>(self.size());
         [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)))
+    }
+
+    /// Writes the origins (s = 0) and directions of rays at screen coordinates that were rounded to
+    /// `T`. Kernels compute those of tiles as closely, and errors have room for that.
+    #[inline(always)]
+    pub fn place<S: Simd, T: Scalar>(&self, simd: S, at: &[Lanes<T>; 2], rays: &mut Segments<T>) {
+        let ways = [&mut rays.origin, &mut rays.direction];
+        for (by_axis, way) in self.by_axis().into_iter().zip(ways) {
+            for ([start, a, b], lanes) in by_axis.map(|parts| parts.map(T::nearest)).iter().zip(way)
+            {
+                for part in parts::<S, T::Vector<S>>(simd, LANES) {
+                    let [across, up] = at.each_ref().map(|at| part.load(at));
+                    let along = across.mul_add(part.splat(*a), part.splat(*start));
+                    part.store(up.mul_add(part.splat(*b), along), lanes);
+                }
+            }
+        }
     }
 
     /// Origin (s = 0) and direction of the ray at screen coordinates.

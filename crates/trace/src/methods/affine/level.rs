@@ -1,7 +1,7 @@
 //! Up to sixteen tiles at once: where they are, and what is still to be looked at of them.
 
-use super::plane::Plane;
-use super::screens::{Ends, Screens, Stack, UNMOVED, outward, packed, saves_a_vector};
+use super::plane::{Plane, PlaneLanes};
+use super::screens::{Screens, Stack, UNMOVED, ends, outward, packed, saves_a_vector, spread};
 use super::tracer::{LAST, SIDES, Tracer};
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -24,8 +24,7 @@ pub(super) struct Level<T: Scalar> {
     tiles: [u8; LANES],
     /// By lane, how often its tile was asked about.
     asked: [u8; LANES],
-    /// Where the tiles are: by lane, or, if they are `within` the region, where they were before
-    /// lanes were moved.
+    /// Where the tiles are, by lane, unless they are `within` the region.
     pub screens: Screens,
     /// By tile, what comes after the segment in its lane; and by lane, bits, clear where there is
     /// none of it.
@@ -33,6 +32,8 @@ pub(super) struct Level<T: Scalar> {
     waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
+    /// Of the tiles whose parts are looked at, or that are flat.
+    pub planes: PlaneLanes<T>,
 }
 
 /// How often a tile is asked about before its parts are looked at, along all that is left of it:
@@ -68,7 +69,7 @@ impl<T: Scalar> Level<T> {
         places: [Range<usize>; 2],
         level: usize,
         segment: [f64; 2],
-        plane: Option<&Plane>,
+        plane: Option<&Plane<T>>,
         within: bool,
     ) {
         self.within = within;
@@ -80,13 +81,15 @@ impl<T: Scalar> Level<T> {
         if self.live == 0 {
             return;
         }
-        let mut asked = segment.map(Lanes::splat);
+        let Tiles { near, far, .. } = &mut self.batch;
+        [*near, *far] = segment.map(|end| Lanes::splat(T::nearest(end)));
         if tracer.rays.is_patched() {
             for lane in ones(self.live) {
-                [asked[0][lane], asked[1][lane]] = tracer.from(self.place(lane), segment);
+                let segment = tracer.from(self.place(lane), segment).map(T::nearest);
+                [self.batch.near[lane], self.batch.far[lane]] = segment;
             }
         }
-        self.live &= self.shorten(tracer, &asked, plane);
+        self.live &= self.shorten(tracer, plane);
         self.live &= !tracer.hidden(self, self.live, level);
     }
 
@@ -120,6 +123,14 @@ impl<T: Scalar> Level<T> {
                 lane += 1;
             }
         }
+        let simd = tracer.simd;
+        for (axis, reach) in tracer.frame.reach.into_iter().enumerate() {
+            T::narrow(f64::wide(simd, &centre[axis]), &mut self.batch.centre[axis]);
+            // The centre is rounded too, and so is this.
+            let [low, high] = f64::wide(simd, &half[axis]);
+            let reach = T::PATH_ERROR * reach;
+            T::narrow([low + reach, high + reach], &mut self.batch.half[axis]);
+        }
         open
     }
 
@@ -138,42 +149,43 @@ impl<T: Scalar> Level<T> {
         let across = tracer.rays.screens(0, 2 * side * column + side - 1, 2 * side);
         let top = tracer.band.top + side * row;
         let upward = tracer.rays.screens(1, 2 * top + side - 1, 2 * side);
-        let Screens { centre, half } = &mut self.screens;
-        for (k, upward) in upward.into_iter().enumerate() {
-            centre[0].as_chunks_mut().0[k] = across;
-            centre[1].as_chunks_mut().0[k] = [upward; 4];
+        let half = (side - 1) as f64 * tracer.rays.unit;
+        let centres = spread(tracer.simd, across, upward);
+        for (axis, centre) in centres.into_iter().enumerate() {
+            T::narrow(centre, &mut self.batch.centre[axis]);
+            // The centre is rounded too, and so is this.
+            let reach = T::PATH_ERROR * tracer.frame.reach[axis];
+            self.batch.half[axis] = Lanes::splat(T::nearest(half + reach));
+            if !self.within {
+                f64::narrow(centre, &mut self.screens.centre[axis]);
+                self.screens.half[axis] = Lanes::splat(half);
+            }
         }
-        *half = [Lanes::splat((side - 1) as f64 * tracer.rays.unit); 2];
         tracer.open_in_square([column, row])
     }
 
-    /// Puts the tiles into the batch, and what is left of segments; returns the lanes in which
-    /// anything is.
+    /// Shortens the segments of the tiles in the batch to what is left of them; returns the lanes
+    /// in which anything is.
     #[inline(always)]
     fn shorten<S: Simd>(
         &mut self,
         tracer: &Tracer<'_, '_, '_, T, S>,
-        asked: &Ends,
-        plane: Option<&Plane>,
+        plane: Option<&Plane<T>>,
     ) -> u16 {
         let simd = tracer.simd;
-        let mut left = *asked;
+        let Tiles { centre, half, near, far, .. } = &mut self.batch;
+        let mut left = u16::MAX;
         if let Some(plane) = plane {
-            plane.narrow::<_, T>(simd, self.screens.rays(), &mut left);
+            left = plane.narrow(simd, (centre, Some(half)), [near, far]);
         }
         if !self.within {
-            tracer.frame.clip(simd, self.screens.rays(), tracer.method.task.region, &mut left);
+            let region = tracer.method.task.region;
+            let asked = ends(simd, near, far);
+            let mut inside = asked;
+            tracer.frame.clip(simd, self.screens.rays(), region, &mut inside);
+            left = outward(simd, &asked, &inside, tracer.size, [near, far]);
         }
-        for (axis, reach) in tracer.frame.reach.into_iter().enumerate() {
-            let (Screens { centre, half }, batch) = (&self.screens, &mut self.batch);
-            T::narrow(f64::wide(simd, &centre[axis]), &mut batch.centre[axis]);
-            // The centre is rounded too, and so is this.
-            let [low, high] = f64::wide(simd, &half[axis]);
-            let reach = T::PATH_ERROR * reach;
-            T::narrow([low + reach, high + reach], &mut batch.half[axis]);
-        }
-        let Tiles { near, far, .. } = &mut self.batch;
-        outward(simd, asked, &left, tracer.size, [near, far])
+        left
     }
 
     /// Puts a part of the segment in a lane aside: it is asked after what is nearer.

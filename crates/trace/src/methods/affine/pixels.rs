@@ -3,6 +3,7 @@
 use super::super::way::{self, Way};
 use super::plane::Plane;
 use super::pool::{TileAt, TileRay, place_of, tile_at};
+use super::screens::spread;
 use super::tracer::Tracer;
 use crate::method::Start;
 use crate::painted::ones;
@@ -31,13 +32,8 @@ pub(super) struct Patch {
 impl Patch {
     /// Those of its rays.
     #[inline(always)]
-    pub(super) fn screens(&self) -> [Lanes<f64>; 2] {
-        let mut screens = [Lanes::splat(0.0); 2];
-        for (row, upward) in self.upward.into_iter().enumerate() {
-            screens[0].as_chunks_mut().0[row] = self.across;
-            screens[1].as_chunks_mut().0[row] = [upward; 4];
-        }
-        screens
+    pub(super) fn screens<S: Simd>(&self, simd: S) -> [[f64x8<S>; 2]; 2] {
+        spread(simd, self.across, self.upward)
     }
 
     /// Screen coordinates of the ray with this bit.
@@ -90,7 +86,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// Writes the hits that a tile's form proves on the rays of its pixels.
     #[inline(always)]
-    pub(super) fn emit(&mut self, plane: &Plane, depth: usize, place: [usize; 2]) {
+    pub(super) fn emit(&mut self, plane: &Plane<T>, depth: usize, place: [usize; 2]) {
         let ([columns, rows], is_patched) = (self.pixels(place, depth), self.rays.is_patched());
         let (columns, rows) = if is_patched {
             (place[0]..=place[0], place[1]..=place[1])
@@ -112,12 +108,13 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// The distances at which rays meet a plane, and how far from that a zero may be.
     #[inline(always)]
-    fn on_plane(&self, plane: &Plane, patch: &Patch) -> [Lanes<f64>; 2] {
+    fn on_plane(&self, plane: &Plane<T>, patch: &Patch) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
-        let (mut distance, mut off) = (plane.at(self.simd, &patch.screens()), self.lengths(patch));
+        let reach: f64 = plane.reach.into();
+        let (mut distance, mut off) = (plane.at(patch.screens(self.simd)), self.lengths(patch));
         for (distance, off) in distance.iter_mut().zip(&mut off) {
             *distance = (self.frame.start + *distance) * *off;
-            *off *= plane.reach;
+            *off *= reach;
         }
         f64::narrow(distance, &mut found[0]);
         f64::narrow(off, &mut found[1]);
@@ -161,9 +158,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         if self.rays.parallel {
             return [f64x8::splat(simd, 1.0); 2];
         }
-        let screens = patch.screens();
-        let mut a = f64::wide(simd, &screens[0]);
-        let b = f64::wide(simd, &screens[1]);
+        let [mut a, b] = patch.screens(simd);
         for (a, b) in a.iter_mut().zip(b) {
             // Rounded product by product, as `length` rounds: which of the two a pixel gets hangs
             // on its neighbours.

@@ -1,78 +1,121 @@
 //! What the form of a tile says of the zeros on its rays: they lie near a plane in screen
 //! coordinates and s.
 
-use super::screens::{Ends, Rays};
+use super::screens::Rays;
 use crate::scalar::Scalar;
+use crate::widths::parts;
 use fearless_simd::{f64x8, prelude::*};
-use zeroset_eval::{Lanes, Planes, Tiles};
+use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
-/// A plane, and how far from it a zero may be.
-pub(super) struct Plane {
-    centre: [f64; 2],
-    /// s at the centre, and what it changes by per unit of a screen coordinate.
-    s: f64,
-    per_screen: [f64; 2],
-    /// How far to either side of the plane a zero may be.
-    pub reach: f64,
+/// The planes of a batch's tiles, a lane each.
+#[derive(Default)]
+pub(super) struct PlaneLanes<T: Scalar> {
+    s: Lanes<T>,
+    per_screen: [Lanes<T>; 2],
+    reach: Lanes<T>,
 }
 
-impl Plane {
-    /// That of the tile in this lane of a batch. One that is not a number bounds nothing.
+/// A plane, and how far from it a zero may be.
+#[derive(Clone, Copy)]
+pub(super) struct Plane<T> {
+    /// Of the tile, in screen coordinates.
+    centre: [T; 2],
+    /// s at the centre, and what it changes by per unit of a screen coordinate.
+    s: T,
+    per_screen: [T; 2],
+    /// How far to either side of the plane a zero may be; with room for what is rounded here, and
+    /// for rounding the screen coordinates of rays to `T`.
+    pub reach: T,
+}
+
+impl<T: Scalar> PlaneLanes<T> {
+    /// Finds them from the tiles' forms. One that is not a number bounds nothing. `aside`: the
+    /// largest screen coordinates of the picture's rays.
     #[inline(always)]
-    pub fn new<T: Scalar>(batch: &Tiles<T>, out: &Planes<T>, lane: usize) -> Self {
-        let [value, error, middle, half]: [f64; 4] =
-            [out.value[lane], out.error[lane], out.middle[lane], out.half[lane]].map(Into::into);
-        let slope: [f64; 3] = out.slope.map(|lanes| lanes[lane].into());
-        let per_value = -half / slope[2];
-        let size = value.abs() + slope[0].abs() + slope[1].abs() + error;
-        // Screen coordinates were rounded, and so are ends; more than what that comes to.
-        let error = error + T::PATH_ERROR * size;
-        Self {
-            centre: batch.centre.map(|lanes| lanes[lane].into()),
-            s: middle + per_value * value,
-            per_screen: [0, 1].map(|axis| {
-                let half: f64 = batch.half[axis][lane].into();
-                per_value * slope[axis] / half
-            }),
-            reach: per_value.abs() * error + T::PATH_ERROR * (middle.abs() + half),
+    pub fn find<S: Simd>(&mut self, simd: S, batch: &Tiles<T>, out: &Planes<T>, aside: [f64; 2]) {
+        let [rounding, grain, lost] =
+            [T::PATH_ERROR, 4.0 * T::UNIT, 2.0 * T::UNIT * T::LEAST_NORMAL.into()].map(T::nearest);
+        for part in parts::<S, T::Vector<S>>(simd, batch.count as usize) {
+            let [value, error, middle, half] =
+                [&out.value, &out.error, &out.middle, &out.half].map(|lanes| part.load(lanes));
+            let [across, upward, along] = out.slope.each_ref().map(|slope| part.load(slope));
+            let per_value = half / -along;
+            let size = value.abs() + across.abs() + upward.abs() + error;
+            // More than what is rounded here, and where rays meet the plane.
+            let error = size.mul_add(rounding, error);
+            let mut reach = (middle.abs() + half).mul_add(rounding, per_value.abs() * error);
+            // Where the quotient underflows.
+            reach = size.mul_add(lost, reach);
+            let mut scale = part.splat(T::nearest(1.0));
+            for (axis, slope) in [across, upward].into_iter().enumerate() {
+                let half = part.load(&batch.half[axis]);
+                let per_screen = per_value * slope / half;
+                reach = per_screen.abs().mul_add(T::nearest(T::UNIT * aside[axis]), reach);
+                scale += half;
+                part.store(per_screen, &mut self.per_screen[axis]);
+            }
+            reach = reach.mul_add(grain, reach) + scale * T::LEAST_NORMAL;
+            part.store(per_value.mul_add(value, middle), &mut self.s);
+            part.store(reach, &mut self.reach);
         }
     }
 
+    /// That of the tile in a lane of the same batch.
+    #[inline(always)]
+    pub fn of(&self, batch: &Tiles<T>, lane: usize) -> Plane<T> {
+        Plane {
+            centre: batch.centre.each_ref().map(|lanes| lanes[lane]),
+            s: self.s[lane],
+            per_screen: self.per_screen.each_ref().map(|lanes| lanes[lane]),
+            reach: self.reach[lane],
+        }
+    }
+}
+
+impl<T: Scalar> Plane<T> {
     /// s where the plane meets rays at screen coordinates.
     #[inline(always)]
-    pub fn at<S: Simd>(&self, simd: S, screens: &[Lanes<f64>; 2]) -> [f64x8<S>; 2] {
-        let mut along = f64::wide(simd, &screens[0]);
-        let up = f64::wide(simd, &screens[1]);
+    pub fn at<S: Simd>(&self, [mut along, up]: [[f64x8<S>; 2]; 2]) -> [f64x8<S>; 2] {
+        let [s, a, b]: [f64; 3] = [self.s, self.per_screen[0], self.per_screen[1]].map(Into::into);
+        let centre: [f64; 2] = self.centre.map(Into::into);
         for (along, up) in along.iter_mut().zip(up) {
-            let [along_way, up_way] = [*along - self.centre[0], up - self.centre[1]];
-            let s = along_way.mul_add(self.per_screen[0], self.s);
-            *along = up_way.mul_add(self.per_screen[1], s);
+            let [along_way, up_way] = [*along - centre[0], up - centre[1]];
+            *along = up_way.mul_add(b, along_way.mul_add(a, s));
         }
         along
     }
 
     /// Shortens segments to what is left of them; the ends of one of which nothing is come out in
-    /// the wrong order.
+    /// the wrong order. Returns the lanes in which anything is left, as bits.
     #[inline(always)]
-    pub fn narrow<S: Simd, T: Scalar>(&self, simd: S, (centre, half): Rays<'_>, ends: &mut Ends) {
-        let [across, upward] = self.per_screen.map(f64::abs);
-        let mut reach = [f64x8::splat(simd, self.reach); 2];
-        if let Some([wide, high]) = half {
-            let [wide, high] = [f64::wide(simd, wide), f64::wide(simd, high)];
-            for k in 0..2 {
-                reach[k] = high[k].mul_add(upward, wide[k].mul_add(across, reach[k]));
+    pub fn narrow<S: Simd>(
+        &self,
+        simd: S,
+        (centre, half): Rays<'_, T>,
+        [near, far]: [&mut Lanes<T>; 2],
+    ) -> u16 {
+        let rounding = T::nearest(T::PATH_ERROR);
+        let mut any = 0;
+        for part in parts::<S, T::Vector<S>>(simd, LANES) {
+            let [along, up] = centre.each_ref().map(|lanes| part.load(lanes));
+            let s = (along - self.centre[0]).mul_add(self.per_screen[0], self.s);
+            let s = (up - self.centre[1]).mul_add(self.per_screen[1], s);
+            let mut reach = part.splat(self.reach);
+            if let Some(half) = half {
+                for (half, per_screen) in half.iter().zip(self.per_screen) {
+                    reach = part.load(half).mul_add(part.splat(per_screen).abs(), reach);
+                }
             }
-        }
-        let [mut near, mut far] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
-        for (k, s) in self.at(simd, centre).into_iter().enumerate() {
             // More than what these sums are rounded by; and so what overflows is not a number,
             // which bounds nothing.
-            let reach = s.abs().mul_add(T::PATH_ERROR, reach[k]);
-            near[k] = (s - reach).max_precise(near[k]);
-            far[k] = (s + reach).min_precise(far[k]);
+            let reach = (s.abs() + reach).mul_add(rounding, reach);
+            let [start, end] = [part.load(near), part.load(far)];
+            let (first, last) = ((s - reach).max_precise(start), (s + reach).min_precise(end));
+            any |= part.bits(first.simd_le(last));
+            part.store(first, near);
+            part.store(last, far);
         }
-        f64::narrow(near, &mut ends[0]);
-        f64::narrow(far, &mut ends[1]);
+        any
     }
 }
 
@@ -82,15 +125,17 @@ mod tests {
     use crate::widths::levels;
     use fearless_simd::dispatch;
 
-    fn plane(per_screen: f64) -> Plane {
+    fn plane(per_screen: f64) -> Plane<f64> {
         Plane { centre: [0.0; 2], s: 0.25, per_screen: [per_screen, 0.0], reach: 0.5 }
     }
 
-    fn narrowed(plane: &Plane, across: f64) -> Vec<[f64; 2]> {
+    fn narrowed(plane: &Plane<f64>, across: f64) -> Vec<[f64; 2]> {
         let centre = [across, 0.0].map(Lanes::splat);
         let narrow = |level| {
             let mut ends = [-2.0, 2.0].map(Lanes::splat);
-            dispatch!(level, simd => plane.narrow::<_, f64>(simd, (&centre, None), &mut ends));
+            let [near, far] = &mut ends;
+            let any = dispatch!(level, simd => plane.narrow(simd, (&centre, None), [near, far]));
+            assert_eq!(any == u16::MAX, ends[0][0] <= ends[1][0]);
             assert!(ends.iter().all(|end| end.iter().all(|other| *other == end[0])));
             [ends[0][0], ends[1][0]]
         };

@@ -1,7 +1,7 @@
 //! Where up to sixteen tiles are on the screen, and what is left of segments of theirs or of rays.
 
 use crate::scalar::{HALF, Scalar};
-use fearless_simd::prelude::*;
+use fearless_simd::{f64x4, f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes};
 
 /// The screen coordinates of the rays of up to sixteen tiles: within `half` of `centre`.
@@ -12,7 +12,16 @@ pub(super) struct Screens {
 }
 
 /// Screen coordinates of rays; or of tiles, and how far their rays are from them.
-pub(super) type Rays<'a> = (&'a [Lanes<f64>; 2], Option<&'a [Lanes<f64>; 2]>);
+pub(super) type Rays<'a, T = f64> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
+
+/// Screen coordinates of a square of sixteen, row by row, given those of its columns and rows.
+#[inline(always)]
+pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[f64x8<S>; 2]; 2] {
+    let across = f64x4::simd_from(simd, across);
+    let across = across.combine(across);
+    let row = |k: usize| f64x4::splat(simd, upward[k]);
+    [[across; 2], [row(0).combine(row(1)), row(2).combine(row(3))]]
+}
 
 impl Screens {
     pub fn rays(&self) -> Rays<'_> {
@@ -78,4 +87,13 @@ pub(super) fn outward<S: Simd, T: Scalar>(
     T::narrow(first, near);
     T::narrow(last, far);
     any
+}
+
+/// Segments in `f64`.
+#[inline(always)]
+pub(super) fn ends<S: Simd, T: Scalar>(simd: S, near: &Lanes<T>, far: &Lanes<T>) -> Ends {
+    let mut ends = [Lanes::splat(0.0); 2];
+    f64::narrow(T::wide(simd, near), &mut ends[0]);
+    f64::narrow(T::wide(simd, far), &mut ends[1]);
+    ends
 }

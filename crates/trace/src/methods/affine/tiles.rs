@@ -4,7 +4,6 @@ use super::Affine;
 use super::frame::RayFrame;
 use super::level::Level;
 use super::narrow::{BLURRED, COARSE, are_progress};
-use super::plane::Plane;
 use super::pool::Memory;
 use super::sift::Limits;
 use super::tracer::{LAST, SIDES, Tracer};
@@ -337,8 +336,12 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 level.put_aside(lane, [cut, verdicts.far[lane]]);
             }
         }
+        if verdicts.flat | verdicts.finer != 0 && self.method.task.options.ideas.contract {
+            let Level { planes, batch, out, .. } = &mut *level;
+            planes.find(self.simd, batch, out, self.frame.reach);
+        }
         for lane in ones(verdicts.flat) {
-            let plane = Plane::new(&level.batch, &level.out, lane);
+            let plane = level.planes.of(&level.batch, lane);
             self.emit(&plane, DEPTH, level.place(lane));
         }
         for lane in ones(verdicts.tired) {
@@ -370,7 +373,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let (columns, rows) = (self.band.width.div_ceil(side), self.band.height.div_ceil(side));
         let parts = [column..columns.min(column + 4), row..rows.min(row + 4)];
         let plane = self.method.task.options.ideas.contract;
-        let plane = plane.then(|| Plane::new(&level.batch, &level.out, lane));
+        let plane = plane.then(|| level.planes.of(&level.batch, lane));
         finer[0].start(self, parts, LAST, segment, plane.as_ref(), within);
         self.run::<LAST>(finer);
     }
