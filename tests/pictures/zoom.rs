@@ -5,7 +5,7 @@ use zeroset::model::{Model, render};
 use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{DomainChoice, region};
 use zeroset_syntax::{Document, Options, read};
-use zeroset_trace::{Camera, Projection, Region};
+use zeroset_trace::{Camera, Precision, Projection, Region, Status};
 
 const SURFACES: [&str; 5] = [
     "domain 2\nx^2+y^2+z^2 = 1",
@@ -90,5 +90,31 @@ fn pixels_far_smaller_than_the_domain_take_no_longer() {
         let calls = work.tiles.calls + work.segments.calls;
         println!("{formula}: {calls} calls");
         assert!(calls < 20_000, "{formula}: {calls} calls");
+    }
+}
+
+/// A reciprocal of so small a derivative is no float.
+#[test]
+fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
+    let text = "1e-39*(x^2 + y^2 + z^2 - 1)";
+    let document = read(text, &Options::default()).expect(text);
+    let region = Region::new(DVec3::splat(-1.5), DVec3::splat(1.5)).expect("a cube");
+    let eye = DVec3::new(1.8, -2.7, 1.3);
+    let projection = Projection::Perspective { fov: 40.0 };
+    let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect("a camera");
+    for precision in [Precision::F32, Precision::Auto] {
+        let settings = Settings { width: 128, height: 128, precision, ..Settings::default() };
+        let picture =
+            render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+        let (rays, buffer) = (camera.rays(128, 128), &picture.buffer);
+        let hits: Vec<usize> =
+            (0..buffer.status.len()).filter(|&pixel| buffer.status[pixel] == Status::Hit).collect();
+        println!("{precision:?}: {} hits", hits.len());
+        assert!(hits.len() > 4000, "{precision:?}: {}", hits.len());
+        for pixel in hits {
+            let ray = rays.ray_of(pixel);
+            let off = ray.at(ray.parameter(buffer.drawn[pixel])).length() - 1.0;
+            assert!(off.abs() < 0.05, "{precision:?}: off by {off} at {pixel}");
+        }
     }
 }

@@ -118,9 +118,9 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 f64::narrow(screens, wide);
             }
             let asked = ends(simd, near, far);
-            let mut within = asked;
-            *inside = self.frame.clip_rays(simd, &wide, region, self.size, &mut within);
-            left = outward(simd, &asked, &within, self.size, [near, far]);
+            let mut clipped = asked;
+            *inside = self.frame.clip_rays(simd, &wide, region, self.size, &mut clipped);
+            left = outward(simd, &asked, &clipped, self.size, [near, far]);
         }
         self.frame.place(simd, &at, batch);
         left

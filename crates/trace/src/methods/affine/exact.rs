@@ -279,8 +279,61 @@ fn no_exact_point_of_the_region_is_clipped_away_and_none_outside_is_called_insid
     assert!(inside > cases && certain > cases, "{inside} {certain}");
 }
 
-/// A form of a tile, and what its plane leaves of segments of sixteen parts of it.
-fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32; 2], String> {
+/// A form's value and slopes, and how far the function may be off; over a segment of this half
+/// length.
+fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 4], f64) {
+    let number = |x: f64| -> f64 { T::nearest(x).into() };
+    let extreme = if T::UNIT > 1e-10 { 140 } else { 1000 };
+    let mut scale = size(rng, extreme);
+    if rng.u32(0..8) == 0 {
+        // So small that what t changes by per unit of the function overflows.
+        scale = half_way * 2_f64.powi(-extreme + rng.i32(-8..=16));
+    }
+    let depth = number(scale * signed(rng));
+    let share = if rng.bool() { signed(rng) * 1.25 } else { f64::from(rng.i32(-1..=1)) };
+    let small = |rng: &mut Rng, most: i32| match rng.u32(0..3) {
+        0 => 0.0,
+        // Across the tile a function may be steeper than along it.
+        _ => number(depth * signed(rng) * 2_f64.powi(rng.i32(-most..=2))),
+    };
+    let mut form = [number(depth * share), small(rng, 6), small(rng, 6), depth];
+    let mut error = small(rng, 28).abs();
+    if rng.u32(0..8) == 0 {
+        let any: f64 = T::adversarial(rng, Ends::Infinite).into();
+        match rng.u32(0..5) {
+            4 => error = any.abs(),
+            k => form[k as usize] = any,
+        }
+        // A form has no number that is infinite but for what overflowed, which its error says.
+        if form.iter().any(|number| !number.is_finite()) {
+            error = if rng.bool() { f64::INFINITY } else { f64::NAN };
+        }
+    }
+    (form, error)
+}
+
+/// The exact zeros of a form along a ray at these symbols; `None` if there are none.
+fn zeros_of(
+    form: [f64; 4],
+    error: f64,
+    symbols: &[BigRational; 2],
+    [middle, half_way]: [f64; 2],
+    asked: [f64; 2],
+) -> Option<[BigRational; 2]> {
+    let [value, across, upward, depth] = form.map(exact);
+    let value = value + across * &symbols[0] + upward * &symbols[1];
+    if depth == exact(0.0) {
+        let is_zero = value <= exact(error) && value >= exact(-error);
+        return is_zero.then(|| asked.map(exact));
+    }
+    let at = |level: f64| exact(middle) + exact(half_way) * (exact(level) - &value) / &depth;
+    let (a, b) = (at(error), at(-error));
+    Some(if a < b { [a, b] } else { [b, a] })
+}
+
+/// A form of a tile, and what its plane leaves of segments of sixteen parts of it: counts zeros
+/// that are left, segments that were shortened, and hits.
+fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32; 3], String> {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
     // A tile, as it is put into a batch.
     let reach = size(rng, 60);
@@ -298,26 +351,7 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
     let far: f64 = T::above(near + length * 2_f64.powi(-rng.i32(0..=20))).into();
     let middle = number(near.midpoint(far));
     let half_way: f64 = T::above((far - middle).max(middle - near)).into();
-    let scale = size(rng, if T::UNIT > 1e-10 { 140 } else { 1000 });
-    let depth = number(scale * signed(rng));
-    let share = if rng.bool() { signed(rng) * 1.25 } else { f64::from(rng.i32(-1..=1)) };
-    let small = |rng: &mut Rng, most: i32| match rng.u32(0..3) {
-        0 => 0.0,
-        _ => number(depth * signed(rng) * 2_f64.powi(-rng.i32(0..=most))),
-    };
-    let mut form = [number(depth * share), small(rng, 6), small(rng, 6), depth];
-    let mut error = small(rng, 28).abs();
-    if rng.u32(0..8) == 0 {
-        let any: f64 = T::adversarial(rng, Ends::Infinite).into();
-        match rng.u32(0..5) {
-            4 => error = any.abs(),
-            k => form[k as usize] = any,
-        }
-        // A form has no number that is infinite but for what overflowed, which its error says.
-        if form.iter().any(|number| !number.is_finite()) {
-            error = if rng.bool() { f64::INFINITY } else { f64::NAN };
-        }
-    }
+    let (form, error) = random_form::<T>(rng, half_way);
     let lane = |lanes: &mut Lanes<T>, number: f64| lanes[0] = T::nearest(number);
     lane(&mut out.value, form[0]);
     (0..3).for_each(|axis| lane(&mut out.slope[axis], form[axis + 1]));
@@ -345,13 +379,16 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
     let mut left = [near, far].map(|end| Lanes::splat(T::nearest(end)));
     let [nears, fars] = &mut left;
     let aside = [0, 1].map(|axis| centre[axis].abs() + half[axis]);
-    let any = dispatch!(level, simd => {
+    let mut plane_at = Lanes::splat(0.0);
+    let (any, reach): (u16, f64) = dispatch!(level, simd => {
         let mut planes = PlaneLanes::default();
         planes.find(simd, &tile, &out, aside);
-        planes.of(&tile, 0).narrow(simd, rays, [&mut *nears, &mut *fars])
+        let plane = planes.of(&tile, 0);
+        f64::narrow(plane.at(centres.each_ref().map(|lanes| f64::wide(simd, lanes))), &mut plane_at);
+        (plane.narrow(simd, rays, [&mut *nears, &mut *fars]), plane.reach.into())
     });
 
-    let mut counts = [0; 2];
+    let mut counts = [0; 3];
     for lane in 0..LANES {
         let (asked, left) = ([near, far], left.each_ref().map(|lanes| lanes[lane].into()));
         assert_eq!(any >> lane & 1 == 1, left[0] <= left[1]);
@@ -374,23 +411,25 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
             if symbols.iter().any(|symbol| *symbol > exact(1.0) || *symbol < exact(-1.0)) {
                 continue;
             }
-            let [value, across, upward, depth] = form.map(exact);
-            let value = value + across * &symbols[0] + upward * &symbols[1];
-            let zeros = if depth == exact(0.0) {
-                if value > exact(error) || value < exact(-error) {
-                    continue;
-                }
-                asked.map(exact)
-            } else {
-                let at =
-                    |level: f64| exact(middle) + exact(half_way) * (exact(level) - &value) / &depth;
-                let (a, b) = (at(error), at(-error));
-                if a < b { [a, b] } else { [b, a] }
-            };
+            let along = [middle, half_way];
+            let Some(zeros) = zeros_of(form, error, &symbols, along, asked) else { continue };
             match keeps(asked, left, &zeros) {
                 Some(true) => counts[0] += 1,
                 Some(false) => return wrong("a zero is left out", &symbols),
                 None => {}
+            }
+            // Where the form proves a zero on each ray, a hit is written there.
+            let [value, across, upward, depth] = form.map(f64::abs);
+            if are_rays && (value + across + upward + error) * (1.0 + 1e-9) < depth {
+                counts[2] += 1;
+                let near_plane = |zero: &BigRational| {
+                    let off = zero - exact(plane_at[lane]);
+                    exact(-reach) <= off && off <= exact(reach)
+                };
+                let is_finite = plane_at[lane].is_finite() && reach.is_finite();
+                if !is_finite || !zeros.iter().all(near_plane) {
+                    return wrong("a hit is off the plane", &symbols);
+                }
             }
         }
     }
@@ -399,8 +438,9 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
 
 #[test]
 fn no_exact_zero_of_a_form_is_outside_of_what_its_plane_leaves() {
-    let ([kept, shorter], cases) = attack(0x5eed_0781, 2_000, [narrowed::<f32>, narrowed::<f64>]);
-    assert!(kept > 8 * cases && shorter > 4 * cases, "{kept} {shorter}");
+    let ([kept, shorter, hit], cases) =
+        attack(0x5eed_0781, 2_000, [narrowed::<f32>, narrowed::<f64>]);
+    assert!(kept > 8 * cases && shorter > 4 * cases && hit > cases, "{kept} {shorter} {hit}");
 }
 
 /// Rays as a batch has them: counts coordinates whose error is small beside the region.

@@ -77,7 +77,7 @@ impl RayFrame {
     /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within
     /// `most` of 0.
     ///
-    /// Room is left for underflow, and a part is rounded to `T` first.
+    /// Room is left for underflow, and for rounding parts and screen coordinates to `T` first.
     pub fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
         let least: f64 = T::LEAST_NORMAL.into();
         let scale = (1.0 + most) * (1.0 + self.reach[0] + self.reach[1]);
@@ -106,7 +106,8 @@ impl RayFrame {
     }
 
     /// Writes the origins (s = 0) and directions of rays at screen coordinates that were rounded to
-    /// `T`. Kernels compute those of tiles as closely, and errors have room for that.
+    /// `T`, with as many roundings as a kernel takes for those of tiles: errors have
+    /// [room](Self::error_in) for that.
     #[inline(always)]
     pub fn place<S: Simd, T: Scalar>(&self, simd: S, at: &[Lanes<T>; 2], rays: &mut Segments<T>) {
         let ways = [&mut rays.origin, &mut rays.direction];

@@ -181,9 +181,9 @@ impl<T: Scalar> Level<T> {
         if !self.within {
             let region = tracer.method.task.region;
             let asked = ends(simd, near, far);
-            let mut inside = asked;
-            tracer.frame.clip(simd, self.screens.rays(), region, &mut inside);
-            left = outward(simd, &asked, &inside, tracer.size, [near, far]);
+            let mut clipped = asked;
+            tracer.frame.clip(simd, self.screens.rays(), region, &mut clipped);
+            left = outward(simd, &asked, &clipped, tracer.size, [near, far]);
         }
         left
     }

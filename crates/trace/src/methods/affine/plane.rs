@@ -33,28 +33,37 @@ impl<T: Scalar> PlaneLanes<T> {
     /// largest screen coordinates of the picture's rays.
     #[inline(always)]
     pub fn find<S: Simd>(&mut self, simd: S, batch: &Tiles<T>, out: &Planes<T>, aside: [f64; 2]) {
-        let [rounding, grain, lost] =
+        let [rounding, few, lost] =
             [T::PATH_ERROR, 4.0 * T::UNIT, 2.0 * T::UNIT * T::LEAST_NORMAL.into()].map(T::nearest);
+        // A function may be so small that the quotient overflows.
+        let least = T::LEAST_NORMAL.into() / (T::UNIT * T::UNIT);
+        let [small, larger] = [least, 1.0 / least].map(T::nearest);
+        let one = T::nearest(1.0);
         for part in parts::<S, T::Vector<S>>(simd, batch.count as usize) {
-            let [value, error, middle, half] =
-                [&out.value, &out.error, &out.middle, &out.half].map(|lanes| part.load(lanes));
+            let [middle, half] = [&out.middle, &out.half].map(|lanes| part.load(lanes));
             let [across, upward, along] = out.slope.each_ref().map(|slope| part.load(slope));
+            let scale = along.abs().simd_lt(small).select(part.splat(larger), part.splat(one));
+            let [value, error] = [&out.value, &out.error].map(|lanes| part.load(lanes) * scale);
+            let [across, upward, along] = [across * scale, upward * scale, along * scale];
             let per_value = half / -along;
             let size = value.abs() + across.abs() + upward.abs() + error;
-            // More than what is rounded here, and where rays meet the plane.
-            let error = size.mul_add(rounding, error);
-            let mut reach = (middle.abs() + half).mul_add(rounding, per_value.abs() * error);
-            // Where the quotient underflows.
-            reach = size.mul_add(lost, reach);
-            let mut scale = part.splat(T::nearest(1.0));
+            // More than what is rounded here, and where rays meet the plane; what the quotient may
+            // lose to underflow; and what the error comes to.
+            let each = per_value.abs();
+            let terms = each.mul_add(size, middle.abs() + half);
+            let mut reach = each.mul_add(error, terms.mul_add(rounding, size * lost));
+            let mut screen = part.splat(one);
             for (axis, slope) in [across, upward].into_iter().enumerate() {
                 let half = part.load(&batch.half[axis]);
                 let per_screen = per_value * slope / half;
-                reach = per_screen.abs().mul_add(T::nearest(T::UNIT * aside[axis]), reach);
-                scale += half;
+                // Rays' screen coordinates are rounded to `T`.
+                let off = T::UNIT * aside[axis] + T::LEAST_NORMAL.into();
+                reach = per_screen.abs().mul_add(T::nearest(off), reach);
+                screen += half;
                 part.store(per_screen, &mut self.per_screen[axis]);
             }
-            reach = reach.mul_add(grain, reach) + scale * T::LEAST_NORMAL;
+            // These sums are rounded, too, and products with screen coordinates may underflow.
+            reach = reach.mul_add(few, reach) + screen * T::LEAST_NORMAL;
             part.store(per_value.mul_add(value, middle), &mut self.s);
             part.store(reach, &mut self.reach);
         }
