@@ -5,7 +5,7 @@ use super::screens::{Screens, Stack, UNMOVED, ends, outward, packed, saves_a_vec
 use super::tracer::{LAST, SIDES, Tracer};
 use crate::painted::ones;
 use crate::scalar::Scalar;
-use fearless_simd::{prelude::*, u8x16};
+use fearless_simd::{f64x8, prelude::*, u8x16};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
@@ -107,7 +107,7 @@ impl<T: Scalar> Level<T> {
         for (extent, column) in across.iter_mut().zip(columns.clone()) {
             *extent = tracer.across(column, level);
         }
-        let Screens { centre, half } = &mut self.screens;
+        let [mut centre, mut half] = [[Lanes::splat(0.0); 2]; 2];
         let (mut open, mut lane) = (0, 0);
         for (down, row) in rows.enumerate() {
             let upward = tracer.upward(row, level);
@@ -124,12 +124,9 @@ impl<T: Scalar> Level<T> {
             }
         }
         let simd = tracer.simd;
-        for (axis, reach) in tracer.frame.reach.into_iter().enumerate() {
-            T::narrow(f64::wide(simd, &centre[axis]), &mut self.batch.centre[axis]);
-            // The centre is rounded too, and so is this.
-            let [low, high] = f64::wide(simd, &half[axis]);
-            let reach = T::PATH_ERROR * reach;
-            T::narrow([low + reach, high + reach], &mut self.batch.half[axis]);
+        for axis in 0..2 {
+            let [centre, half] = [f64::wide(simd, &centre[axis]), f64::wide(simd, &half[axis])];
+            self.put(tracer, axis, [centre, half]);
         }
         open
     }
@@ -149,19 +146,30 @@ impl<T: Scalar> Level<T> {
         let across = tracer.rays.screens(0, 2 * side * column + side - 1, 2 * side);
         let top = tracer.band.top + side * row;
         let upward = tracer.rays.screens(1, 2 * top + side - 1, 2 * side);
-        let half = (side - 1) as f64 * tracer.rays.unit;
-        let centres = spread(tracer.simd, across, upward);
-        for (axis, centre) in centres.into_iter().enumerate() {
-            T::narrow(centre, &mut self.batch.centre[axis]);
-            // The centre is rounded too, and so is this.
-            let reach = T::PATH_ERROR * tracer.frame.reach[axis];
-            self.batch.half[axis] = Lanes::splat(T::nearest(half + reach));
-            if !self.within {
-                f64::narrow(centre, &mut self.screens.centre[axis]);
-                self.screens.half[axis] = Lanes::splat(half);
-            }
+        let half = f64x8::splat(tracer.simd, (side - 1) as f64 * tracer.rays.unit);
+        for (axis, centre) in spread(tracer.simd, across, upward).into_iter().enumerate() {
+            self.put(tracer, axis, [centre, [half; 2]]);
         }
         tracer.open_in_square([column, row])
+    }
+
+    /// Puts one screen coordinate of the tiles into the batch: that of their centres, and how far
+    /// their rays are from it.
+    #[inline(always)]
+    fn put<S: Simd>(
+        &mut self,
+        tracer: &Tracer<'_, '_, '_, T, S>,
+        axis: usize,
+        [centre, half]: [[f64x8<S>; 2]; 2],
+    ) {
+        T::narrow(centre, &mut self.batch.centre[axis]);
+        // The centre is rounded too, and so is this.
+        let reach = T::PATH_ERROR * tracer.frame.reach[axis];
+        T::narrow([half[0] + reach, half[1] + reach], &mut self.batch.half[axis]);
+        if !self.within {
+            f64::narrow(centre, &mut self.screens.centre[axis]);
+            f64::narrow(half, &mut self.screens.half[axis]);
+        }
     }
 
     /// Shortens the segments of the tiles in the batch to what is left of them; returns the lanes
