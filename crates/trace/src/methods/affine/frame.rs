@@ -144,7 +144,13 @@ impl RayFrame {
     /// Shortens segments to what of them may be in the region on some ray of their tile; the ends
     /// of one that is not reached come out in the wrong order.
     #[inline(always)]
-    pub fn clip<S: Simd>(&self, simd: S, rays: Rays<'_>, region: &Region, ends: &mut Ends) {
+    pub fn clip<S: Simd, T: Scalar>(
+        &self,
+        simd: S,
+        rays: Rays<'_, T>,
+        region: &Region,
+        ends: &mut Ends,
+    ) {
         let rays = Wide::new(simd, rays);
         let ([origin, direction], [low, high, error]) = (self.by_axis(), self.faces(region));
         let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
@@ -232,10 +238,10 @@ impl RayFrame {
     /// The lanes in which all of a tile's rays are in the region from the one end to the other, its
     /// clipping plane apart, as bits.
     #[inline(always)]
-    pub fn inside<S: Simd>(
+    pub fn inside<S: Simd, T: Scalar>(
         &self,
         simd: S,
-        rays: Rays<'_>,
+        rays: Rays<'_, T>,
         region: &Region,
         [nears, fars]: [[f64x8<S>; 2]; 2],
     ) -> u16 {
@@ -287,12 +293,12 @@ struct Wide<S: Simd> {
 
 impl<S: Simd> Wide<S> {
     #[inline(always)]
-    fn new(simd: S, (centre, half): Rays<'_>) -> Self {
+    fn new<T: Scalar>(simd: S, (centre, half): Rays<'_, T>) -> Self {
         let zero = [f64x8::splat(simd, 0.0); 2];
         Self {
-            centre: [f64::wide(simd, &centre[0]), f64::wide(simd, &centre[1])],
+            centre: [T::wide(simd, &centre[0]), T::wide(simd, &centre[1])],
             half: match half {
-                Some([wide, high]) => [f64::wide(simd, wide), f64::wide(simd, high)],
+                Some([wide, high]) => [T::wide(simd, wide), T::wide(simd, high)],
                 None => [zero; 2],
             },
         }

@@ -1,7 +1,7 @@
 //! Up to sixteen tiles at once: where they are, and what is still to be looked at of them.
 
 use super::plane::{Plane, PlaneLanes};
-use super::screens::{Screens, Stack, UNMOVED, ends, outward, packed, saves_a_vector, spread};
+use super::screens::{Stack, UNMOVED, ends, outward, packed, saves_a_vector, spread};
 use super::tracer::{LAST, SIDES, Tracer};
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -24,8 +24,6 @@ pub(super) struct Level<T: Scalar> {
     tiles: [u8; LANES],
     /// By lane, how often its tile was asked about.
     asked: [u8; LANES],
-    /// Where the tiles are, by lane, unless they are `within` the region.
-    pub screens: Screens,
     /// By tile, what comes after the segment in its lane; and by lane, bits, clear where there is
     /// none of it.
     later: [Stack<T>; LANES],
@@ -166,10 +164,6 @@ impl<T: Scalar> Level<T> {
         // The centre is rounded too, and so is this.
         let reach = T::PATH_ERROR * tracer.frame.reach[axis];
         T::narrow([half[0] + reach, half[1] + reach], &mut self.batch.half[axis]);
-        if !self.within {
-            f64::narrow(centre, &mut self.screens.centre[axis]);
-            f64::narrow(half, &mut self.screens.half[axis]);
-        }
     }
 
     /// Shortens the segments of the tiles in the batch to what is left of them; returns the lanes
@@ -190,7 +184,7 @@ impl<T: Scalar> Level<T> {
             let region = tracer.method.task.region;
             let asked = ends(simd, near, far);
             let mut clipped = asked;
-            tracer.frame.clip(simd, self.screens.rays(), region, &mut clipped);
+            tracer.frame.clip(simd, (centre, Some(half)), region, &mut clipped);
             left = outward(simd, &asked, &clipped, tracer.size, [near, far]);
         }
         left
@@ -275,12 +269,6 @@ impl<T: Scalar> Level<T> {
         let Tiles { centre: [across, up], half: [wide, high], near, far, .. } = &mut self.batch;
         for lanes in [across, up, wide, high, near, far] {
             T::pack(simd, lanes, kept);
-        }
-        if !self.within {
-            let Screens { centre: [across, up], half: [wide, high] } = &mut self.screens;
-            for lanes in [across, up, wide, high] {
-                f64::pack(simd, lanes, kept);
-            }
         }
     }
 }

@@ -4,15 +4,8 @@ use crate::scalar::{HALF, Scalar};
 use fearless_simd::{f64x4, f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes};
 
-/// The screen coordinates of the rays of up to sixteen tiles: within `half` of `centre`.
-#[derive(Default)]
-pub(super) struct Screens {
-    pub centre: [Lanes<f64>; 2],
-    pub half: [Lanes<f64>; 2],
-}
-
 /// Screen coordinates of rays; or of tiles, and how far their rays are from them.
-pub(super) type Rays<'a, T = f64> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
+pub(super) type Rays<'a, T> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
 
 /// Screen coordinates of a square of sixteen, row by row, given those of its columns and rows.
 #[inline(always)]
@@ -21,12 +14,6 @@ pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[
     let across = across.combine(across);
     let row = |k: usize| f64x4::splat(simd, upward[k]);
     [[across; 2], [row(0).combine(row(1)), row(2).combine(row(3))]]
-}
-
-impl Screens {
-    pub fn rays(&self) -> Rays<'_> {
-        (&self.centre, Some(&self.half))
-    }
 }
 
 /// What is still to be looked at of something: segments, the nearest last.

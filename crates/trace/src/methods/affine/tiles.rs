@@ -15,7 +15,7 @@ use crate::scalar::Scalar;
 use crate::widths::parts;
 use crate::work::Work;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
-use zeroset_eval::{LANES, Lanes};
+use zeroset_eval::{LANES, Lanes, Tiles};
 
 /// A tile is split once its segment is no longer than so many times what it is wide, by level.
 const SLENDER: [f64; 2] = [3.0, 4.0];
@@ -293,7 +293,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let region = self.method.task.region;
             within = 0;
             if region.clip().is_none() && flat | finer != 0 {
-                let rays = level.screens.rays();
+                let Tiles { centre, half, near, far, .. } = &level.batch;
+                let rays = (centre, Some(half));
                 if flat != 0 {
                     // Where all that was asked about lies in the region, so does any part of it.
                     let asked = asked.each_ref().map(|ends| T::wide(simd, ends));
@@ -302,8 +303,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                     within = all & narrowed;
                 }
                 if finer & !within != 0 {
-                    let left =
-                        [&level.batch.near, &level.batch.far].map(|ends| T::wide(simd, ends));
+                    let left = [near, far].map(|ends| T::wide(simd, ends));
                     within |= self.frame.inside(simd, rays, region, left);
                 }
             } else {
