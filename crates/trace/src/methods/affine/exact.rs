@@ -215,9 +215,14 @@ fn clipped<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 4], String> {
     let tiles = Sixteen::random(&picture.1, side, rng);
     let asked = segments(&tiles, &picture, rng);
     let (region, rays, frame) = &picture;
-    let screens = (&tiles.centre, Some(&tiles.half));
     let (mut left, mut alone) = (asked, asked);
+    let mut batch = Tiles::<T>::default();
     let (inside_bits, certain): (u16, [Lanes<T>; 2]) = dispatch!(level, simd => {
+        for (axis, ends) in tiles.centre.iter().zip(&tiles.half).enumerate() {
+            let ends = [f64::wide(simd, ends.0), f64::wide(simd, ends.1)];
+            frame.place_tiles(axis, ends, &mut batch);
+        }
+        let screens = (&batch.centre, Some(&batch.half));
         frame.clip(simd, screens, region, &mut left);
         let certain =
             frame.clip_rays(simd, &tiles.centre, region, frame.size(), &mut alone);

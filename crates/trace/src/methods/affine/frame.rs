@@ -123,6 +123,20 @@ impl RayFrame {
         }
     }
 
+    /// Writes one screen coordinate of tiles: that of their centres, and how far their rays are
+    /// from it, with room for rounding both.
+    #[inline(always)]
+    pub fn place_tiles<S: Simd, T: Scalar>(
+        &self,
+        axis: usize,
+        [centre, half]: [[f64x8<S>; 2]; 2],
+        tiles: &mut Tiles<T>,
+    ) {
+        T::narrow(centre, &mut tiles.centre[axis]);
+        let reach = T::PATH_ERROR * self.reach[axis];
+        T::narrow([half[0] + reach, half[1] + reach], &mut tiles.half[axis]);
+    }
+
     /// Origin (s = 0) and direction of the ray at screen coordinates.
     pub fn ray(&self, [a, b]: [f64; 2]) -> [DVec3; 2] {
         [&self.origin, &self.direction].map(|parts| parts[0] + a * parts[1] + b * parts[2])

@@ -124,7 +124,7 @@ impl<T: Scalar> Level<T> {
         let simd = tracer.simd;
         for axis in 0..2 {
             let [centre, half] = [f64::wide(simd, &centre[axis]), f64::wide(simd, &half[axis])];
-            self.put(tracer, axis, [centre, half]);
+            tracer.frame.place_tiles(axis, [centre, half], &mut self.batch);
         }
         open
     }
@@ -146,24 +146,9 @@ impl<T: Scalar> Level<T> {
         let upward = tracer.rays.screens(1, 2 * top + side - 1, 2 * side);
         let half = f64x8::splat(tracer.simd, (side - 1) as f64 * tracer.rays.unit);
         for (axis, centre) in spread(tracer.simd, across, upward).into_iter().enumerate() {
-            self.put(tracer, axis, [centre, [half; 2]]);
+            tracer.frame.place_tiles(axis, [centre, [half; 2]], &mut self.batch);
         }
         tracer.open_in_square([column, row])
-    }
-
-    /// Puts one screen coordinate of the tiles into the batch: that of their centres, and how far
-    /// their rays are from it.
-    #[inline(always)]
-    fn put<S: Simd>(
-        &mut self,
-        tracer: &Tracer<'_, '_, '_, T, S>,
-        axis: usize,
-        [centre, half]: [[f64x8<S>; 2]; 2],
-    ) {
-        T::narrow(centre, &mut self.batch.centre[axis]);
-        // The centre is rounded too, and so is this.
-        let reach = T::PATH_ERROR * tracer.frame.reach[axis];
-        T::narrow([half[0] + reach, half[1] + reach], &mut self.batch.half[axis]);
     }
 
     /// Shortens the segments of the tiles in the batch to what is left of them; returns the lanes
