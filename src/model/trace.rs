@@ -310,7 +310,8 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
             let needs_normals = shader.is_none() || is_solid || settings.antialias != Pattern::ONE;
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
-                brackets: settings.brackets,
+                // Layers are merged by theirs.
+                brackets: settings.brackets || model.seen().count() > 1,
                 caps: is_solid,
             };
             let (layer, found) =
@@ -337,7 +338,10 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
                 break;
             }
         }
-        let buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
+        let mut buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
+        if !settings.brackets {
+            buffer.bracket.clear();
+        }
         // Of several surfaces, or of rows that are not kept, they are others.
         let is_counted = self.own.is_none() && model.seen().count() == 1;
         let counts =

@@ -309,7 +309,8 @@ impl GBuffer {
 
     /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and
     /// the nearer painted point are kept. Of an undecided segment and a hit at the same distance,
-    /// the former is kept.
+    /// the former is kept. What is undecided is so from where the bracket of a hit begins, if that is
+    /// nearer: so it takes brackets to keep what is claimed true to what is proven.
     ///
     /// # Panics
     /// If the sizes differ.
@@ -318,10 +319,19 @@ impl GBuffer {
         self.keep_as(other);
         for pixel in 0..self.status.len() {
             let (mine, theirs) = (self.distance(pixel), other.distance(pixel));
+            // A hit's zero may be anywhere in its bracket.
+            let begins = |buffer: &Self| match buffer.status[pixel] {
+                Status::Hit => buffer.bracket_of(pixel)[0],
+                _ => f64::NAN,
+            };
+            let begins = begins(self).min(begins(other));
             let is_nearer =
                 theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided);
             if is_nearer {
                 self.take_proven(other, pixel);
+            }
+            if self.status[pixel] == Status::Undecided {
+                self.open_from[pixel] = self.open_from[pixel].min(begins);
             }
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 let [mine, theirs] = [*bracket, other.bracket_of(pixel)];
@@ -497,6 +507,17 @@ mod tests {
         assert_eq!(two.bracket[0], [0.5, 2.0]);
         two.merge(&pixel(Status::Undecided, 0.25, 0.25, 1).with_brackets());
         assert!(two.status[0] == Status::Undecided && two.bracket[0][0].is_nan());
+        // Where there may be a zero before an undecided segment, it is undecided from there.
+        for (hit_first, from, expected) in [(true, 1.25, 1.0), (false, 1.25, 1.0), (true, 0.5, 0.5)]
+        {
+            let open = pixel(Status::Undecided, from, from, 1).with_brackets();
+            let (mut one, mut other) = (bracketed(1.0, 2.0), open);
+            if !hit_first {
+                std::mem::swap(&mut one, &mut other);
+            }
+            one.merge(&other);
+            assert_eq!((one.status[0], one.distance(0)), (Status::Undecided, expected));
+        }
         // A miss changes nothing.
         let before = buffer.clone();
         buffer.merge(&GBuffer::new(1, 1, 3));

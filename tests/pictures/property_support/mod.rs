@@ -25,8 +25,17 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     Some(pixels)
 }
 
-/// A picture of a scene.
+/// A picture of a scene, in which brackets are kept.
 pub fn picture(scene: &Scene, method: &'static Method) -> Option<(Camera, Picture)> {
+    picture_with(scene, method, true)
+}
+
+/// A picture of a scene.
+pub fn picture_with(
+    scene: &Scene,
+    method: &'static Method,
+    brackets: bool,
+) -> Option<(Camera, Picture)> {
     let [[x0, x1], [y0, y1], [z0, z1]] = scene.formula.region;
     let region = Region::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)).ok()?;
     let [eye, target, up] = [scene.eye, scene.target, scene.up].map(DVec3::from_array);
@@ -46,7 +55,7 @@ pub fn picture(scene: &Scene, method: &'static Method) -> Option<(Camera, Pictur
         precision,
         max_depth: scene.depth,
         tolerance: scene.tolerance,
-        brackets: true,
+        brackets,
         ..Settings::default()
     };
     let document = &scene.formula.document;
