@@ -1,11 +1,14 @@
 //! Close views: what is drawn of a part far smaller than its distance from the origin.
 
+use crate::property_support::{claims, picture as picture_of};
 use glam::DVec3;
+use std::cell::Cell;
 use zeroset::model::{Model, render};
 use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{DomainChoice, region};
 use zeroset_syntax::{Document, Options, read};
-use zeroset_trace::{Camera, Precision, Projection, Region, Status};
+use zeroset_testkit::property::{Formula, Scene, picture as hold};
+use zeroset_trace::{Camera, METHODS, Precision, Projection, Region, Status};
 
 const SURFACES: [&str; 5] = [
     "domain 2\nx^2+y^2+z^2 = 1",
@@ -115,6 +118,37 @@ fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
             let ray = rays.ray_of(pixel);
             let off = ray.at(ray.parameter(buffer.drawn[pixel])).length() - 1.0;
             assert!(off.abs() < 0.05, "{precision:?}: off by {off} at {pixel}");
+        }
+    }
+}
+
+#[test]
+fn no_zero_behind_the_eye_is_hit() {
+    // Sheets as close together as `f32` tells places apart near the eye, which is among them.
+    for text in ["sin(1e8*x)", "sin(3e7*x)-y/8", "tan(1e8*x)=y", "sin(1e8*x)<=0"] {
+        for fov in [Ok(60.0), Err(1.0)] {
+            let formula = Formula::given(text, [[-2.0, 2.0]; 3]).expect(text);
+            let scene = Scene {
+                eye: [-0.8, -0.01, -0.88],
+                target: [0.1, 0.2, 0.05],
+                up: [0.0, 1.0, 0.0],
+                fov,
+                size: [16, 16],
+                depth: 10,
+                tolerance: 0.5,
+                precision: "auto",
+                formula,
+            };
+            let hits = Cell::new(0);
+            let tally = hold(&scene, &|scene| {
+                let (camera, picture) = picture_of(scene, &METHODS[0])?;
+                let brackets = &picture.buffer.bracket;
+                assert!(brackets.iter().all(|bracket| !(bracket[0] < 0.0)), "{scene}");
+                hits.set(picture.buffer.counts().hit);
+                Some(claims(scene, &camera, &picture))
+            });
+            assert!(tally.unwrap_or_else(|failure| panic!("{failure}")).defined > 0, "{text}");
+            assert!(hits.get() > 128, "{text}, {fov:?}: {} hits", hits.get());
         }
     }
 }

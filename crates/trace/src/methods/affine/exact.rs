@@ -257,7 +257,8 @@ fn clipped<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 4], String> {
             }
             if inside_bits >> lane & 1 == 1 {
                 counts[2] += 1;
-                if !asked.iter().all(|s| inside(region, &at(&ray, *s, frame.start))) {
+                let is_ahead = asked[0] >= -frame.start;
+                if !is_ahead || !asked.iter().all(|s| inside(region, &at(&ray, *s, frame.start))) {
                     return wrong("not inside");
                 }
             }
@@ -267,7 +268,7 @@ fn clipped<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 4], String> {
                     let s = exact(s);
                     ends.as_ref().is_some_and(|[near, far]| *near <= s && s <= *far)
                 };
-                if !(is_in(first) && is_in(last)) {
+                if first < -frame.start || !(is_in(first) && is_in(last)) {
                     return wrong("not between the faces");
                 }
             }

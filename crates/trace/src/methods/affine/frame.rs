@@ -196,7 +196,7 @@ impl RayFrame {
     /// Shortens segments of single rays to what of them may be in the region, as
     /// [`clip`](Self::clip) does, and returns between which values of s the rays are certainly
     /// between its faces, its clipping plane apart, rounded inward; as [`way::between_faces`] has
-    /// it. No segment reaches farther than `size` from 0.
+    /// it, and not behind the eye. No segment reaches farther than `size` from 0.
     #[inline(always)]
     pub fn clip_rays<S: Simd, T: Scalar>(
         &self,
@@ -239,6 +239,8 @@ impl RayFrame {
                 *last = is_level.select(level, last.min(leave - after));
             }
             *first += T::PATH_ERROR * (first.abs() + size);
+            // No sign counts behind the eye.
+            *first = first.max(T::above(-self.start).into());
             *last -= T::PATH_ERROR * (last.abs() + size);
         }
         f64::narrow(nears, &mut ends[0]);
@@ -250,7 +252,7 @@ impl RayFrame {
     }
 
     /// The lanes in which all of a tile's rays are in the region from the one end to the other, its
-    /// clipping plane apart, as bits.
+    /// clipping plane apart, and not behind the eye, as bits.
     #[inline(always)]
     pub fn inside<S: Simd, T: Scalar>(
         &self,
@@ -265,6 +267,8 @@ impl RayFrame {
         let zero = f64x8::splat(simd, 0.0);
         let mut corners = [[[zero; 2]; 2]; 3];
         for (k, (near, far)) in nears.into_iter().zip(fars).enumerate() {
+            let behind = near.simd_lt(-self.start).to_bitmask() as u16;
+            all &= !(behind << (HALF * k));
             for (axis, [leasts, mosts]) in corners.iter_mut().enumerate() {
                 let [o, d] = [rays.range(origin[axis], k), rays.range(direction[axis], k)];
                 let (a, b) = (near * d[0], near * d[1]);

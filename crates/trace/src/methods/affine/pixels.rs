@@ -228,6 +228,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                     inside = way::inside(region, &ray, start);
                 }
             }
+            // Segments in `T` begin a little behind the eye.
+            span[0] = span[0].max(-start);
             // Not so either if one is not a number.
             let is_left = span[0] <= span[1];
             if !is_left {

@@ -154,6 +154,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
             Step::Open([near, far], Stop::Arithmetic | Stop::Effort) => {
                 let [first, longest] = ways[lane].span;
+                // In `T` it may begin before its ray.
+                let near = near.max(first);
                 // Long enough that what lies behind it is another segment in `T`.
                 let least = T::GRAIN * first.abs().max(longest.abs());
                 let open = STRETCH * (far - near);
