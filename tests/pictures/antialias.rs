@@ -6,7 +6,7 @@ use zeroset::model::Model;
 use zeroset::picture::{Normals, Picture, Settings};
 use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, LinearRgb, METHODS, Pattern, edges};
+use zeroset_trace::{Camera, LinearRgb, METHODS, Pattern, Precision, edges};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let text = example(text).map_or(text, |example| example.text);
@@ -63,6 +63,37 @@ fn more_rays_bring_edges_nearer_to_what_they_are() {
             let rays = edges.iter().filter(|edge| **edge).count() * count;
             assert_eq!(picture.statistics.edge_rays, if count > 1 { rays } else { 0 });
         }
+    }
+}
+
+/// Pixels whose colors are far apart.
+fn apart(one: &Picture, other: &Picture) -> usize {
+    let [one, other] = [one, other].map(|picture| picture.rgb.as_chunks::<3>().0);
+    let is_apart = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 60);
+    one.iter().zip(other).filter(|&pair| is_apart(pair)).count()
+}
+
+#[test]
+fn what_f32_cannot_tell_is_not_painted_along_edges() {
+    // Jumps, a cut, and functions beyond the range of `f32`.
+    for text in [
+        "floor-steps",
+        "mod(x,1)=z",
+        "atan2(y,x)=z",
+        "(x^2+y^2+z^2+(1.5e11)^2-(5e10)^2)^2=4(1.5e11)^2*(x^2+y^2)",
+        "1e-300*(x^2+y^2+z^2-1)=0",
+        "domain 3e11\n(x^2+y^2+z^2+(1.5e11)^2-(5e10)^2)^2=4(1.5e11)^2*(x^2+y^2)\nz=0",
+    ] {
+        let settings = settings(16);
+        let fine = Settings { precision: Precision::F64, ..settings.clone() };
+        let (model, camera) = scene(text, &fine);
+        let fine = picture(&model, &camera, &fine);
+        let (model, camera) = scene(text, &settings);
+        let usual = picture(&model, &camera, &settings);
+        let drawn = (0..96 * 80).filter(|&pixel| fine.buffer.is_drawn(pixel)).count();
+        let apart = apart(&usual, &fine);
+        println!("{text}: {drawn} pixels drawn, {apart} with other colors than in f64");
+        assert!(drawn > 200 && apart <= 2, "{text}: {apart} of {drawn}");
     }
 }
 

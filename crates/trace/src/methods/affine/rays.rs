@@ -152,7 +152,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return;
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
-            Step::Open([near, far], Stop::Arithmetic | Stop::Effort) => {
+            // What is only painted, too: it may be a jump, or out of the range of `T`.
+            Step::Open([near, far], _) => {
                 let [first, longest] = ways[lane].span;
                 // In `T` it may begin before its ray.
                 let near = near.max(first);
