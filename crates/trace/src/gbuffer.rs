@@ -309,8 +309,8 @@ impl GBuffer {
 
     /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and
     /// the nearer painted point are kept. Of an undecided segment and a hit at the same distance,
-    /// the former is kept. What is undecided is so from where the bracket of a hit begins, if that is
-    /// nearer: so it takes brackets to keep what is claimed true to what is proven.
+    /// the former is kept. A pixel that is undecided is so from where the bracket of a hit begins,
+    /// if that is nearer; without brackets a hit's zero is taken to be where it is painted.
     ///
     /// # Panics
     /// If the sizes differ.
