@@ -385,6 +385,8 @@ mod tests {
                         let [origin, direction] = frame.ray([screens[0][lane], screens[1][lane]]);
                         let [first, last] =
                             way::between_faces([origin, direction, frame.error], &region);
+                        // Not behind the eye.
+                        let first = first.max(-frame.start);
                         let is_beside = first > last;
                         assert_eq!(near[lane] > far[lane], is_beside, "{first} {last}");
                         if is_beside {
