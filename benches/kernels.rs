@@ -8,7 +8,7 @@ mod rival;
 use rival::{Comparison, Rival, SURFACES, barth, compare, mitchell, sphere};
 use std::hint::black_box;
 use zeroset_eval::{
-    Assumptions, Binding, Boxes, Enclose, Kernel, LANES, Points, Question, Sample, Tape,
+    Assumptions, Binding, Boxes, Enclose, Kernel, LANES, Points, Query, Sample, Tape,
 };
 use zeroset_interval::Interval;
 use zeroset_ir::{rewrite, simplify};
@@ -37,7 +37,7 @@ fn boxes(half: f64) -> Vec<Boxes> {
 }
 
 /// Native code for a formula in the cube of this half width.
-fn native<Q: Question>(formula: &str, half: f64) -> Native<Q> {
+fn native<Q: Query>(formula: &str, half: f64) -> Native<Q> {
     let document = read(formula, &Options::default()).expect(formula);
     let assumptions =
         Assumptions { domain: [Interval { lo: -half, hi: half }; 3], parameters: Vec::new() };
@@ -49,16 +49,16 @@ fn native<Q: Question>(formula: &str, half: f64) -> Native<Q> {
 }
 
 /// Asks about each batch, over and over.
-fn ask_often<Q: Question>(kernel: &dyn Kernel<Q>, inputs: &[Q::Input<f32>], times: usize) {
+fn ask_often<Q: Query>(kernel: &dyn Kernel<Q>, inputs: &[Q::Input<f32>], times: usize) {
     let mut answers = Q::Output::<f32>::default();
     for input in (0..times).flat_map(|_| inputs) {
-        kernel.ask(black_box(input), black_box(&mut answers));
+        kernel.eval(black_box(input), black_box(&mut answers));
     }
 }
 
 fn time(native: &dyn Kernel<Enclose>, rival: &dyn Kernel<Enclose>, half: f64) -> Comparison {
     let boxes = boxes(half);
-    let (ours, theirs) = (native.ask_all(&boxes), rival.ask_all(&boxes));
+    let (ours, theirs) = (native.eval_all(&boxes), rival.eval_all(&boxes));
     // The same function: enclosures differ by rounding only.
     for (a, b) in ours.iter().zip(&theirs) {
         for lane in 0..LANES {

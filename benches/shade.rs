@@ -13,8 +13,8 @@ use std::hint::black_box;
 use std::time::Instant;
 use zeroset_eval::{Gradients, Kernel, Points, Real, SampleGradient};
 use zeroset_trace::{
-    Appearance, BAND_ROWS, Band, Camera, Driver, Found, GBuffer, Kept, Light, NormalSource,
-    Projection, RayGrid, Segment, Shader, StandardView, Start, Status, Tracer, Work,
+    Appearance, BAND_ROWS, Band, Camera, Driver, GBuffer, Kept, KernelStats, Light, NormalSource,
+    Projection, RayGrid, RayResult, Segment, Shader, StandardView, Start, Status, Tracer,
     hand_back_colors, normals, shade, unset_colors,
 };
 
@@ -25,7 +25,7 @@ const ROUNDS: usize = 201;
 struct HandedOn;
 
 impl<T: Real> Kernel<SampleGradient, T> for HandedOn {
-    fn ask(&self, points: &Points<T>, out: &mut Gradients<T>) {
+    fn eval(&self, points: &Points<T>, out: &mut Gradients<T>) {
         out.gradient = points.at;
     }
 }
@@ -40,7 +40,8 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
         let near = if middle > half { middle - half } else { middle + half };
         if near.is_finite() {
             let status = Status::Hit;
-            buffer.set(pixel, &Found { status, distance: near, drawn: near, ..Found::MISS });
+            buffer
+                .set(pixel, &RayResult { status, distance: near, drawn: near, ..RayResult::MISS });
         }
     }
     buffer
@@ -50,16 +51,16 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
 struct Known<'a>(Option<&'a GBuffer>);
 
 impl Tracer for Known<'_> {
-    fn follow(&self, _: &[Segment], _: Start, _: &mut [Found], _: &mut Work) {}
+    fn follow(&self, _: &[Segment], _: Start, _: &mut [RayResult], _: &mut KernelStats) {}
 
-    fn band(&self, _: &RayGrid, band: &mut Band<'_>, _: &mut Work) {
+    fn band(&self, _: &RayGrid, band: &mut Band<'_>, _: &mut KernelStats) {
         let Some(known) = self.0 else { return };
         for row in 0..band.height {
             let first = (band.top + row) * band.width;
             for column in 0..band.width {
                 let (status, drawn) = (known.status[first + column], known.drawn[first + column]);
                 if status == Status::Hit {
-                    let found = Found { status, distance: drawn, drawn, ..Found::MISS };
+                    let found = RayResult { status, distance: drawn, drawn, ..RayResult::MISS };
                     band.set(column, row, &found);
                 }
             }
@@ -141,7 +142,8 @@ fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     let source = NormalSource::<f32>::Gradient(&HandedOn);
     let (buffer, _) = driver.new_picture(0, Kept::default(), &[], None, parts, |rows, bytes| {
         let canvas = shader.map(|shader| shader.canvas(bytes));
-        canvas.map_or_else(Work::default, |canvas| source.face(rows, rays, 1e-3, Some(canvas)))
+        canvas
+            .map_or_else(KernelStats::default, |canvas| source.face(rows, rays, 1e-3, Some(canvas)))
     });
     black_box(&buffer);
     buffer.hand_back();

@@ -9,9 +9,9 @@ use crate::uniforms::Uniforms;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use zeroset_eval::{
-    Asked, Binding, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel,
-    KernelError, Kernels, Question, Real, Reference, Sample, SampleGradient, SurfaceKernels, Tape,
-    ZeroTest,
+    Binding, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel,
+    KernelError, KernelResult, Kernels, Query, Real, Reference, Sample, SampleGradient,
+    SurfaceKernels, Tape, ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::Compiled;
@@ -124,12 +124,12 @@ fn within_limit(made: &[Made]) -> Result<(), ProgramError> {
 }
 
 /// Code before values are bound, and how values are.
-struct Code<Q: Question, T: Real> {
+struct Code<Q: Query, T: Real> {
     steps: Steps<Q, T>,
     uniforms: Uniforms,
 }
 
-enum Steps<Q: Question, T: Real> {
+enum Steps<Q: Query, T: Real> {
     Native(Compiled<Q, T>),
     Reference(Tape<T>),
 }
@@ -179,7 +179,7 @@ impl Store {
         Self { simplified, ledger: Ledger::default(), evaluator, codes }
     }
 
-    fn make<Q: Question, T: Real>(
+    fn make<Q: Query, T: Real>(
         &self,
         surface: usize,
         form: KernelSource,
@@ -270,14 +270,14 @@ impl<T: Real> Bindings<T> {
     }
 
     /// A form's code with present values bound; `None` if the surface has no such form.
-    fn bind<Q: Question>(
+    fn bind<Q: Query>(
         &self,
         slot: &Slot<Q, T>,
         form: KernelSource,
     ) -> Result<Option<Bound<Q, T>>, KernelError> {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
-                // Asked beforehand, so that no code is made which does not hold.
+                // KernelResult beforehand, so that no code is made which does not hold.
                 let steps = self.store.simplified.steps(self.surface, form, hoisted);
                 if let Ok(Some((_, uniforms))) = &steps
                     && uniforms.values(&self.values).is_none()
@@ -300,7 +300,7 @@ impl<T: Real> Bindings<T> {
     }
 
     /// As [`Bindings::bind`], for forms that the surface has.
-    fn bind_always<Q: Question>(
+    fn bind_always<Q: Query>(
         &self,
         slot: &Slot<Q, T>,
         form: KernelSource,
@@ -309,12 +309,12 @@ impl<T: Real> Bindings<T> {
     }
 
     /// The same, bound when it is first asked for.
-    fn kernel<'a, Q: Question>(
+    fn kernel<'a, Q: Query>(
         &self,
         bound: &'a Once<Bound<Q, T>>,
         slot: &Slot<Q, T>,
         form: KernelSource,
-    ) -> Asked<'a, Q, T> {
+    ) -> KernelResult<'a, Q, T> {
         known(bound.get_or_init(|| self.bind_always(slot, form)))
     }
 
@@ -349,16 +349,16 @@ impl<T: Real> Bindings<T> {
     }
 }
 
-fn known<Q, T>(bound: &Result<Bound<Q, T>, KernelError>) -> Asked<'_, Q, T> {
+fn known<Q, T>(bound: &Result<Bound<Q, T>, KernelError>) -> KernelResult<'_, Q, T> {
     bound.as_deref().map_err(Arc::clone)
 }
 
 impl<T: Real> Kernels<T> for Bindings<T> {
-    fn zeros(&self) -> Asked<'_, FindZeros, T> {
+    fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
         known(self.bound.zeros.get_or_init(|| self.zero_test()))
     }
 
-    fn bounds(&self) -> Asked<'_, Enclose, T> {
+    fn bounds(&self) -> KernelResult<'_, Enclose, T> {
         self.kernel(&self.bound.bounds, &self.codes.bounds, KernelSource::Function)
     }
 
@@ -373,15 +373,15 @@ impl<T: Real> Kernels<T> for Bindings<T> {
         Ok(Some([numerator, denominator]))
     }
 
-    fn segments(&self) -> Asked<'_, ContractSegments, T> {
+    fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
         self.kernel(&self.bound.segments, &self.codes.segments, self.without_poles()?)
     }
 
-    fn tiles(&self) -> Asked<'_, ContractTiles, T> {
+    fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
         self.kernel(&self.bound.tiles, &self.codes.tiles, self.without_poles()?)
     }
 
-    fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T> {
+    fn gradient_bounds(&self) -> KernelResult<'_, EncloseGradient, T> {
         self.kernel(
             &self.bound.gradient_bounds,
             &self.codes.gradient_bounds,
@@ -389,11 +389,11 @@ impl<T: Real> Kernels<T> for Bindings<T> {
         )
     }
 
-    fn values(&self) -> Asked<'_, Sample, T> {
+    fn values(&self) -> KernelResult<'_, Sample, T> {
         self.kernel(&self.bound.values, &self.codes.values, KernelSource::Function)
     }
 
-    fn gradients(&self) -> Asked<'_, SampleGradient, T> {
+    fn gradients(&self) -> KernelResult<'_, SampleGradient, T> {
         self.kernel(&self.bound.gradients, &self.codes.gradients, KernelSource::Gradient)
     }
 }

@@ -244,7 +244,7 @@ impl Model {
         let program = self.program.on(Evaluator::Reference);
         for surface in self.seen() {
             let zeros = program.kernels::<T>(surface).zeros()?;
-            let flat = zeros.ask_all(&boxes).iter().zip(&boxes).all(|(zeros, boxes)| {
+            let flat = zeros.eval_all(&boxes).iter().zip(&boxes).all(|(zeros, boxes)| {
                 let all = u16::MAX >> (u16::BITS - boxes.count);
                 zeros.possible & !zeros.jumping & all == all
             });
@@ -278,14 +278,14 @@ impl Model {
 
 /// How exactly a surface is to be found.
 #[derive(Clone, Copy)]
-struct Aim {
+struct Effort {
     depth: u32,
     tolerance: f64,
     /// Whether nothing is to be proven, only painted.
     for_looks: bool,
 }
 
-impl Aim {
+impl Effort {
     /// As a picture's settings say.
     fn of(settings: &Settings) -> Self {
         Self { depth: settings.max_depth, tolerance: settings.tolerance, for_looks: false }
@@ -296,9 +296,9 @@ impl Aim {
 /// share of the longest bracket.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
-fn options(settings: &Settings, kind: SurfaceKind, aim: Aim) -> TraceOptions {
+fn options(settings: &Settings, kind: SurfaceKind, aim: Effort) -> TraceOptions {
     let Settings { precision, is_preview, steps, ideas, .. } = *settings;
-    let Aim { depth, tolerance, for_looks } = aim;
+    let Effort { depth, tolerance, for_looks } = aim;
     let least = if is_preview || for_looks { PREVIEWED } else { 0.0 };
     // At a pole a surface has no point, but a solid may have a face.
     let suppress_asymptotes = kind == SurfaceKind::Equation;
@@ -325,7 +325,7 @@ pub fn make_kernels<T: KernelFloat>(
         if !wanted() {
             return Ok(());
         }
-        let options = options(settings, kind, Aim::of(settings));
+        let options = options(settings, kind, Effort::of(settings));
         settings.method.prepare(program.surface(surface), region, options).map(drop)
     };
     let other = || match settings.normals {
@@ -346,7 +346,7 @@ pub fn make_kernels<T: KernelFloat>(
 const UNKNOWN: (f64, [f64; 3]) = (f64::NAN, [f64::NAN; 3]);
 
 fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<(f64, [f64; 3])> {
-    let out = T::kernels(surface).gradients().ok()?.ask_all(&Points::near(&[point.to_array()]));
+    let out = T::kernels(surface).gradients().ok()?.eval_all(&Points::near(&[point.to_array()]));
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 

@@ -6,8 +6,8 @@ use glam::DVec3;
 use std::ops::{AddAssign, RangeInclusive};
 use std::time::{Duration, Instant};
 use zeroset_trace::{
-    GBuffer, Ideas, LinearRgb, Look, Method, Pattern, PixelCounts, Proves, Reason, Status,
-    UndecidedStyle, Work, hand_back_colors,
+    GBuffer, Ideas, KernelStats, LinearRgb, Look, Method, Pattern, PixelCounts, Proves, Status,
+    UndecidedReason, UndecidedStyle, hand_back_colors,
 };
 
 pub use zeroset_trace::Precision;
@@ -229,13 +229,14 @@ impl Picture {
 
     /// How many pixels are open only because this is a preview or time was short.
     pub(crate) fn left_open(&self) -> usize {
-        self.statistics.open.reasons[Reason::Budget as usize]
+        self.statistics.open.reasons[UndecidedReason::Budget as usize]
     }
 
     /// Of each pixel, row by row, whether it is open only because this is a preview or time was
     /// short.
     pub(crate) fn unsettled(&self) -> impl Iterator<Item = bool> + '_ {
-        (0..self.buffer.status.len()).map(|pixel| self.buffer.reason(pixel) == Reason::Budget)
+        (0..self.buffer.status.len())
+            .map(|pixel| self.buffer.reason(pixel) == UndecidedReason::Budget)
     }
 
     /// Leaves the memory to the next pictures, which then are made faster. Up to two pictures' is
@@ -248,9 +249,9 @@ impl Picture {
     /// Why pixels are undecided, and how many for each reason, in one line; `None` if none are.
     pub fn why_undecided(&self) -> Option<String> {
         let counts = self.statistics.open.reasons;
-        let parts: Vec<(Reason, usize)> =
-            Reason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
-        if let [(Reason::Unproven, _)] = parts[..] {
+        let parts: Vec<(UndecidedReason, usize)> =
+            UndecidedReason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
+        if let [(UndecidedReason::Unproven, _)] = parts[..] {
             let why = match self.method.proves {
                 Proves::Nothing => {
                     "this method proves nothing of rays that meet the domain, but where the domain \
@@ -280,7 +281,7 @@ pub struct Statistics {
     /// What is known of undecided pixels.
     pub open: Open,
     /// Calls of kernels and lanes they computed, but for edges.
-    pub work: Work,
+    pub work: KernelStats,
     /// Further rays that were followed for the colors of pixels with edges.
     pub edge_rays: usize,
     /// Size of all machine code, in bytes.
@@ -294,8 +295,8 @@ pub struct Statistics {
 /// What is known of undecided pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Open {
-    /// How many there are for each of [`Reason::ALL`].
-    pub reasons: [usize; Reason::ALL.len()],
+    /// How many there are for each of [`UndecidedReason::ALL`].
+    pub reasons: [usize; UndecidedReason::ALL.len()],
     /// How many are not painted, but for those of which that is said otherwise: rays of a method
     /// that proves nothing, or along which no bound of the slope is known.
     pub blank: usize,
@@ -307,13 +308,13 @@ impl Open {
     pub(crate) fn of(buffer: &GBuffer, proves: Proves) -> Self {
         let blank = |pixel: &usize| {
             let is_said = match buffer.reason(*pixel) {
-                Reason::Unproven => proves == Proves::Nothing,
-                reason => reason == Reason::Steep,
+                UndecidedReason::Unproven => proves == Proves::Nothing,
+                reason => reason == UndecidedReason::Steep,
             };
             buffer.status[*pixel] == Status::Undecided && !buffer.is_drawn(*pixel) && !is_said
         };
         let is_unreached = |pixel: &usize| {
-            buffer.reason(*pixel) == Reason::Budget && buffer.distance(*pixel) == 0.0
+            buffer.reason(*pixel) == UndecidedReason::Budget && buffer.distance(*pixel) == 0.0
         };
         let blank: Vec<usize> = (0..buffer.status.len()).filter(blank).collect();
         let unreached = blank.iter().filter(|pixel| is_unreached(pixel)).count();

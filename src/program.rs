@@ -7,7 +7,9 @@ use crate::simplified::Simplified;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
-use zeroset_ir::{Constant, Graph, NodeId, Rank, fix_exponents, radical, ranks, rewrite, simplify};
+use zeroset_ir::{
+    Constant, Graph, NodeId, Variability, fix_exponents, radical, ranks, rewrite, simplify,
+};
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
 pub use crate::simplified::{ClearedGraph, KernelSource, ProgramError};
@@ -172,7 +174,7 @@ impl Program {
     fn constant(&self, surface: usize) -> Option<Interval> {
         let root = self.roots()[surface];
         let varies =
-            ranks(self.graph())[root.index()] == Rank::Varying || self.is_undefined(surface);
+            ranks(self.graph())[root.index()] == Variability::Varying || self.is_undefined(surface);
         (!varies).then(|| self.enclosures[surface].0)
     }
 
@@ -368,7 +370,7 @@ mod tests {
                 .expect("within its range")
                 .unwrap_or_else(|_| program.with(vec![Interval { lo: r, hi: r }]));
             let bounds = program.kernels::<f32>(0).bounds().expect("a kernel");
-            let answer = &bounds.ask_all(&Boxes::around(&[[Interval::ONE; 3]]))[0];
+            let answer = &bounds.eval_all(&Boxes::around(&[[Interval::ONE; 3]]))[0];
             assert_eq!(answer.facts(0).has(Facts::DEFINED), exists, "{r}: {answer:?}");
             assert_eq!(program.made().len(), kernels, "{r}");
         }

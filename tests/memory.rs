@@ -29,7 +29,7 @@ fn cycle(document: &Document) -> usize {
     kernels.gradient_bounds().expect("compiles");
     kernels.cleared().expect("compiles");
     kernels.zeros().expect("compiles");
-    kernels.bounds().expect("compiles").ask_all(&Boxes::around(&[[Interval::ONE; 3]]));
+    kernels.bounds().expect("compiles").eval_all(&Boxes::around(&[[Interval::ONE; 3]]));
     program.made().iter().map(|made| made.bytes).sum()
 }
 

@@ -5,7 +5,8 @@
 use glam::Vec4;
 use std::time::Instant;
 use zeroset_eval::{
-    Asked, Boxes, Enclose, Enclosures, FindZeros, Kernel, Kernels, LANES, SurfaceKernels, Zeros,
+    Boxes, Enclose, Enclosures, FindZeros, Kernel, KernelResult, Kernels, LANES, SurfaceKernels,
+    Zeros,
 };
 
 /// Four intervals as (−lo, hi).
@@ -67,7 +68,7 @@ pub struct Rival<F>(pub F);
 
 impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<Enclose> for Rival<F> {
     #[inline]
-    fn ask(&self, boxes: &Boxes, answers: &mut Enclosures) {
+    fn eval(&self, boxes: &Boxes, answers: &mut Enclosures) {
         // What is in use, in whole registers, as a native kernel takes it.
         for lane in (0..LANES).step_by(4).take_while(|lane| *lane < boxes.count as usize) {
             let value = self.0([0, 1, 2].map(|axis| Four::load(boxes, axis, lane)));
@@ -80,7 +81,7 @@ impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<Enclose> for Rival<F> {
 
 impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<FindZeros> for Rival<F> {
     #[inline]
-    fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
+    fn eval(&self, boxes: &Boxes, zeros: &mut Zeros) {
         *zeros = Zeros::default();
         for lane in (0..LANES).step_by(4).take_while(|lane| *lane < boxes.count as usize) {
             let value = self.0([0, 1, 2].map(|axis| Four::load(boxes, axis, lane)));
@@ -91,7 +92,7 @@ impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<FindZeros> for Rival<F> {
 }
 
 impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernels<f32> for Rival<F> {
-    fn zeros(&self) -> Asked<'_, FindZeros, f32> {
+    fn zeros(&self) -> KernelResult<'_, FindZeros, f32> {
         Ok(self)
     }
 }

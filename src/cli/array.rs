@@ -183,15 +183,18 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeroset_trace::{Found, Status};
+    use zeroset_trace::{RayResult, Status};
 
     #[test]
     fn what_memory_holds_of_an_earlier_picture_is_not_written() {
         let mut buffer = GBuffer::new(2, 1, 0);
         buffer.normal.fill([0.0, 0.6, 0.8]);
-        buffer.set(0, &Found { status: Status::Undecided, distance: 3.0, ..Found::MISS });
-        buffer.set(0, &Found::MISS);
-        buffer.set(1, &Found { status: Status::Hit, distance: 2.0, drawn: 2.0, ..Found::MISS });
+        buffer.set(0, &RayResult { status: Status::Undecided, distance: 3.0, ..RayResult::MISS });
+        buffer.set(0, &RayResult::MISS);
+        buffer.set(
+            1,
+            &RayResult { status: Status::Hit, distance: 2.0, drawn: 2.0, ..RayResult::MISS },
+        );
         assert_eq!(normals(&buffer).collect::<Vec<_>>(), [0.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
         assert_eq!(distances(&buffer).collect::<Vec<_>>(), [f64::INFINITY, 2.0]);
     }

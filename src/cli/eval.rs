@@ -177,7 +177,7 @@ fn sample<T: KernelFloat>(
     bounds: &dyn Kernel<Enclose, T>,
     point: [f64; 3],
 ) -> Value {
-    let out = gradient.ask_all(&Points::near(&[point]));
+    let out = gradient.eval_all(&Points::near(&[point]));
     // Rounding makes numbers of what has no value, as of atan(1/x) at 0: enclosures tell, of the
     // point as it is rather than of its nearest neighbour in `T`.
     let facts = if point.iter().all(|c| c.is_finite()) {
@@ -210,7 +210,7 @@ fn bounds_and_facts<T: KernelFloat>(
     kernel: &dyn Kernel<Enclose, T>,
     bounds: [Interval; 3],
 ) -> (Interval, Facts) {
-    let out = kernel.ask_all(&Boxes::around(&[bounds]));
+    let out = kernel.eval_all(&Boxes::around(&[bounds]));
     // Added to 0, so that no bound is printed as -0.
     let bounds = Interval { lo: 0.0 - out[0].neg_lo[0].into(), hi: 0.0 + out[0].hi[0].into() };
     (bounds, out[0].facts(0))

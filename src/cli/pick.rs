@@ -7,7 +7,7 @@ use zeroset::live::{Rendering, Request, quote};
 use zeroset::picture::Precision;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
-use zeroset_trace::{MethodOption, Proves, Reason, Status};
+use zeroset_trace::{MethodOption, Proves, Status, UndecidedReason};
 
 /// A place of the surface that is seen in a pixel.
 pub struct Pick<'a> {
@@ -55,7 +55,7 @@ impl<'a> Pick<'a> {
             _ => format!("surface {}  ", buffer.surface[self.pixel] + 1),
         };
         let is_open = buffer.status[self.pixel] == Status::Undecided
-            && buffer.reason(self.pixel) != Reason::Unproven;
+            && buffer.reason(self.pixel) != UndecidedReason::Unproven;
         let open = if is_open { "  undecided" } else { "" };
         Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
     }
@@ -68,7 +68,7 @@ impl<'a> Pick<'a> {
         let status = match buffer.status[self.pixel] {
             Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
             Status::Hit => "hit: proven".to_owned(),
-            Status::Undecided if buffer.reason(self.pixel) == Reason::Unproven => {
+            Status::Undecided if buffer.reason(self.pixel) == UndecidedReason::Unproven => {
                 let method = self.rendering.picture.method;
                 match (method.proves, self.point) {
                     (Proves::Nothing, _) => format!("undecided: {} proves nothing", method.name),

@@ -4,7 +4,7 @@ use super::subject::Subject;
 use serde_json::{Map, Value, json};
 use zeroset::domain::AutoDomain;
 use zeroset::picture::{Picture, Settings};
-use zeroset_trace::{Camera, Count, Projection, Reason, Region};
+use zeroset_trace::{Camera, Count, Projection, Region, UndecidedReason};
 
 /// Times, counts, camera and domain of a picture.
 pub fn object(
@@ -39,7 +39,7 @@ pub fn object(
             })
         })
         .collect();
-    let reasons: Map<String, Value> = Reason::ALL
+    let reasons: Map<String, Value> = UndecidedReason::ALL
         .iter()
         .zip(statistics.open.reasons)
         .map(|(reason, count)| (reason.name().to_owned(), count.into()))

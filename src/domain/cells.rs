@@ -118,7 +118,7 @@ impl Search<'_> {
         let mut values = Vec::with_capacity(places.len());
         for points in Points::near(places) {
             let mut found = Values::<f64>::default();
-            kernel.ask(&points, &mut found);
+            kernel.eval(&points, &mut found);
             values.extend_from_slice(&found.value[..points.count as usize]);
         }
         values
@@ -146,7 +146,7 @@ impl Search<'_> {
             let mut possible = 0;
             for surface in &self.surfaces {
                 let mut zeros = Zeros::default();
-                surface.ask(&boxes, &mut zeros);
+                surface.eval(&boxes, &mut zeros);
                 possible |= zeros.possible;
             }
             let left = chunk.iter().enumerate().filter(|(lane, _)| possible >> lane & 1 == 1);
@@ -182,7 +182,7 @@ impl Search<'_> {
             let mut possible = 0;
             for surface in &self.forms {
                 let mut planes = Planes::default();
-                surface.ask(&tiles, &mut planes);
+                surface.eval(&tiles, &mut planes);
                 possible |= planes.possible;
             }
             let left = chunk.iter().enumerate().filter(|(lane, _)| possible >> lane & 1 == 1);

@@ -4,7 +4,7 @@ use super::coming;
 use super::pipeline::Rendering;
 use super::status::ms;
 use crate::picture::Settings;
-use zeroset_trace::{METHODS, Proves, Reason};
+use zeroset_trace::{METHODS, Proves, UndecidedReason};
 
 /// Stands for the first method that proves hits and misses.
 const PROVER: &str = "{prover}";
@@ -52,15 +52,15 @@ pub(super) fn explained() -> String {
 }
 
 /// What is said of so many pixels, after "undecided".
-fn why(reason: Reason) -> &'static str {
+fn why(reason: UndecidedReason) -> &'static str {
     match reason {
-        Reason::None => "no reason known",
-        Reason::Touching => "touching",
-        Reason::Undefined => "perhaps undefined",
-        Reason::Discontinuous => "perhaps a jump",
-        Reason::Budget => "out of time",
-        Reason::Unproven => "not proven",
-        Reason::Steep => "too steep",
+        UndecidedReason::None => "no reason known",
+        UndecidedReason::Touching => "touching",
+        UndecidedReason::Undefined => "perhaps undefined",
+        UndecidedReason::Discontinuous => "perhaps a jump",
+        UndecidedReason::Budget => "out of time",
+        UndecidedReason::Unproven => "not proven",
+        UndecidedReason::Steep => "too steep",
     }
 }
 
@@ -96,17 +96,19 @@ impl Rendering {
 
     /// What of the picture is proven.
     fn proven(&self) -> String {
-        let reasons = Reason::ALL.into_iter().zip(self.picture.buffer.reasons());
-        let open: Vec<(Reason, usize)> = reasons.filter(|(_, count)| *count > 0).collect();
+        let reasons = UndecidedReason::ALL.into_iter().zip(self.picture.buffer.reasons());
+        let open: Vec<(UndecidedReason, usize)> = reasons.filter(|(_, count)| *count > 0).collect();
         let count = self.picture.statistics.pixels.undecided;
         let plural = if count == 1 { "" } else { "s" };
         match (&open[..], self.picture.method.proves) {
             ([], _) => "every pixel proven".to_owned(),
-            ([(Reason::Unproven, _)], Proves::Nothing) => "nothing proven".to_owned(),
-            ([(Reason::Unproven, _)], Proves::Misses) => "only misses proven".to_owned(),
+            ([(UndecidedReason::Unproven, _)], Proves::Nothing) => "nothing proven".to_owned(),
+            ([(UndecidedReason::Unproven, _)], Proves::Misses) => "only misses proven".to_owned(),
             ([(reason, _)], _) => format!("{count} pixel{plural} undecided: {}", why(*reason)),
             (several, _) => {
-                let part = |(reason, count): &(Reason, usize)| format!("{count} {}", why(*reason));
+                let part = |(reason, count): &(UndecidedReason, usize)| {
+                    format!("{count} {}", why(*reason))
+                };
                 let parts: Vec<String> = several.iter().map(part).collect();
                 format!("{count} pixels undecided: {}", parts.join(", "))
             }
@@ -142,8 +144,8 @@ mod tests {
         }
         let all = explained();
         assert!(all.contains("the method affine proves both") && !all.contains('{'), "{all}");
-        for reason in Reason::ALL.into_iter().filter(|one| *one != Reason::None) {
-            assert!(all.contains(why(reason)) || reason == Reason::Unproven, "{reason:?}");
+        for reason in UndecidedReason::ALL.into_iter().filter(|one| *one != UndecidedReason::None) {
+            assert!(all.contains(why(reason)) || reason == UndecidedReason::Unproven, "{reason:?}");
         }
         let hidden = said("hidden\nx^2+y^2+z^2 = 1", "affine");
         assert_eq!(hidden, "nothing is seen: every surface is hidden");

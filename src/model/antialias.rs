@@ -1,9 +1,9 @@
 //! Colors of pixels through which an edge goes: the mean over many rays, each followed and lit as
 //! the one through the centre was.
 
-use super::Aim;
+use super::Effort;
 use super::paint::Finish;
-use super::trace::{Shot, Tracers};
+use super::trace::{RenderPass, Tracers};
 use crate::picture::Settings;
 use crate::program::ProgramError;
 use rayon::prelude::*;
@@ -25,7 +25,7 @@ const STEEPER: f64 = 2.0;
 /// Room for a part, and for one surface of it.
 type Buffers = [GBuffer; 2];
 
-impl<T: KernelFloat> Shot<'_, T> {
+impl<T: KernelFloat> RenderPass<'_, T> {
     /// Gives pixels with edges the mean of their colors; returns how many rays it took.
     pub(super) fn smooth_edges(
         &self,
@@ -39,7 +39,7 @@ impl<T: KernelFloat> Shot<'_, T> {
         // Pixels of the finer picture are so much smaller. What is near a silhouette in depth is as
         // near to the eye.
         let tolerance = tolerance * pattern.side as f64;
-        let aim = Aim { tolerance, for_looks: true, ..Aim::of(self.settings) };
+        let aim = Effort { tolerance, for_looks: true, ..Effort::of(self.settings) };
         let mut wanted = edges(picture, rays);
         for layer in layers {
             // What is seen through a surface has edges, too.
@@ -79,7 +79,7 @@ impl<T: KernelFloat> Shot<'_, T> {
 }
 
 struct Edges<'a, T> {
-    shot: &'a Shot<'a, T>,
+    shot: &'a RenderPass<'a, T>,
     tracers: &'a Tracers<'a>,
     rays: &'a RayGrid,
     finer: RayGrid,

@@ -4,7 +4,7 @@
 //! What is claimed of pixels is about the nearest point, and nothing here changes that.
 
 use super::paint::Finish;
-use super::trace::{Shot, Tracers};
+use super::trace::{RenderPass, Tracers};
 use crate::program::ProgramError;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
@@ -22,7 +22,7 @@ const DARK: f32 = 1.0 / 512.0;
 /// be something else.
 const PIXELS_BEHIND: f64 = 2.0;
 
-impl<T: KernelFloat> Shot<'_, T> {
+impl<T: KernelFloat> RenderPass<'_, T> {
     /// Whether anything shows what is behind it.
     pub fn is_translucent(&self) -> bool {
         self.model.seen().any(|surface| self.model.styles[surface].opacity < 1.0)

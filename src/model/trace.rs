@@ -4,7 +4,7 @@ mod light;
 
 use super::paint::Painter;
 use super::strips::Overview;
-use super::{Aim, Model, Stopwatch, options};
+use super::{Effort, Model, Stopwatch, options};
 use crate::picture::{Normals, Open, Picture, Precision, Settings, Statistics, Times};
 use crate::program::ProgramError;
 use std::marker::PhantomData;
@@ -15,8 +15,8 @@ use std::time::Duration;
 use zeroset_eval::KernelFloat;
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
-    BAND_ROWS, Camera, Driver, GBuffer, Kept, NormalSource, Pattern, PixelCounts, RayGrid, Rows,
-    Shader, Tracer, Work, cap, cap_rows, normals, unset_colors,
+    BAND_ROWS, Camera, Driver, GBuffer, Kept, KernelStats, NormalSource, Pattern, PixelCounts,
+    RayGrid, Rows, Shader, Tracer, cap, cap_rows, normals, unset_colors,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -60,10 +60,12 @@ impl Model {
     ) -> Result<Picture, ProgramError> {
         match settings.precision {
             Precision::Auto | Precision::F32 => {
-                Shot { overview, own, ..Shot::<f32>::new(self, settings, advance) }.take(rays)
+                RenderPass { overview, own, ..RenderPass::<f32>::new(self, settings, advance) }
+                    .take(rays)
             }
             Precision::F64 => {
-                Shot { overview, own, ..Shot::<f64>::new(self, settings, advance) }.take(rays)
+                RenderPass { overview, own, ..RenderPass::<f64>::new(self, settings, advance) }
+                    .take(rays)
             }
         }
     }
@@ -85,9 +87,11 @@ impl Model {
         let rays = camera.rays(settings.width, settings.height);
         match settings.precision {
             Precision::Auto | Precision::F32 => {
-                Shot::<f32>::new(self, settings, advance).settle(picture, &rays)
+                RenderPass::<f32>::new(self, settings, advance).settle(picture, &rays)
             }
-            Precision::F64 => Shot::<f64>::new(self, settings, advance).settle(picture, &rays),
+            Precision::F64 => {
+                RenderPass::<f64>::new(self, settings, advance).settle(picture, &rays)
+            }
         }
     }
 
@@ -110,9 +114,11 @@ impl Model {
         let rays = camera.rays(settings.width, settings.height);
         match settings.precision {
             Precision::Auto | Precision::F32 => {
-                Shot::<f32>::new(self, settings, advance).relight(picture, &rays)
+                RenderPass::<f32>::new(self, settings, advance).relight(picture, &rays)
             }
-            Precision::F64 => Shot::<f64>::new(self, settings, advance).relight(picture, &rays),
+            Precision::F64 => {
+                RenderPass::<f64>::new(self, settings, advance).relight(picture, &rays)
+            }
         }
     }
 }
@@ -125,13 +131,13 @@ struct Traced {
     buffer: GBuffer,
     /// How many pixels have each status, if they were counted while they were in the caches.
     counts: Option<PixelCounts>,
-    work: Work,
+    work: KernelStats,
     /// Colors, if they are known already.
     rgb: Option<Vec<u8>>,
 }
 
 /// What all parts of a picture share; colors come from kernels of `T`.
-pub(super) struct Shot<'a, T> {
+pub(super) struct RenderPass<'a, T> {
     pub model: &'a Model,
     pub settings: &'a Settings,
     pub advance: Advance<'a>,
@@ -142,13 +148,17 @@ pub(super) struct Shot<'a, T> {
     floats: PhantomData<fn() -> T>,
 }
 
-impl<'a, T: KernelFloat> Shot<'a, T> {
+impl<'a, T: KernelFloat> RenderPass<'a, T> {
     fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
         Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
     }
 
     /// The method at work on a surface.
-    pub fn tracer(&self, surface: usize, aim: Aim) -> Result<Box<dyn Tracer + 'a>, ProgramError> {
+    pub fn tracer(
+        &self,
+        surface: usize,
+        aim: Effort,
+    ) -> Result<Box<dyn Tracer + 'a>, ProgramError> {
         let options = options(self.settings, self.model.styles[surface].kind, aim);
         let (surface, region) = (self.model.program.surface(surface), &self.model.region);
         Ok(self.settings.method.prepare(surface, region, options)?)
@@ -163,7 +173,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         only: &[bool],
         layer: &mut GBuffer,
         advance: Advance<'_>,
-    ) -> Result<Work, ProgramError> {
+    ) -> Result<KernelStats, ProgramError> {
         let mut work = Driver { rays, tracer, advance }.picture_where(only, layer);
         layer.surface.fill(surface as u16);
         if self.model.styles[surface].kind == SurfaceKind::Solid {
@@ -179,10 +189,10 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         surface: usize,
         rays: &RayGrid,
         layer: &mut GBuffer,
-    ) -> Result<Work, ProgramError> {
+    ) -> Result<KernelStats, ProgramError> {
         let source = self.normals_of(surface)?;
         let face = |source| normals(layer, rays, source, self.extent() * STEP);
-        Ok(source.map_or_else(Work::default, face))
+        Ok(source.map_or_else(KernelStats::default, face))
     }
 
     /// What answers for a surface's normals, if they are wanted.
@@ -273,20 +283,20 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
         let Self { model, settings, advance, .. } = *self;
         let mut watch = Stopwatch::start();
         let (width, height) = (rays.width(), rays.height());
-        let mut work = Work::default();
+        let mut work = KernelStats::default();
         let mut picture: Option<GBuffer> = None;
         let counted = Mutex::new(PixelCounts::default());
         let mut rgb = shader.map(|_| unset_colors(width * height));
         let last = model.seen().last();
         for surface in model.seen() {
-            let tracer = self.tracer(surface, Aim::of(settings))?;
+            let tracer = self.tracer(surface, Effort::of(settings))?;
             let source = self.normals_of(surface)?;
             let is_solid = model.styles[surface].kind == SurfaceKind::Solid;
             let kernels = model.program.kernels::<T>(surface);
             let solid = if is_solid { Some(kernels.bounds()?) } else { None };
             let shading = AtomicU64::new(0);
             let finish = |rows: &mut Rows<'_>, bytes: &mut [u8]| {
-                let mut work = Work::default();
+                let mut work = KernelStats::default();
                 if let Some(kernel) = solid {
                     work += cap_rows(rows, rays, &model.region, kernel, only);
                 }
@@ -398,7 +408,7 @@ impl<'a, T: KernelFloat> Shot<'a, T> {
     }
 
     /// The method at work on each surface that is seen, with its number.
-    pub fn tracers(&self, aim: Aim) -> Result<Tracers<'a>, ProgramError> {
+    pub fn tracers(&self, aim: Effort) -> Result<Tracers<'a>, ProgramError> {
         let one = |surface| Ok((surface, self.tracer(surface, aim)?));
         self.model.seen().map(one).collect()
     }

@@ -7,7 +7,7 @@ use zeroset::model::Model;
 use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::{METHODS, Reason, Region, Status};
+use zeroset_trace::{METHODS, UndecidedReason, Region, Status};
 
 /// Two surfaces, of which one throws a shadow on the other.
 const TEXT: &str = "domain 2\nz = -1\nx^2+y^2+z^2 = 1/2";
@@ -81,7 +81,7 @@ fn what_is_left_off_claims_nothing() {
             let (part, whole) = (&part.buffer, &whole.buffer);
             let mut count = 0;
             for pixel in 0..256 * 64 {
-                if part.status[pixel] == Status::Undecided && part.reason(pixel) == Reason::Budget {
+                if part.status[pixel] == Status::Undecided && part.reason(pixel) == UndecidedReason::Budget {
                     assert!(part.distance(pixel) == 0.0 && part.bracket[pixel][0].is_nan());
                     count += 1;
                 } else {
@@ -105,7 +105,7 @@ fn a_budget_of_time_ends_a_picture() {
     let settings = Settings { budget: Some(Duration::ZERO), ..Settings::default() };
     let model = Model::new(&document, &region, &settings).expect("compiles");
     let (none, _) = picture(&model, &settings, usize::MAX);
-    assert_eq!(none.buffer.reasons()[Reason::Budget as usize], 512 * 512);
+    assert_eq!(none.buffer.reasons()[UndecidedReason::Budget as usize], 512 * 512);
     assert!(none.buffer.drawn.iter().all(|drawn| drawn.is_infinite()));
     let settings = Settings { budget: Some(Duration::MAX), ..settings };
     let (whole, _) = picture(&model, &settings, usize::MAX);

@@ -5,7 +5,7 @@ use zeroset::program::Program;
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, Light, METHODS, Projection, Status, TraceOptions, Work,
+    Camera, Driver, GBuffer, KernelStats, Light, METHODS, Projection, Status, TraceOptions,
 };
 
 const SIZE: [usize; 2] = [96, 80];
@@ -95,7 +95,7 @@ fn what_is_dark_already_is_followed_to_the_light_no_more() {
             driver.picture(&mut layer);
             seen.merge(&layer);
         }
-        let shadows = |buffer: &mut GBuffer, surface: usize| -> Work {
+        let shadows = |buffer: &mut GBuffer, surface: usize| -> KernelStats {
             drivers[surface].shadows(buffer, &lights, 0.02)
         };
         let alone = [0, 1].map(|surface| {
@@ -111,8 +111,8 @@ fn what_is_dark_already_is_followed_to_the_light_no_more() {
         assert!(both.shadow == either, "{}: other shadows", method.name);
         let dark = |shadow: &[u8]| shadow.iter().filter(|dark| **dark > 0).count();
         assert!(dark(one) > 100 && dark(&either) > dark(one), "{}: {}", method.name, dark(one));
-        let lanes = |work: &Work| {
-            let Work { interval, tiles, segments, point, gradient, given_up: _ } = work;
+        let lanes = |work: &KernelStats| {
+            let KernelStats { interval, tiles, segments, point, gradient, given_up: _ } = work;
             [interval, tiles, segments, point, gradient]
                 .map(|count| count.lanes)
                 .iter()

@@ -5,7 +5,9 @@ use glam::DVec3;
 use zeroset::model::render;
 use zeroset::picture::{Picture, Settings};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Method, Projection, Proves, RayGrid, Reason, Region, Status};
+use zeroset_trace::{
+    Camera, METHODS, Method, Projection, Proves, RayGrid, Region, Status, UndecidedReason,
+};
 
 const SIDE: usize = 48;
 const SPHERE: &str = "x^2+y^2+z^2-1";
@@ -105,7 +107,7 @@ fn march_passes_over_what_is_thinner_than_its_steps() {
     assert!(coarse(16384) > there * 9 / 10, "{} of {there}", coarse(16384));
     // What is not seen is not denied.
     let (_, picture) = picture(SHELL, "march", |settings| settings.steps = 32);
-    assert_eq!(picture.buffer.reasons()[Reason::Unproven as usize], SIDE * SIDE);
+    assert_eq!(picture.buffer.reasons()[UndecidedReason::Unproven as usize], SIDE * SIDE);
     assert!(picture.why_undecided().expect("all").contains("proves nothing"));
 }
 
@@ -148,14 +150,14 @@ fn mitchell_leaves_open_what_only_touches() {
     assert!(counts.hit == 0 && counts.undecided > 700 && counts.miss > 400, "{counts:?}");
     let drawn = (0..SIDE * SIDE).filter(|&pixel| buffer.is_drawn(pixel)).count();
     assert_eq!(drawn, counts.undecided);
-    assert_eq!(buffer.reasons()[Reason::Touching as usize], counts.undecided);
+    assert_eq!(buffer.reasons()[UndecidedReason::Touching as usize], counts.undecided);
 }
 
 #[test]
 fn sphere_says_where_it_has_no_bound() {
     // Its slope is infinite at z = 0, and the cone's is bounded everywhere.
     let (frame, picture) = picture("cbrt(z)+x", "sphere", |_| {});
-    let steep = |pixel: usize| picture.buffer.reason(pixel) == Reason::Steep;
+    let steep = |pixel: usize| picture.buffer.reason(pixel) == UndecidedReason::Steep;
     assert!((0..SIDE * SIDE).all(|pixel| steep(pixel) != picture.buffer.is_drawn(pixel)));
     // Of each ray past it a bound is found, if its parts are short enough.
     for pixel in (0..SIDE * SIDE).filter(|&pixel| steep(pixel)) {
@@ -169,7 +171,7 @@ fn sphere_says_where_it_has_no_bound() {
 #[test]
 fn sphere_takes_no_more_steps_than_it_may() {
     let (_, few) = picture(SPHERE, "sphere", |settings| settings.steps = 3);
-    assert!(few.buffer.reasons()[Reason::Budget as usize] > 700);
+    assert!(few.buffer.reasons()[UndecidedReason::Budget as usize] > 700);
     assert_eq!(few.buffer.counts().hit, 0);
 }
 

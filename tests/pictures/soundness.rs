@@ -14,8 +14,8 @@ use zeroset_testkit::{Case, Effort, GraphOptions, typed};
 struct First(Program);
 
 impl Kernel<Enclose> for First {
-    fn ask(&self, boxes: &Boxes, enclosures: &mut Enclosures) {
-        self.0.kernels(0).bounds().expect("compiles").ask(boxes, enclosures);
+    fn eval(&self, boxes: &Boxes, enclosures: &mut Enclosures) {
+        self.0.kernels(0).bounds().expect("compiles").eval(boxes, enclosures);
     }
 }
 

@@ -9,7 +9,9 @@ use std::fs::File;
 use zeroset::model::render;
 use zeroset::picture::{Picture, Precision, Settings};
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::{Camera, METHODS, Method, Projection, Proves, RayGrid, Reason, Region, Status};
+use zeroset_trace::{
+    Camera, METHODS, Method, Projection, Proves, RayGrid, Region, Status, UndecidedReason,
+};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -301,7 +303,7 @@ fn every_painted_point_has_a_normal() {
             // known nothing is drawn.
             let touches = formula.contains("z^2-1)");
             let is_blind = touches && method.proves == Proves::Nothing
-                || buffer.reasons()[Reason::Steep as usize] > 0;
+                || buffer.reasons()[UndecidedReason::Steep as usize] > 0;
             assert!(painted > 20 || is_blind, "{formula} by {method:?} from {eye}: {painted}");
         }
     }

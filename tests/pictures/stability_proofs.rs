@@ -8,7 +8,7 @@ use zeroset::model::render;
 use zeroset::picture::{Picture, Settings};
 use zeroset::scene::{self, CameraChoice};
 use zeroset_testkit::property::{Formula, Scene, picture as hold};
-use zeroset_trace::{Camera, Projection, Reason, Status};
+use zeroset_trace::{Camera, Projection, Status, UndecidedReason};
 
 /// As small as the reference is exact.
 fn settings() -> Settings {
@@ -64,8 +64,8 @@ fn proofs_are_true_and_little_is_undecided() {
             counts.undecided,
             100.0 * share,
             100.0 * max_undecided,
-            Reason::ALL
-                .map(Reason::name)
+            UndecidedReason::ALL
+                .map(UndecidedReason::name)
                 .iter()
                 .zip(picture.buffer.reasons())
                 .filter(|(_, n)| *n > 0)

@@ -5,7 +5,7 @@ use glam::DVec3;
 use zeroset::model::render;
 use zeroset::picture::{Picture, Settings};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, Reason, Region};
+use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, Region, UndecidedReason};
 
 const SIDE: usize = 41;
 
@@ -42,7 +42,7 @@ fn check_with(
     let (mut seen, mut steep) = (0, 0);
     for pixel in 0..SIDE * SIDE {
         // A method that needs bounds of the slope says so at a jump.
-        if picture.buffer.reason(pixel) == Reason::Steep {
+        if picture.buffer.reason(pixel) == UndecidedReason::Steep {
             assert!(method.name == "sphere" && !picture.buffer.is_drawn(pixel), "{formula}");
             steep += 1;
             continue;

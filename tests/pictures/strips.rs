@@ -5,7 +5,7 @@ use zeroset::picture::{Picture, Precision, Settings};
 use zeroset::program::ProgramError;
 use zeroset::scene::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Found, GBuffer, Pattern, UndecidedStyle};
+use zeroset_trace::{Camera, GBuffer, Pattern, RayResult, UndecidedStyle};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let document = read(text, &Options::default()).expect("reads");
@@ -24,7 +24,10 @@ fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
     let pixels = parts.iter().flat_map(|part| (0..part.status.len()).map(move |k| (part, k)));
     for (pixel, (part, k)) in pixels.enumerate() {
         let (status, distance, drawn) = (part.status[k], part.distance(k), part.drawn[k]);
-        all.set(pixel, &Found { status, distance, drawn, reason: part.reason(k), ..Found::MISS });
+        all.set(
+            pixel,
+            &RayResult { status, distance, drawn, reason: part.reason(k), ..RayResult::MISS },
+        );
         all.surface.set(pixel, part.surface[k], parts.iter().map(|part| part.status.len()).sum());
     }
     all.bracket = both(parts.map(|part| &part.bracket));

@@ -11,7 +11,7 @@ use zeroset::picture::{Precision, Settings};
 use zeroset::program::Program;
 use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::{Camera, Found, GBuffer, Method, Projection, RayGrid, Status};
+use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status};
 
 /// The depth of the table.
 const DEPTH: u32 = 12;
@@ -147,7 +147,7 @@ fn false_claims_are_noticed() {
     for (index, pixel) in sphere.pixels.iter().enumerate() {
         let distance = pixel.zero * (1.0 + 4.0 * rounding(Precision::F32));
         let status = Status::Undecided;
-        late.set(index, &Found { status, distance, drawn: distance, ..Found::MISS });
+        late.set(index, &RayResult { status, distance, drawn: distance, ..RayResult::MISS });
     }
     assert_eq!(noticed(&late), roots);
 

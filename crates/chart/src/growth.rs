@@ -21,7 +21,7 @@ use std::path::Path;
 use std::time::Instant;
 use zeroset::program::Program;
 use zeroset::scene;
-use zeroset_eval::{ContractTiles, Question};
+use zeroset_eval::{ContractTiles, Query};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Method, TraceOptions};
 

@@ -16,7 +16,9 @@ use std::time::Instant;
 use zeroset::program::Program;
 use zeroset::scene::bounds;
 use zeroset_testkit::npy;
-use zeroset_trace::{Found, Method, Ray, Region, Segment, Start, Status, TraceOptions, Work};
+use zeroset_trace::{
+    KernelStats, Method, Ray, RayResult, Region, Segment, Start, Status, TraceOptions,
+};
 
 /// Evaluations of the function that the certified tracer spends on a ray.
 const BUDGET: u32 = 20_000;
@@ -58,7 +60,7 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
         let count = |status| found.iter().filter(|found| found.status == status).count();
         let [hits, misses, undecided] = [Status::Hit, Status::Miss, Status::Undecided].map(count);
         let is_wrong =
-            |((found, ray), truth): &((&Found, &Ray), &Truth)| is_false(found, ray, truth);
+            |((found, ray), truth): &((&RayResult, &Ray), &Truth)| is_false(found, ray, truth);
         let wrong = found.iter().zip(&rays).zip(&truths).filter(is_wrong).count();
         // Writing to text cannot fail.
         let _ = writeln!(
@@ -115,7 +117,7 @@ fn follow(
     program: &Program,
     rays: &[Ray],
     within: f64,
-) -> Result<(Vec<Found>, f64), ChartError> {
+) -> Result<(Vec<RayResult>, f64), ChartError> {
     // A pixel is as wide as the tolerance, wherever it is.
     let options = TraceOptions { tolerance: 1.0, depth: 16, ..TraceOptions::default() };
     let tracer = method
@@ -127,19 +129,19 @@ fn follow(
         pixel: [within / ray.direction.length(), 0.0],
     };
     let segments: Vec<Segment> = rays.iter().map(segment).collect();
-    let mut found = vec![Found::MISS; rays.len()];
+    let mut found = vec![RayResult::MISS; rays.len()];
     let mut time = f64::INFINITY;
     // The first time code may still be made.
     for _ in 0..2 {
         let start = Instant::now();
-        tracer.follow(&segments, Start::Anywhere, &mut found, &mut Work::default());
+        tracer.follow(&segments, Start::Anywhere, &mut found, &mut KernelStats::default());
         time = time.min(start.elapsed().as_secs_f64());
     }
     Ok((found, time * 1e9 / rays.len().max(1) as f64))
 }
 
 /// A method's row.
-fn place(found: &Found, ray: &Ray) -> [f64; 4] {
+fn place(found: &RayResult, ray: &Ray) -> [f64; 4] {
     let [near, far] = found.bracket.map(|t| ray.distance(t));
     let drawn = if found.drawn.is_finite() { ray.distance(found.drawn) } else { f64::NAN };
     [f64::from(found.status as u8), near, far, drawn]
@@ -160,7 +162,7 @@ fn certain(truth: &Truth) -> [f64; 3] {
 }
 
 /// Whether what is said to be proven contradicts what is certain.
-fn is_false(found: &Found, ray: &Ray, truth: &Truth) -> bool {
+fn is_false(found: &RayResult, ray: &Ray, truth: &Truth) -> bool {
     match (found.status, truth) {
         (Status::Undecided, _) | (_, Truth::Open) | (Status::Miss, Truth::Miss) => false,
         (Status::Miss, Truth::Root(_)) | (Status::Hit, Truth::Miss) => true,

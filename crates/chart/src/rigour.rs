@@ -27,9 +27,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use zeroset::program::Program;
 use zeroset::scene;
-use zeroset_eval::{
-    ContractSegments, ContractTiles, Enclose, Input, Kernel, KernelError, Question,
-};
+use zeroset_eval::{ContractSegments, ContractTiles, Enclose, Input, Kernel, KernelError, Query};
 use zeroset_jit::comparison::Arithmetic;
 use zeroset_trace::{Driver, GBuffer, Method, Precision, TraceOptions};
 
@@ -106,7 +104,7 @@ struct Plan<'a> {
 }
 
 /// The kernels that answer a question, by [`Arithmetic::ALL`].
-fn three<T: Float, Q: Question>(sets: &[Set; 3]) -> Result<Three<'_, Q, T>, KernelError>
+fn three<T: Float, Q: Query>(sets: &[Set; 3]) -> Result<Three<'_, Q, T>, KernelError>
 where
     Own<T>: Has<Q, T>,
 {
@@ -150,7 +148,7 @@ impl Plan<'_> {
     }
 
     /// The kernels' times with some of `inputs`, and the widths that were found with all.
-    fn kernel_rows<T: Float, Q: Question>(
+    fn kernel_rows<T: Float, Q: Query>(
         &self,
         asked: Asked,
         kernels: &Three<Q, T>,
@@ -168,7 +166,7 @@ impl Plan<'_> {
             let run = move |times: usize| {
                 let mut output = Q::Output::<T>::default();
                 for input in (0..times).flat_map(|_| inputs) {
-                    kernel.ask(black_box(input), black_box(&mut output));
+                    kernel.eval(black_box(input), black_box(&mut output));
                 }
             };
             Task { run: Box::new(run), lanes }

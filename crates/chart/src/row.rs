@@ -10,7 +10,7 @@ use crate::surfaces::Surface;
 use crate::views::View;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use zeroset_trace::{Camera, GBuffer, Method, Projection, Work};
+use zeroset_trace::{Camera, GBuffer, KernelStats, Method, Projection};
 
 /// What is common to the rows of one view of one surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,7 +127,8 @@ impl Row {
             Projection::Orthographic { .. } => 0.0,
         };
         let statistics = &measured.picture.statistics;
-        let Work { interval, tiles, segments, point, gradient, given_up, .. } = statistics.work;
+        let KernelStats { interval, tiles, segments, point, gradient, given_up, .. } =
+            statistics.work;
         let of = |three: Option<[f64; 3]>, place: usize| three.map(|three| three[place]);
         Self {
             surface: surface.name.clone(),

@@ -1,8 +1,8 @@
 //! Parameter values as kernels read them.
 
-use crate::domain::PARAMETER_QUANTITIES;
 use crate::lanes::Lanes;
 use crate::real::{Real, middle, outward};
+use crate::value_domain::PARAMETER_QUANTITIES;
 use std::sync::Arc;
 use zeroset_interval::Interval;
 

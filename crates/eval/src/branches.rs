@@ -4,9 +4,9 @@
 //! does. A box is free of zeros if it is so over each of some parts that cover it. Which operations
 //! split a box, and how, the rules say.
 
-use crate::domain::ValueDomain;
 use crate::real::Real;
 use crate::tape::{Step, Tape, may_vanish};
+use crate::value_domain::ValueDomain;
 use zeroset_interval::{
     Branch, Claims, Enclosure, Fact, Format, Interval, Machine, Operand, Split, enclose,
     enclose_branch,
@@ -324,7 +324,7 @@ mod tests {
             let tape = self.branches(root).expect("it jumps");
             let ends = ranges.map(|[lo, hi]| Interval { lo: lo.into(), hi: hi.into() });
             let kernel = Reference::<FindZeros>::new(tape, Binding::empty());
-            kernel.ask_all(&Boxes::around(&[ends]))[0].possible == 0
+            kernel.eval_all(&Boxes::around(&[ends]))[0].possible == 0
         }
     }
 

@@ -4,8 +4,8 @@
 //! Together with enclosures of the derivatives these make slopes rigorous: over a segment within a
 //! box in which the function is Lipschitz continuous, it changes by what its slopes allow.
 
-use crate::domain::{Bounds, Loader, ValueDomain};
 use crate::real::Real;
+use crate::value_domain::{Bounds, Loader, ValueDomain};
 use zeroset_interval::{Enclosure, Exponent, Fact, Interval, Machine, Term};
 use zeroset_ir::Axis;
 use zeroset_ops::{Class, Law, Op};

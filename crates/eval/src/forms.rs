@@ -1,8 +1,8 @@
 //! Affine forms along rays: the domain of values in which segments are narrowed.
 
-use crate::domain::{Loader, PARAMETER_QUANTITIES, ValueDomain};
 use crate::real::Real;
 use crate::tape::Tape;
+use crate::value_domain::{Loader, PARAMETER_QUANTITIES, ValueDomain};
 use std::marker::PhantomData;
 use zeroset_interval::{
     Contraction, Enclosure, Form, Format, Interval, Machine, Term, contract, linearise,

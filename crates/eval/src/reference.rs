@@ -2,10 +2,10 @@
 
 use crate::batch::{Batch, Input, Output};
 use crate::binding::Binding;
-use crate::domain::Loader;
-use crate::question::{Answer, Kernel, Question};
+use crate::query::{Kernel, Query, QueryResult};
 use crate::real::Real;
 use crate::tape::Tape;
+use crate::value_domain::Loader;
 use std::marker::PhantomData;
 use zeroset_interval::{Software, Vector128 as Vector};
 
@@ -13,13 +13,13 @@ use zeroset_interval::{Software, Vector128 as Vector};
 ///
 /// It gives the bits that native kernels give; it is some hundred times slower.
 #[derive(Clone, Debug)]
-pub struct Reference<Q: Question, T: Real = f32> {
+pub struct Reference<Q: Query, T: Real = f32> {
     tape: Tape<T>,
     binding: Binding<T>,
     question: PhantomData<Q>,
 }
 
-impl<Q: Question, T: Real> Reference<Q, T> {
+impl<Q: Query, T: Real> Reference<Q, T> {
     /// A reference for `tape` under `binding`.
     ///
     /// # Panics
@@ -32,13 +32,13 @@ impl<Q: Question, T: Real> Reference<Q, T> {
 }
 
 /// A batch that is read one vector after another.
-struct Cursor<'a, Q: Question, T: Real> {
+struct Cursor<'a, Q: Query, T: Real> {
     input: &'a Q::Input<T>,
     binding: &'a Binding<T>,
     vector: usize,
 }
 
-impl<Q: Question, T: Real> Loader<Software> for Cursor<'_, Q, T> {
+impl<Q: Query, T: Real> Loader<Software> for Cursor<'_, Q, T> {
     fn input(&mut self, _: &mut Software, quantity: usize) -> Vector {
         T::load(self.input.quantity(quantity), self.vector)
     }
@@ -48,13 +48,13 @@ impl<Q: Question, T: Real> Loader<Software> for Cursor<'_, Q, T> {
     }
 }
 
-impl<Q: Question, T: Real> Kernel<Q, T> for Reference<Q, T> {
-    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+impl<Q: Query, T: Real> Kernel<Q, T> for Reference<Q, T> {
+    fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         Q::check_input(&self.tape, input);
         (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
         for vector in 0..input.count().div_ceil(T::VECTOR_LANES) {
             let mut cursor = Cursor::<Q, T> { input, binding: &self.binding, vector };
-            let Answer { quantities, masks } =
+            let QueryResult { quantities, masks } =
                 Q::answer(&self.tape, &mut Software::new(), &mut cursor);
             for (number, value) in quantities.into_iter().enumerate() {
                 T::store(value, vector, output.quantity_mut(number));

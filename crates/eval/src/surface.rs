@@ -1,7 +1,7 @@
 //! One function as a method sees it: the kernels that answer for it.
 
 use crate::batch::{Boxes, Zeros};
-use crate::question::{
+use crate::query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Sample,
     SampleGradient,
 };
@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub type KernelError = Arc<dyn Error + Send + Sync>;
 
 /// A kernel, or why there is none.
-pub type Asked<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
+pub type KernelResult<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
 
 /// What may be asked of one function, in either precision.
 ///
@@ -23,11 +23,11 @@ pub type Asked<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
 pub trait SurfaceKernels: Sync {
     /// Kernels that compute in `f32`.
     fn single(&self) -> &dyn Kernels<f32> {
-        &Unanswered
+        &NoKernel
     }
     /// Kernels that compute in `f64`.
     fn double(&self) -> &dyn Kernels<f64> {
-        &Unanswered
+        &NoKernel
     }
 }
 
@@ -36,39 +36,39 @@ pub trait SurfaceKernels: Sync {
 #[allow(clippy::missing_errors_doc, reason = "the same for each, and said above")]
 pub trait Kernels<T: Real>: Sync {
     /// May a box hold a zero?
-    fn zeros(&self) -> Asked<'_, FindZeros, T> {
-        Err(Arc::new(Unanswered))
+    fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
+        Err(Arc::new(NoKernel))
     }
     /// Bounds of the function.
-    fn bounds(&self) -> Asked<'_, Enclose, T> {
-        Err(Arc::new(Unanswered))
+    fn bounds(&self) -> KernelResult<'_, Enclose, T> {
+        Err(Arc::new(NoKernel))
     }
     /// Bounds of the numerator and of the denominator of the function's cleared form, if it has
     /// one: where the function is defined, it vanishes where the numerator does and the denominator
     /// does not, and it has its poles where the denominator vanishes.
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
-        Err(Arc::new(Unanswered))
+        Err(Arc::new(NoKernel))
     }
     /// Contractions of segments of rays: of the numerator of the function's cleared form, if it has
     /// one, else of the function.
-    fn segments(&self) -> Asked<'_, ContractSegments, T> {
-        Err(Arc::new(Unanswered))
+    fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
+        Err(Arc::new(NoKernel))
     }
     /// Contractions of tiles of rays, of the same function as [`Kernels::segments`].
-    fn tiles(&self) -> Asked<'_, ContractTiles, T> {
-        Err(Arc::new(Unanswered))
+    fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
+        Err(Arc::new(NoKernel))
     }
     /// Bounds of function and gradient.
-    fn gradient_bounds(&self) -> Asked<'_, EncloseGradient, T> {
-        Err(Arc::new(Unanswered))
+    fn gradient_bounds(&self) -> KernelResult<'_, EncloseGradient, T> {
+        Err(Arc::new(NoKernel))
     }
     /// Samples of the function.
-    fn values(&self) -> Asked<'_, Sample, T> {
-        Err(Arc::new(Unanswered))
+    fn values(&self) -> KernelResult<'_, Sample, T> {
+        Err(Arc::new(NoKernel))
     }
     /// Samples of function and gradient.
-    fn gradients(&self) -> Asked<'_, SampleGradient, T> {
-        Err(Arc::new(Unanswered))
+    fn gradients(&self) -> KernelResult<'_, SampleGradient, T> {
+        Err(Arc::new(NoKernel))
     }
 }
 
@@ -92,16 +92,16 @@ impl KernelFloat for f64 {
 
 /// Why there is no answer: the surface has no kernel for the question.
 #[derive(Clone, Copy, Debug)]
-struct Unanswered;
+struct NoKernel;
 
-impl fmt::Display for Unanswered {
+impl fmt::Display for NoKernel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("this surface has no kernel for this question")
     }
 }
 
-impl Error for Unanswered {}
-impl<T: Real> Kernels<T> for Unanswered {}
+impl Error for NoKernel {}
+impl<T: Real> Kernels<T> for NoKernel {}
 
 /// Where a function may vanish, by up to three forms of it, each asked only where the one before
 /// leaves lanes open.
@@ -118,8 +118,8 @@ pub struct ZeroTest<T: Real> {
 
 impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     #[inline]
-    fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
-        self.function.ask(boxes, zeros);
+    fn eval(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
+        self.function.eval(boxes, zeros);
         // What a kernel leaves in lanes that are not in use has no meaning, and is asked no
         // further.
         zeros.possible &= u16::MAX >> (u16::BITS - boxes.count);
@@ -144,10 +144,10 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
 fn ask_some<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
     let mut zeros = Zeros::default();
     if 2 * lanes.count_ones() > boxes.count {
-        kernel.ask(boxes, &mut zeros);
+        kernel.eval(boxes, &mut zeros);
         return zeros;
     }
-    kernel.ask(&boxes.gathered(lanes), &mut zeros);
+    kernel.eval(&boxes.gathered(lanes), &mut zeros);
     let mut spread = Zeros::default();
     for (from, lane) in (0..u16::BITS).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
         spread.possible |= (zeros.possible >> from & 1) << lane;
@@ -181,7 +181,7 @@ mod tests {
         let mut places = [at(1.0, 2.0); 9];
         places[4] = at(1.5, 1.5);
         let mut zeros = Zeros::default();
-        test.ask(&Boxes::around(&places)[0], &mut zeros);
+        test.eval(&Boxes::around(&places)[0], &mut zeros);
         assert_eq!(zeros.possible, 1 << 4);
     }
 }

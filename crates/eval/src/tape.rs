@@ -2,9 +2,9 @@
 //! every sample.
 
 use crate::branches::Branches;
-use crate::domain::{Bounds, Loader, ValueDomain};
 use crate::lanes::Lanes;
 use crate::real::{Real, outward};
+use crate::value_domain::{Bounds, Loader, ValueDomain};
 use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;

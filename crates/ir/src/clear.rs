@@ -1,11 +1,11 @@
-//! Cleared forms: a function with poles as a quotient of two functions without.
+//! RationalForm forms: a function with poles as a quotient of two functions without.
 //!
 //! Near a pole every enclosure of `1/x − y` is unbounded and so proves nothing. Its numerator
 //! `1 − x·y` is tame: where that has no zero the function has none, pole or not.
 
 use crate::algebra::{div, is_one, is_zero, mul, neg, powi, sum};
 use crate::graph::{Graph, Node, NodeId};
-use crate::rank::{Rank, ranks};
+use crate::rank::{Variability, ranks};
 use std::collections::{BTreeMap, BTreeSet};
 use zeroset_ops::{Class, Op};
 
@@ -21,7 +21,7 @@ const EXPONENT_LIMIT: u32 = 64;
 /// is 0, f is undefined. The quotient of the two is f, or, if a division by a function with poles
 /// of its own was cleared, f but for a factor that has no zero in the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cleared {
+pub struct RationalForm {
     /// The node that is 0 where f is.
     pub numerator: NodeId,
     /// The node that is 0 at the poles.
@@ -103,7 +103,7 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
 /// Divisions, negative powers and tangents are cleared through sums, products, quotients and
 /// integer powers. Poles inside other functions stay where they are, and so do divisions by what
 /// depends on no coordinate: those are not poles in space.
-pub fn clear(graph: &mut Graph, root: NodeId) -> Option<Cleared> {
+pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
     let mut ranks = ranks(graph);
     ranks.truncate(root.index() + 1);
     let mut fractions: Vec<Option<Fraction>> = vec![None; root.index() + 1];
@@ -111,7 +111,7 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<Cleared> {
         let Node::Apply(op, operands) = graph.node(id).clone() else {
             continue;
         };
-        if ranks[id.index()] != Rank::Varying {
+        if ranks[id.index()] != Variability::Varying {
             continue;
         }
         let parts: Vec<Fraction> = operands
@@ -129,7 +129,7 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<Cleared> {
     }
     let one = graph.integer(1);
     let denominator = product(graph, one, &below);
-    Some(Cleared { numerator: fraction.numerator, denominator })
+    Some(RationalForm { numerator: fraction.numerator, denominator })
 }
 
 fn combine(
@@ -137,7 +137,7 @@ fn combine(
     op: Op,
     operands: &[NodeId],
     parts: &[Fraction],
-    ranks: &[Rank],
+    ranks: &[Variability],
 ) -> Option<Fraction> {
     let whole = parts.iter().all(Fraction::is_whole);
     let row = op.row();
@@ -148,7 +148,7 @@ fn combine(
         }
         Class::Sum if !whole => Some(added(graph, op, &parts[0], &parts[1])),
         Class::Product if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
-        Class::Quotient if !whole || ranks[operands[1].index()] == Rank::Varying => {
+        Class::Quotient if !whole || ranks[operands[1].index()] == Variability::Varying => {
             let inverse = inverted(graph, &parts[1], ranks)?;
             Some(multiplied(graph, &parts[0], &inverse))
         }
@@ -236,7 +236,7 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
 }
 
 /// `1/a`; `None` if a is the number 0.
-fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Rank]) -> Option<Fraction> {
+fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Variability]) -> Option<Fraction> {
     // The numerator's own factors go below one by one, so that other denominators can share them.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
@@ -247,7 +247,7 @@ fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Rank]) -> Option<Fraction>
         }
         let node = graph.node(id).clone();
         // Nodes beyond the table are new: made of at least one that varies, or exact.
-        let fixed = ranks.get(id.index()).is_some_and(|rank| *rank != Rank::Varying)
+        let fixed = ranks.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
             || matches!(node, Node::Constant(_));
         let class = match &node {
             Node::Apply(op, operands) => Some((op.row().class, operands)),

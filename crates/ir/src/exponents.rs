@@ -7,7 +7,7 @@
 use crate::compact::{compact, copy_node, place};
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
-use crate::rank::{Rank, ranks};
+use crate::rank::{Variability, ranks};
 use zeroset_ops::Class;
 
 /// The same expressions with each parameter replaced by its value, by number, in exponents that
@@ -18,7 +18,7 @@ use zeroset_ops::Class;
 /// If a root does not belong to `graph`, or such a parameter has no value.
 pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (Graph, Vec<NodeId>) {
     let ranks = ranks(graph);
-    let is_uniform = |id: NodeId| ranks[id.index()] != Rank::Varying;
+    let is_uniform = |id: NodeId| ranks[id.index()] != Variability::Varying;
     let exponents: Vec<NodeId> = graph
         .iter()
         .filter_map(|(_, node)| match node {

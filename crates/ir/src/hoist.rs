@@ -4,7 +4,7 @@
 
 use crate::compact::{compact, replaced};
 use crate::graph::{Graph, Node, NodeId};
-use crate::rank::{Rank, ranks};
+use crate::rank::{Variability, ranks};
 
 /// A graph in which expressions of parameters alone have become parameters.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
             Node::Parameter(number) => fresh = fresh.max(number.saturating_add(1)),
             // A maximal expression is one that a node with coordinates uses.
             Node::Apply(_, operands)
-                if needed[id.index()] && ranks[id.index()] == Rank::Varying =>
+                if needed[id.index()] && ranks[id.index()] == Variability::Varying =>
             {
                 operands.iter().for_each(|id| wanted[id.index()] = true);
             }
@@ -59,7 +59,7 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
     let mut uniforms = Vec::new();
     let (copy, roots) = replaced(graph, roots, |copy, id, node| {
         let is_hoisted = matches!(node, Node::Apply(..))
-            && ranks[id.index()] == Rank::Uniform
+            && ranks[id.index()] == Variability::Uniform
             && wanted[id.index()];
         is_hoisted.then(|| {
             let number = fresh + uniforms.len() as u32;

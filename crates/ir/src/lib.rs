@@ -21,7 +21,7 @@ mod univariate;
 #[cfg(test)]
 mod testing;
 
-pub use clear::{Cleared, clear};
+pub use clear::{RationalForm, clear};
 pub use compact::compact;
 pub use constant::{Constant, NamedConstant};
 pub use derivative::gradient;
@@ -31,5 +31,5 @@ pub use exponents::fix_exponents;
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
 pub use hoist::{Hoisted, hoist};
 pub use radical::radical;
-pub use rank::{Rank, ranks};
+pub use rank::{Variability, ranks};
 pub use simplify::{rewrite, simplify};

@@ -4,7 +4,7 @@ use crate::graph::{Graph, Node};
 
 /// What an expression varies with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Rank {
+pub enum Variability {
     /// Nothing.
     Constant,
     /// Parameters only.
@@ -14,15 +14,15 @@ pub enum Rank {
 }
 
 /// What each node, by index, varies with as it is written.
-pub fn ranks(graph: &Graph) -> Vec<Rank> {
-    let mut ranks: Vec<Rank> = Vec::with_capacity(graph.len());
+pub fn ranks(graph: &Graph) -> Vec<Variability> {
+    let mut ranks: Vec<Variability> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
         ranks.push(match node {
-            Node::Variable(_) => Rank::Varying,
-            Node::Parameter(_) => Rank::Uniform,
-            Node::Constant(_) => Rank::Constant,
+            Node::Variable(_) => Variability::Varying,
+            Node::Parameter(_) => Variability::Uniform,
+            Node::Constant(_) => Variability::Constant,
             Node::Apply(_, operands) => {
-                operands.iter().fold(Rank::Constant, |rank, id| rank.max(ranks[id.index()]))
+                operands.iter().fold(Variability::Constant, |rank, id| rank.max(ranks[id.index()]))
             }
         });
     }

@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::lanes::{Emitter, Vector};
 use crate::rounding::{call_rounding_to_nearest, call_rounding_up};
 use std::marker::PhantomData;
-use zeroset_eval::{Binding, Input, Kernel, Loader, Question, Real, Tape};
+use zeroset_eval::{Binding, Input, Kernel, Loader, Query, Real, Tape};
 use zeroset_interval::{Format, Machine, has_fma};
 
 /// How results are rounded.
@@ -33,7 +33,7 @@ impl Arithmetic {
 
 /// A kernel in some arithmetic. All are made by the same tier of the compiler, so that only
 /// arithmetic differs.
-pub struct Compared<Q: Question, T: Real = f32> {
+pub struct Compared<Q: Query, T: Real = f32> {
     code: Code,
     arithmetic: Arithmetic,
     tape: Tape<T>,
@@ -41,7 +41,7 @@ pub struct Compared<Q: Question, T: Real = f32> {
     question: PhantomData<Q>,
 }
 
-impl<Q: Question, T: Real> Compared<Q, T> {
+impl<Q: Query, T: Real> Compared<Q, T> {
     /// Compiles `tape` for this processor and binds its parameters.
     ///
     /// # Errors
@@ -68,9 +68,9 @@ impl<Q: Question, T: Real> Compared<Q, T> {
     }
 }
 
-impl<Q: Question, T: Real> Kernel<Q, T> for Compared<Q, T> {
+impl<Q: Query, T: Real> Kernel<Q, T> for Compared<Q, T> {
     #[inline]
-    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+    fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         Q::check_input(&self.tape, input);
         let call = match self.arithmetic {
             Arithmetic::Unsound | Arithmetic::Widened => call_rounding_to_nearest,

@@ -20,7 +20,7 @@ use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Module, default_libcall_names};
 use std::marker::PhantomData;
 use std::sync::OnceLock;
-use zeroset_eval::{Answer, Batch, LANES, Lanes, Loader, Output, Question, Real, Tape};
+use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Query, QueryResult, Real, Tape};
 use zeroset_interval::Fact;
 
 /// Operations in one kernel, at most: beyond this even the fast tier takes too long.
@@ -116,16 +116,16 @@ pub fn vector_widths() -> impl Iterator<Item = usize> {
 ///
 /// # Panics
 /// If the tape computes another number of expressions than the question needs.
-pub fn compile<Q: Question, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code, Error> {
+pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code, Error> {
     generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
 /// As [`compile`], written on the machine that `other` puts around the one that emits, by the
 /// slower tier whatever its size.
 #[cfg(feature = "comparison")]
-pub fn compile_for_comparison<Q: Question, T: Real>(
+pub fn compile_for_comparison<Q: Query, T: Real>(
     tape: &Tape<T>,
-    other: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
+    other: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> QueryResult<Vector>,
 ) -> Result<Code, Error> {
     let write = |width| build_with::<Q, T>(tape, width, &other);
     generate(write, Some(Tier::Optimised), usize::MAX)
@@ -219,7 +219,7 @@ fn check_stack(bytes: u32) -> Result<(), Error> {
 ///
 /// # Panics
 /// If the tape computes another number of expressions than the question needs.
-pub fn intermediate_code<Q: Question, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
+pub fn intermediate_code<Q: Query, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
     Ok(build::<Q, T>(tape, VECTOR)?.display().to_string())
 }
 
@@ -267,15 +267,15 @@ fn trusted() -> MemFlagsData {
 }
 
 /// The function for vectors of so many bytes.
-fn build<Q: Question, T: Real>(tape: &Tape<T>, width: usize) -> Result<Function, Error> {
+fn build<Q: Query, T: Real>(tape: &Tape<T>, width: usize) -> Result<Function, Error> {
     build_with::<Q, T>(tape, width, |emitter, cursor| Q::answer(tape, emitter, cursor))
 }
 
 /// The same with an answer that `write` writes.
-fn build_with<Q: Question, T: Real>(
+fn build_with<Q: Query, T: Real>(
     tape: &Tape<T>,
     width: usize,
-    write: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> Answer<Vector>,
+    write: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> QueryResult<Vector>,
 ) -> Result<Function, Error> {
     assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
     if tape.operations() > LIMIT {

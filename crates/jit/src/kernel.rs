@@ -7,18 +7,18 @@ use crate::rounding::call_rounding_up;
 use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
-use zeroset_eval::{Binding, Input, Kernel, Question, Real, Tape};
+use zeroset_eval::{Binding, Input, Kernel, Query, Real, Tape};
 
 /// Native code that answers a question, for any parameter values that it assumes. Clones share the
 /// code; it is freed with the last of them.
 #[derive(Clone)]
-pub struct Compiled<Q: Question, T: Real = f32> {
+pub struct Compiled<Q: Query, T: Real = f32> {
     code: Arc<Code>,
     tape: Arc<Tape<T>>,
     question: PhantomData<Q>,
 }
 
-impl<Q: Question, T: Real> Compiled<Q, T> {
+impl<Q: Query, T: Real> Compiled<Q, T> {
     /// Compiles `tape` for this processor.
     ///
     /// # Errors
@@ -75,12 +75,12 @@ impl<Q: Question, T: Real> Compiled<Q, T> {
 /// caller had set, and no exception flags of the caller. That is what Rust code assumes everywhere;
 /// who has set another mode must set it again.
 #[derive(Clone)]
-pub struct Native<Q: Question, T: Real = f32> {
+pub struct Native<Q: Query, T: Real = f32> {
     compiled: Compiled<Q, T>,
     binding: Binding<T>,
 }
 
-impl<Q: Question, T: Real> Native<Q, T> {
+impl<Q: Query, T: Real> Native<Q, T> {
     /// Compiles `tape` for this processor and binds its parameters.
     ///
     /// # Errors
@@ -99,15 +99,15 @@ impl<Q: Question, T: Real> Native<Q, T> {
     }
 }
 
-impl<Q: Question, T: Real> fmt::Debug for Native<Q, T> {
+impl<Q: Query, T: Real> fmt::Debug for Native<Q, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "native code for {}, {} bytes", Q::NAME, self.compiled.code_bytes())
     }
 }
 
-impl<Q: Question, T: Real> Kernel<Q, T> for Native<Q, T> {
+impl<Q: Query, T: Real> Kernel<Q, T> for Native<Q, T> {
     #[inline]
-    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+    fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         let Compiled { code, tape, .. } = &self.compiled;
         Q::check_input(tape, input);
         // SAFETY: the code was compiled for this question and format, and reads and writes batches

@@ -31,7 +31,7 @@ fn cycle(n: usize) -> usize {
     let root = if n.is_multiple_of(3) { graph.apply(Op::Exp, &[product]) } else { product };
     let tape = Tape::<f32>::new(&graph, &[root], &Assumptions::none(0));
     let kernel = Native::<Enclose>::new(tape, Binding::empty()).expect("compiles");
-    kernel.ask_all(&[Boxes { count: 1, ..Boxes::default() }]);
+    kernel.eval_all(&[Boxes { count: 1, ..Boxes::default() }]);
     kernel.compiled().code_bytes()
 }
 

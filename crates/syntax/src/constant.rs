@@ -11,7 +11,7 @@ use crate::scope::Scope;
 use crate::span::Span;
 use crate::spelling::short_name;
 use zeroset_interval::Interval;
-use zeroset_ir::{Constant, Graph, Node, NodeId, Rank, ranks, simplify};
+use zeroset_ir::{Constant, Graph, Node, NodeId, Variability, ranks, simplify};
 use zeroset_ops::Op;
 
 /// The value of a constant expression such as `1/3` or `2*pi`.
@@ -92,7 +92,7 @@ pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
     let mut exponents = Vec::new();
     for (_, node) in graph.iter() {
         if let Node::Apply(Op::Pow, operands) = node
-            && ranks[operands[1].index()] == Rank::Constant
+            && ranks[operands[1].index()] == Variability::Constant
         {
             exponents.push(operands[1]);
         }

@@ -1,7 +1,7 @@
 //! Rows of a picture: what one thread fills at a time.
 
-use crate::found::{Found, LENGTH_ERROR, Reason, Status};
 use crate::painted::are_misses;
+use crate::ray_result::{LENGTH_ERROR, RayResult, Status, UndecidedReason};
 use std::cell::Cell;
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ pub struct Band<'a> {
     /// Number of rows.
     pub height: usize,
     pub(crate) status: &'a mut [Status],
-    pub(crate) reason: &'a mut [Reason],
+    pub(crate) reason: &'a mut [UndecidedReason],
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     pub(crate) bracket: &'a mut [[f64; 2]],
@@ -73,14 +73,14 @@ impl Band<'_> {
     /// empty, and stays.
     pub fn give_up_pixel(&mut self, column: usize, row: usize) {
         if self.status[row * self.width + column] == Status::Miss {
-            self.set(column, row, &Found::GIVEN_UP);
+            self.set(column, row, &RayResult::GIVEN_UP);
         }
     }
 
     /// Writes what became of the ray through a pixel, given by its column and its row in the band;
     /// distances in world units.
     #[inline]
-    pub fn set(&mut self, column: usize, row: usize, found: &Found) {
+    pub fn set(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
         debug_assert!(found.status != Status::Hit || found.distance == found.drawn);
         debug_assert!(found.status != Status::Miss || !found.drawn.is_finite());
@@ -103,7 +103,7 @@ impl Band<'_> {
     /// Writes what was found on a ray behind all that was found before: what is proven stays as it
     /// is where something was, and only what is painted may be new.
     #[inline]
-    pub fn add(&mut self, column: usize, row: usize, found: &Found) {
+    pub fn add(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
         if self.status[pixel] == Status::Miss {
             self.set(column, row, found);

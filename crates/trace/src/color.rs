@@ -120,7 +120,7 @@ impl LinearRgb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::widths::levels;
+    use crate::simd_chunks::levels;
     use fearless_simd::dispatch;
 
     #[test]

@@ -3,15 +3,15 @@
 //! How a ray is followed is not known here.
 
 use crate::camera::Ray;
-use crate::found::Found;
 use crate::gbuffer::{GBuffer, Kept};
 use crate::grid::RayGrid;
+use crate::kernel_stats::KernelStats;
 use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
 use crate::occlusion::{TURNS, turn};
+use crate::ray_result::RayResult;
 use crate::rows::{Rows, work_on};
 use crate::squares::RAYS;
-use crate::work::Work;
 use rayon::prelude::*;
 use std::cell::Cell;
 
@@ -39,7 +39,7 @@ impl Driver<'_> {
     ///
     /// # Panics
     /// If the buffer has another size than the picture.
-    pub fn picture(&self, buffer: &mut GBuffer) -> Work {
+    pub fn picture(&self, buffer: &mut GBuffer) -> KernelStats {
         self.picture_where(&[], buffer)
     }
 
@@ -48,7 +48,7 @@ impl Driver<'_> {
     ///
     /// # Panics
     /// If the buffer has another size than the picture, or `only` another number of pixels.
-    pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> Work {
+    pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> KernelStats {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
         work_on(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only, None))
@@ -69,8 +69,8 @@ impl Driver<'_> {
         only: &[bool],
         before: Option<&GBuffer>,
         parts: Vec<E>,
-        finish: impl Fn(&mut Rows<'_>, E) -> Work + Sync,
-    ) -> (GBuffer, Work) {
+        finish: impl Fn(&mut Rows<'_>, E) -> KernelStats + Sync,
+    ) -> (GBuffer, KernelStats) {
         let (width, height) = (self.rays.width(), self.rays.height());
         let mut buffer = GBuffer::unset(width, height, surface, kept);
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
@@ -86,8 +86,8 @@ impl Driver<'_> {
         (buffer, work)
     }
 
-    fn rows(&self, rows: &mut Rows<'_>, only: &[bool], before: Option<&GBuffer>) -> Work {
-        let (mut work, told) = (Work::default(), Cell::new(0));
+    fn rows(&self, rows: &mut Rows<'_>, only: &[bool], before: Option<&GBuffer>) -> KernelStats {
+        let (mut work, told) = (KernelStats::default(), Cell::new(0));
         let advance = |found: usize| {
             told.set(told.get() + found);
             (self.advance)(found)
@@ -108,7 +108,12 @@ impl Driver<'_> {
     /// starts `offset` away from its point (in world units), and what it meets before it is clear
     /// of that surface does not count: otherwise a surface would shade itself wherever enclosures
     /// are wide.
-    pub fn shadows(&self, buffer: &mut GBuffer, lights: &[Light; TURNS], offset: f64) -> Work {
+    pub fn shadows(
+        &self,
+        buffer: &mut GBuffer,
+        lights: &[Light; TURNS],
+        offset: f64,
+    ) -> KernelStats {
         buffer.shadow.resize(buffer.status.len(), 0);
         let is_lit = |pixel: &usize| buffer.is_drawn(*pixel) && buffer.shadow[*pixel] == 0;
         let painted: Vec<usize> = (0..buffer.drawn.len()).filter(is_lit).collect();
@@ -141,7 +146,7 @@ impl Driver<'_> {
     /// # Panics
     /// If there are not as many distances as pixels, or the buffer has another size than the
     /// picture.
-    pub fn behind(&self, starts: &[f64], start: Start, buffer: &mut GBuffer) -> Work {
+    pub fn behind(&self, starts: &[f64], start: Start, buffer: &mut GBuffer) -> KernelStats {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert_eq!(starts.len(), buffer.status.len());
         let wanted = |pixel: &usize| starts[*pixel].is_finite();
@@ -158,7 +163,7 @@ impl Driver<'_> {
         };
         self.follow(&pixels, segment, start, |pixel, found| {
             let from = starts[pixel];
-            let found = Found {
+            let found = RayResult {
                 distance: found.distance + from,
                 drawn: found.drawn + from,
                 bracket: found.bracket.map(|end| end + from),
@@ -175,14 +180,14 @@ impl Driver<'_> {
         pixels: &[usize],
         segment: impl Fn(usize) -> Segment + Sync,
         start: Start,
-        mut tell: impl FnMut(usize, Found),
-    ) -> Work {
+        mut tell: impl FnMut(usize, RayResult),
+    ) -> KernelStats {
         let follow = |pixels: &[usize]| {
             if !(self.advance)(0) {
                 return None;
             }
-            let (mut all, mut work) = (Vec::new(), Work::default());
-            let mut found = [Found::MISS; RAYS];
+            let (mut all, mut work) = (Vec::new(), KernelStats::default());
+            let mut found = [RayResult::MISS; RAYS];
             for pixels in pixels.chunks(RAYS) {
                 let rays: Vec<Segment> = pixels.iter().map(|&pixel| segment(pixel)).collect();
                 let found = &mut found[..pixels.len()];
@@ -195,8 +200,9 @@ impl Driver<'_> {
             }
             Some((all, work))
         };
-        let parts: Vec<(Vec<_>, Work)> = pixels.par_chunks(LIST).filter_map(follow).collect();
-        let mut work = Work::default();
+        let parts: Vec<(Vec<_>, KernelStats)> =
+            pixels.par_chunks(LIST).filter_map(follow).collect();
+        let mut work = KernelStats::default();
         for (found, part) in parts {
             work += part;
             for (pixel, found) in found {

@@ -1,8 +1,8 @@
 //! What is known of each pixel before it has a color.
 
-use crate::found::{Found, Reason, Status};
-use crate::numbers::SurfaceNumbers;
-use crate::spare::{PICTURES, Spares, serves};
+use crate::buffer_pool::{BufferPool, PICTURES, serves};
+use crate::ray_result::{RayResult, Status, UndecidedReason};
+use crate::surface_ids::SurfaceIds;
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
@@ -64,7 +64,7 @@ pub struct GBuffer {
     /// What is proven.
     pub status: Vec<Status>,
     /// Of undecided pixels, why they are; anything elsewhere, so that it need not be written.
-    pub(crate) reason: Vec<Reason>,
+    pub(crate) reason: Vec<UndecidedReason>,
     /// Of undecided pixels, the distance of the start of the first undecided segment; anything
     /// elsewhere.
     pub(crate) open_from: Vec<f64>,
@@ -76,7 +76,7 @@ pub struct GBuffer {
     /// known to some 24 bits.
     pub drawn: Vec<f64>,
     /// Number of the surface that is painted; meaningless where the background shows.
-    pub surface: SurfaceNumbers,
+    pub surface: SurfaceIds,
     /// Unit normal of what is painted, towards f > 0; meaningless where the background shows, or if
     /// none was asked for. Empty if they are not kept.
     pub normal: Vec<[f32; 3]>,
@@ -117,7 +117,7 @@ pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
     }
 }
 
-static SPARES: Spares<GBuffer> = Spares::new(PICTURES);
+static SPARES: BufferPool<GBuffer> = BufferPool::new(PICTURES);
 
 /// Rows that one thread makes misses at a time.
 const ROWS: usize = 64;
@@ -202,7 +202,7 @@ impl GBuffer {
             self.status.clear();
         }
         resize(&mut self.status, pixels, Status::Undecided);
-        resize(&mut self.reason, pixels, Reason::None);
+        resize(&mut self.reason, pixels, UndecidedReason::None);
         resize(&mut self.open_from, pixels, 0.0);
         resize(&mut self.drawn, pixels, 0.0);
         resize(&mut self.normal, if kept.normals { pixels } else { 0 }, [0.0; 3]);
@@ -226,7 +226,7 @@ impl GBuffer {
     ///
     /// # Panics
     /// If there is no such pixel.
-    pub fn set(&mut self, pixel: usize, found: &Found) {
+    pub fn set(&mut self, pixel: usize, found: &RayResult) {
         debug_assert!(found.status != Status::Hit || found.distance == found.drawn);
         debug_assert!(found.status != Status::Miss || !found.drawn.is_finite());
         self.status[pixel] = found.status;
@@ -252,8 +252,12 @@ impl GBuffer {
     ///
     /// # Panics
     /// If there is no such pixel.
-    pub fn reason(&self, pixel: usize) -> Reason {
-        if self.status[pixel] == Status::Undecided { self.reason[pixel] } else { Reason::None }
+    pub fn reason(&self, pixel: usize) -> UndecidedReason {
+        if self.status[pixel] == Status::Undecided {
+            self.reason[pixel]
+        } else {
+            UndecidedReason::None
+        }
     }
 
     /// Whether a painted point lies on a face of the region that cuts a solid open.
@@ -302,7 +306,7 @@ impl GBuffer {
     /// looked for. What is painted stays.
     pub fn give_up(&mut self) {
         self.status.fill(Status::Undecided);
-        self.reason.fill(Reason::Budget);
+        self.reason.fill(UndecidedReason::Budget);
         self.open_from.fill(0.0);
         self.bracket.fill([f64::NAN; 2]);
     }
@@ -411,9 +415,9 @@ impl GBuffer {
         PixelCounts::of(&self.status)
     }
 
-    /// How many undecided pixels there are for each of [`Reason::ALL`].
-    pub fn reasons(&self) -> [usize; Reason::ALL.len()] {
-        let mut counts = [0; Reason::ALL.len()];
+    /// How many undecided pixels there are for each of [`UndecidedReason::ALL`].
+    pub fn reasons(&self) -> [usize; UndecidedReason::ALL.len()] {
+        let mut counts = [0; UndecidedReason::ALL.len()];
         for (status, reason) in self.status.iter().zip(&self.reason) {
             counts[*reason as usize] += usize::from(*status == Status::Undecided);
         }
@@ -432,19 +436,19 @@ mod tests {
 
     fn pixel(status: Status, distance: f64, drawn: f64, surface: u16) -> GBuffer {
         let mut buffer = GBuffer::new(1, 1, surface);
-        buffer.set(0, &Found { status, distance, drawn, ..Found::MISS });
+        buffer.set(0, &RayResult { status, distance, drawn, ..RayResult::MISS });
         buffer
     }
 
     #[test]
     fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
-        let touching = Found { status: Status::Undecided, distance: 4.0, ..Found::MISS };
+        let touching = RayResult { status: Status::Undecided, distance: 4.0, ..RayResult::MISS };
         let mut old = GBuffer::new(1, 1, 7);
-        old.set(0, &Found { drawn: 5.0, reason: Reason::Touching, ..touching });
+        old.set(0, &RayResult { drawn: 5.0, reason: UndecidedReason::Touching, ..touching });
         (old.normal[0], old.cap, old.shadow) = ([1.0, 0.0, 0.0], vec![true], vec![255]);
         old.occlusion = vec![9];
         old = old.with_brackets();
-        assert_eq!((old.distance(0), old.reason(0)), (4.0, Reason::Touching));
+        assert_eq!((old.distance(0), old.reason(0)), (4.0, UndecidedReason::Touching));
         let mut reset = old.clone();
         reset.reset(1, 1, 3);
         old.hand_back();
@@ -453,10 +457,13 @@ mod tests {
         let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
         assert_eq!((new.status[0], new.distance(0), new.drawn[0], new.surface[0]), expected);
         assert!(new.cap.is_empty() && new.shadow.is_empty() && new.occlusion.is_empty());
-        assert!(new.reason(0) == Reason::None && new.bracket.is_empty());
+        assert!(new.reason(0) == UndecidedReason::None && new.bracket.is_empty());
         // Nor does a hit in the place of what was undecided.
-        new.set(0, &Found { status: Status::Hit, distance: 2.0, drawn: 2.0, ..Found::MISS });
-        assert_eq!((new.distance(0), new.reason(0)), (2.0, Reason::None));
+        new.set(
+            0,
+            &RayResult { status: Status::Hit, distance: 2.0, drawn: 2.0, ..RayResult::MISS },
+        );
+        assert_eq!((new.distance(0), new.reason(0)), (2.0, UndecidedReason::None));
         assert_ne!(new, reset);
         reset.reset(3, 2, 0);
         assert_eq!(reset, GBuffer::new(3, 2, 0));
@@ -478,7 +485,7 @@ mod tests {
                     1 => (Status::Undecided, 3.0),
                     _ => (Status::Undecided, f64::INFINITY),
                 };
-                buffer.set(pixel, &Found { status, distance: 2.0, drawn, ..Found::MISS });
+                buffer.set(pixel, &RayResult { status, distance: 2.0, drawn, ..RayResult::MISS });
             }
         }
     }

@@ -8,35 +8,35 @@
 //! drives it as well as native code does.
 
 mod band;
+mod buffer_pool;
 mod camera;
 mod coarse;
 mod color;
 mod color_map;
 mod driver;
 mod edges;
-mod found;
 mod gbuffer;
 mod grid;
+mod kernel_stats;
 mod light;
 mod look;
 mod method;
 mod methods;
 mod normal;
-mod numbers;
 mod occlusion;
 mod packet;
 mod painted;
 mod pattern;
+mod ray_result;
 mod region;
 mod region_caps;
 mod rows;
 mod scalar;
 mod shade;
-mod spare;
+mod simd_chunks;
 mod squares;
+mod surface_ids;
 mod view;
-mod widths;
-mod work;
 
 pub use band::Band;
 pub use camera::{Camera, CameraError, Projection, Ray};
@@ -45,9 +45,9 @@ pub use color::LinearRgb;
 pub use color_map::{COLOR_MAPS, ColorMap};
 pub use driver::{BAND_ROWS, Driver};
 pub use edges::{edges, is_creased, is_smooth, slope};
-pub use found::{Found, Reason, Status};
 pub use gbuffer::{GBuffer, Kept, PixelCounts};
 pub use grid::{Patch, RayGrid};
+pub use kernel_stats::{Count, KernelStats};
 pub use light::Light;
 pub use look::{LOOKS, Look};
 pub use method::{
@@ -55,9 +55,9 @@ pub use method::{
 };
 pub use methods::{METHODS, STEPS};
 pub use normal::{NormalSource, normals};
-pub use numbers::SurfaceNumbers;
 pub use occlusion::{AmbientOcclusion, TURNS};
 pub use pattern::Pattern;
+pub use ray_result::{RayResult, Status, UndecidedReason};
 pub use region::{Ball, HalfSpace, Region, RegionError};
 pub use region_caps::{cap, cap_rows};
 pub use rows::Rows;
@@ -66,5 +66,5 @@ pub use shade::{
     Appearance, Canvas, Paint, Shader, SurfaceColors, UndecidedStyle, hand_back_colors, shade,
     unset_colors,
 };
+pub use surface_ids::SurfaceIds;
 pub use view::StandardView;
-pub use work::{Count, Work};

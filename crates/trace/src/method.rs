@@ -6,12 +6,12 @@
 
 use crate::band::Band;
 use crate::camera::Ray;
-use crate::found::Found;
 use crate::grid::RayGrid;
+use crate::kernel_stats::KernelStats;
+use crate::ray_result::RayResult;
 use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::squares::{RAYS, patches, squares};
-use crate::work::Work;
 use std::fmt;
 use zeroset_eval::{KernelError, SurfaceKernels};
 
@@ -204,11 +204,17 @@ pub trait Tracer: Sync {
     ///
     /// Each four in a row are neighbours if possible, as are each sixteen and so on. `found` has as
     /// many places.
-    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work);
+    fn follow(
+        &self,
+        rays: &[Segment],
+        start: Start,
+        found: &mut [RayResult],
+        work: &mut KernelStats,
+    );
 
     /// Follows the rays through all pixels of a band, in which everything is a miss so far, as long
     /// as it [is wanted](Band::is_wanted).
-    fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
+    fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
         by_squares(self, rays, band, work);
     }
 }
@@ -218,11 +224,11 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
     tracer: &T,
     rays: &RayGrid,
     band: &mut Band<'_>,
-    work: &mut Work,
+    work: &mut KernelStats,
 ) {
     let (to, pixel) = (f64::INFINITY, rays.pixel());
     let unset = Segment { ray: rays.ray(0, band.top), to, pixel };
-    let (mut segments, mut found) = ([unset; RAYS], [Found::MISS; RAYS]);
+    let (mut segments, mut found) = ([unset; RAYS], [RayResult::MISS; RAYS]);
     let mut wanted = true;
     let squares: Box<dyn Iterator<Item = Vec<[usize; 2]>>> = if rays.is_patched() {
         Box::new(patches(band.height))
@@ -239,7 +245,7 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
         wanted = wanted && band.is_wanted();
         if !wanted {
             for &[column, row] in &square {
-                band.set(column, row, &Found::GIVEN_UP);
+                band.set(column, row, &RayResult::GIVEN_UP);
             }
             continue;
         }

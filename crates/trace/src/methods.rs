@@ -2,8 +2,9 @@
 //! for each.
 
 mod affine;
-mod bridge;
+mod bracket_gap;
 mod knoll;
+mod local_ray;
 mod march;
 mod mitchell;
 mod outcome;
@@ -12,7 +13,6 @@ mod refine;
 mod slabs;
 mod slope;
 mod sphere;
-mod way;
 
 use crate::method::Method;
 

@@ -12,10 +12,10 @@ mod gradients;
 use crate::camera::Ray;
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
+use crate::kernel_stats::KernelStats;
 use crate::painted::BAND;
 use crate::rows::{Rows, work_on};
 use crate::shade::Canvas;
-use crate::work::Work;
 use glam::DVec3;
 use zeroset_eval::{Kernel, Kernels, LANES, Points, Real, Sample, SampleGradient};
 
@@ -58,7 +58,7 @@ pub fn normals<T: Real>(
     rays: &RayGrid,
     source: NormalSource<'_, T>,
     step: f64,
-) -> Work {
+) -> KernelStats {
     work_on(buffer.rows(BAND), |mut rows| source.face(&mut rows, rays, step, None))
 }
 
@@ -100,8 +100,8 @@ impl<T: Real> NormalSource<'_, T> {
         rays: &RayGrid,
         step: f64,
         mut canvas: Option<Canvas<'_>>,
-    ) -> Work {
-        let mut work = Work::default();
+    ) -> KernelStats {
+        let mut work = KernelStats::default();
         let start = rows.pixels().start;
         let windows = rows.windows();
         let (kept, seen) = rows.seen();
@@ -125,7 +125,7 @@ impl<T: Real> NormalSource<'_, T> {
         work
     }
 
-    fn of_batch(&self, rests: &[Rest], step: f64, work: &mut Work) -> Vec<[f32; 3]> {
+    fn of_batch(&self, rests: &[Rest], step: f64, work: &mut KernelStats) -> Vec<[f32; 3]> {
         let points: Vec<DVec3> = rests.iter().map(|rest| rest.ray.origin).collect();
         let mut normals = vec![None; points.len()];
         if let Self::Refined { double, .. } = self
@@ -167,7 +167,7 @@ impl<T: Real> NormalSource<'_, T> {
         &self,
         points: impl Iterator<Item = DVec3>,
         step: f64,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> Vec<DVec3> {
         // Seven samples per point: itself, then a pair for each axis.
         let stencil: Vec<DVec3> = points
@@ -197,15 +197,15 @@ impl<T: Real> NormalSource<'_, T> {
             .collect()
     }
 
-    fn sample(&self, points: &[DVec3], work: &mut Work) -> Vec<T> {
+    fn sample(&self, points: &[DVec3], work: &mut KernelStats) -> Vec<T> {
         let batches = Points::near(points);
         let (values, count): (Vec<_>, _) = match self {
             Self::Gradient(kernel) | Self::Refined { kernel, .. } => (
-                kernel.ask_all(&batches).iter().flat_map(|out| *out.value).collect(),
+                kernel.eval_all(&batches).iter().flat_map(|out| *out.value).collect(),
                 &mut work.gradient,
             ),
             Self::Central(kernel) => (
-                kernel.ask_all(&batches).iter().flat_map(|out| *out.value).collect(),
+                kernel.eval_all(&batches).iter().flat_map(|out| *out.value).collect(),
                 &mut work.point,
             ),
         };
@@ -229,14 +229,14 @@ fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<
 fn gradients<T: Real>(
     kernel: &dyn Kernel<SampleGradient, T>,
     points: impl Iterator<Item = DVec3>,
-    work: &mut Work,
+    work: &mut KernelStats,
 ) -> Vec<DVec3> {
     let points: Vec<DVec3> = points.collect();
     let batches = Points::near(&points);
     for batch in &batches {
         work.gradient.called(batch.count);
     }
-    let out = kernel.ask_all(&batches);
+    let out = kernel.eval_all(&batches);
     (0..points.len())
         .map(|k| {
             let gradient = out[k / LANES].gradient.each_ref();
@@ -260,7 +260,7 @@ fn unit(vector: DVec3) -> Option<[f32; 3]> {
 mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
-    use crate::found::Status;
+    use crate::ray_result::Status;
     use zeroset_eval::{Gradients, Lanes, Values};
 
     /// A function of a point with values and, optionally, gradients.
@@ -275,7 +275,7 @@ mod tests {
         F: Fn([f32; 3]) -> f32 + Send + Sync,
         G: Send + Sync,
     {
-        fn ask(&self, points: &Points, out: &mut Values) {
+        fn eval(&self, points: &Points, out: &mut Values) {
             for lane in 0..LANES {
                 out.value[lane] = self.0(at(points, lane));
             }
@@ -287,7 +287,7 @@ mod tests {
         F: Fn([f32; 3]) -> f32 + Send + Sync,
         G: Fn([f32; 3]) -> [f32; 3] + Send + Sync,
     {
-        fn ask(&self, points: &Points, out: &mut Gradients) {
+        fn eval(&self, points: &Points, out: &mut Gradients) {
             for lane in 0..LANES {
                 out.value[lane] = self.0(at(points, lane));
                 for (axis, slope) in self.1(at(points, lane)).into_iter().enumerate() {
@@ -375,7 +375,7 @@ mod tests {
     struct Steep(f64);
 
     impl Kernel<SampleGradient, f64> for Steep {
-        fn ask(&self, _: &Points<f64>, out: &mut Gradients<f64>) {
+        fn eval(&self, _: &Points<f64>, out: &mut Gradients<f64>) {
             out.gradient = [1.0, 2.0, 3.0].map(|slope| Lanes::splat(slope * self.0));
         }
     }

@@ -6,7 +6,7 @@
 
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
-use crate::numbers::SurfaceNumbers;
+use crate::surface_ids::SurfaceIds;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -51,7 +51,7 @@ pub struct AmbientOcclusion<'a> {
     rays: &'a RayGrid,
     at: Vec<Vec3>,
     normal: Vec<Vec3>,
-    surface: SurfaceNumbers,
+    surface: SurfaceIds,
     /// For each turn, where is looked, in a circle of radius 1.
     looks: [[Vec2; LOOKS]; TURNS],
 }

@@ -8,7 +8,7 @@
 use crate::method::Segment;
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::widths::{Chunk, parts};
+use crate::simd_chunks::{Chunk, parts};
 use fearless_simd::prelude::*;
 use glam::DVec3;
 use zeroset_eval::{Boxes, LANES, Lanes, Segments};

@@ -2,7 +2,7 @@
 //!
 //! What is done with the pixels is not known here.
 
-use crate::found::Status;
+use crate::ray_result::Status;
 use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 

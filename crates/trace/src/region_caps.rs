@@ -5,12 +5,12 @@
 
 use crate::camera::Ray;
 use crate::driver::BAND_ROWS;
-use crate::found::{Found, Reason, Status};
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
+use crate::kernel_stats::KernelStats;
+use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::region::{Entry, Region};
 use crate::rows::{Rows, work_on};
-use crate::work::Work;
 use zeroset_eval::{Boxes, Enclose, Kernel, LANES, Real};
 use zeroset_interval::{Facts, Interval};
 
@@ -22,7 +22,7 @@ const BATCH: usize = 256;
 enum Inside {
     Yes,
     No,
-    Unknown(Reason),
+    Unknown(UndecidedReason),
 }
 
 /// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates
@@ -36,7 +36,7 @@ pub fn cap<T: Real>(
     region: &Region,
     kernel: &dyn Kernel<Enclose, T>,
     only: &[bool],
-) -> Work {
+) -> KernelStats {
     buffer.keep_caps();
     work_on(buffer.rows(BAND_ROWS), |mut rows| cap_rows(&mut rows, rays, region, kernel, only))
 }
@@ -52,7 +52,7 @@ pub fn cap_rows<T: Real>(
     region: &Region,
     kernel: &dyn Kernel<Enclose, T>,
     only: &[bool],
-) -> Work {
+) -> KernelStats {
     let pixels = rows.pixels();
     let first = pixels.start;
     let entries: Vec<(usize, Entry)> = pixels
@@ -61,7 +61,7 @@ pub fn cap_rows<T: Real>(
         .collect();
     let judged = entries.chunks(BATCH).flat_map(|batch| judge(batch, rays, region, kernel));
     let verdicts: Vec<Inside> = judged.collect();
-    let mut work = Work::default();
+    let mut work = KernelStats::default();
     for batch in entries.chunks(LANES) {
         work.interval.called(batch.len() as u32);
     }
@@ -73,11 +73,11 @@ pub fn cap_rows<T: Real>(
             // What the traverser found at the face may lie before it by a rounding.
             Inside::Unknown(reason) => (rows.distance(pixel).min(distance), reason),
             // It may pass by an edge of the region.
-            Inside::Yes => (distance, Reason::Touching),
+            Inside::Yes => (distance, UndecidedReason::Touching),
         };
         let mut bracket = [f64::NAN; 2];
         if inside == Inside::Yes && entry.certain {
-            let found = Found { bracket: [entry.t.0, entry.t.1], ..Found::MISS };
+            let found = RayResult { bracket: [entry.t.0, entry.t.1], ..RayResult::MISS };
             bracket = found.scaled(ray.distance(1.0)).bracket;
             rows.status[pixel] = Status::Hit;
         } else {
@@ -109,7 +109,7 @@ fn judge<T: Real>(
             [0, 1, 2].map(|axis| enclosed(&ray, entry, region, axis))
         })
         .collect();
-    let out = kernel.ask_all(&Boxes::around(&boxes));
+    let out = kernel.eval_all(&Boxes::around(&boxes));
     (0..batch.len())
         .map(|k| {
             let (out, lane) = (&out[k / LANES], k % LANES);
@@ -119,9 +119,9 @@ fn judge<T: Real>(
             } else if facts.has(Facts::DEFINED) && out.hi[lane] < zero {
                 Inside::Yes
             } else if facts.has(Facts::DEFINED) {
-                Inside::Unknown(Reason::Touching)
+                Inside::Unknown(UndecidedReason::Touching)
             } else {
-                Inside::Unknown(Reason::Undefined)
+                Inside::Unknown(UndecidedReason::Undefined)
             }
         })
         .collect()
@@ -151,7 +151,7 @@ mod tests {
     struct LeftHalf;
 
     impl Kernel<Enclose> for LeftHalf {
-        fn ask(&self, boxes: &Boxes, out: &mut Enclosures) {
+        fn eval(&self, boxes: &Boxes, out: &mut Enclosures) {
             for lane in 0..LANES {
                 out.neg_lo[lane] = boxes.neg_lo[0][lane] + 0.25;
                 out.hi[lane] = boxes.hi[0][lane] - 0.25;

@@ -2,12 +2,12 @@
 //! caches.
 
 use crate::band::Band;
-use crate::found::{Reason, Status};
 use crate::gbuffer::{GBuffer, PixelCounts, distance};
-use crate::numbers::Numbers;
+use crate::kernel_stats::KernelStats;
 use crate::painted::{Window, are_misses, windows};
+use crate::ray_result::{Status, UndecidedReason};
 use crate::shade::Seen;
-use crate::work::Work;
+use crate::surface_ids::Numbers;
 use fearless_simd::{Level, Simd, dispatch};
 use std::cell::Cell;
 use std::ops::Range;
@@ -23,7 +23,7 @@ pub struct Rows<'a> {
     /// Pixels in a row.
     pub(crate) width: usize,
     pub(crate) status: &'a mut [Status],
-    pub(crate) reason: &'a mut [Reason],
+    pub(crate) reason: &'a mut [UndecidedReason],
     /// Empty if they are not wanted.
     pub(crate) bracket: &'a mut [[f64; 2]],
     pub(crate) open_from: &'a mut [f64],
@@ -80,13 +80,16 @@ impl GBuffer {
 ///
 /// # Panics
 /// As `work`, once the other threads are done.
-pub(crate) fn work_on<P: Send>(parts: Vec<P>, work: impl Fn(P) -> Work + Sync) -> Work {
+pub(crate) fn work_on<P: Send>(
+    parts: Vec<P>,
+    work: impl Fn(P) -> KernelStats + Sync,
+) -> KernelStats {
     let threads = rayon::current_num_threads().min(parts.len());
     let rest = Mutex::new(outside_first(parts));
     let next = || rest.lock().unwrap_or_else(PoisonError::into_inner).pop();
-    let all = Mutex::new(Work::default());
+    let all = Mutex::new(KernelStats::default());
     let take = || {
-        let own: Work = std::iter::from_fn(next).map(&work).sum();
+        let own: KernelStats = std::iter::from_fn(next).map(&work).sum();
         *all.lock().unwrap_or_else(PoisonError::into_inner) += own;
     };
     if threads <= 1 {
@@ -214,13 +217,13 @@ mod tests {
                 || {
                     work_on((0..count).collect(), |part| {
                         taken.lock().expect("no panic").push(part);
-                        Work { given_up: 1, ..Work::default() }
+                        KernelStats { given_up: 1, ..KernelStats::default() }
                     })
                 },
             );
             assert_eq!(taken.into_inner().expect("no panic"), expected);
         }
-        let work = |part| Work { given_up: part, ..Work::default() };
+        let work = |part| KernelStats { given_up: part, ..KernelStats::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
         assert_eq!(pool.install(|| work_on((0..100).collect(), work)).given_up, 99 * 100 / 2);
     }
@@ -229,7 +232,7 @@ mod tests {
     fn a_panic_on_any_thread_is_the_caller_s() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
         for bad in 0..8 {
-            let work = |part| if part == bad { panic!("{part}") } else { Work::default() };
+            let work = |part| if part == bad { panic!("{part}") } else { KernelStats::default() };
             let run = || pool.install(|| work_on((0..8).collect(), work));
             let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
             let told = caught.expect_err("a panic").downcast::<String>().expect("its words");

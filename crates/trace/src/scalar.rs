@@ -3,7 +3,7 @@
 //! Everything here rounds to nearest; what that costs is added as slack by whoever computes with
 //! it.
 
-use crate::widths::parts;
+use crate::simd_chunks::parts;
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
 use std::ops::{Add, Mul};
 use zeroset_eval::{KernelFloat, LANES, Lanes, PATH_UNITS};

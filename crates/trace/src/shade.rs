@@ -3,13 +3,13 @@
 mod lanes;
 mod shader;
 
+use crate::buffer_pool::{BufferPool, PICTURES, serves};
 use crate::color::LinearRgb;
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::light::Light;
 use crate::look::Look;
 use crate::painted::{BAND, windows};
-use crate::spare::{PICTURES, Spares, serves};
 use fearless_simd::Level;
 use rayon::prelude::*;
 pub use shader::{Canvas, Shader};
@@ -196,7 +196,7 @@ pub fn hand_back_colors(bytes: Vec<u8>) {
     SPARES.hand_back(bytes);
 }
 
-static SPARES: Spares<Vec<u8>> = Spares::new(PICTURES);
+static SPARES: BufferPool<Vec<u8>> = BufferPool::new(PICTURES);
 
 #[cfg(test)]
 mod tests;

@@ -1,8 +1,8 @@
 //! What lights a picture, and what hides its points from that.
 
 use super::super::paint::{Finish, Painter};
-use super::super::{Aim, Stopwatch};
-use super::Shot;
+use super::super::{Effort, Stopwatch};
+use super::RenderPass;
 use crate::legend::Legend;
 use crate::picture::{Normals, Times};
 use crate::program::ProgramError;
@@ -11,8 +11,8 @@ use glam::DVec3;
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
 use zeroset_trace::{
-    AmbientOcclusion, Appearance, Ball, Driver, GBuffer, Light, LinearRgb, Pattern, RayGrid,
-    SurfaceColors, Work, borrow_occlusion,
+    AmbientOcclusion, Appearance, Ball, Driver, GBuffer, KernelStats, Light, LinearRgb, Pattern,
+    RayGrid, SurfaceColors, borrow_occlusion,
 };
 
 /// Shadow rays start this many of their own slabs away from the surface, so that it does not shade
@@ -27,10 +27,10 @@ pub(super) struct Lit {
     pub rgb: Vec<u8>,
     pub legends: Vec<Legend>,
     pub edge_rays: usize,
-    pub work: Work,
+    pub work: KernelStats,
 }
 
-impl<T: KernelFloat> Shot<'_, T> {
+impl<T: KernelFloat> RenderPass<'_, T> {
     /// Where the light comes from that casts shadows.
     pub(super) fn lamp(&self, rays: &RayGrid) -> Light {
         let typed = self.model.setting.lines.light.as_ref();
@@ -64,7 +64,7 @@ impl<T: KernelFloat> Shot<'_, T> {
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let mut layers = Vec::new();
             if self.is_translucent() {
-                layers = self.layers(rays, &[], &self.tracers(Aim::of(settings))?)?;
+                layers = self.layers(rays, &[], &self.tracers(Effort::of(settings))?)?;
                 times.trace += watch.lap();
             }
             rgb = known.unwrap_or_else(|| self.colored(rays, buffer, &layers, &finish, 1));
@@ -97,10 +97,10 @@ impl<T: KernelFloat> Shot<'_, T> {
         rays: &RayGrid,
         light: &Light,
         buffer: &mut GBuffer,
-    ) -> Result<Work, ProgramError> {
+    ) -> Result<KernelStats, ProgramError> {
         let Self { model, advance, .. } = *self;
         let occludes = self.occludes();
-        let mut work = Work::default();
+        let mut work = KernelStats::default();
         let shadow_depth = self.shadow_depth();
         if let Some(depth) = shadow_depth {
             work += self.shadows(rays, light, depth, buffer)?;
@@ -131,16 +131,16 @@ impl<T: KernelFloat> Shot<'_, T> {
         light: &Light,
         depth: u32,
         buffer: &mut GBuffer,
-    ) -> Result<Work, ProgramError> {
+    ) -> Result<KernelStats, ProgramError> {
         // A slab of the last depth may lie on either side of the surface that it holds.
         let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
         let lights = light.widened(self.model.region.centre());
-        let mut work = Work::default();
+        let mut work = KernelStats::default();
         buffer.shadow.clear();
         // Shadows are no pixels finished.
         let wanted = |_| (self.advance)(0);
         for surface in self.model.seen() {
-            let tracer = self.tracer(surface, Aim { depth, ..Aim::of(self.settings) })?;
+            let tracer = self.tracer(surface, Effort { depth, ..Effort::of(self.settings) })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
             work += driver.shadows(buffer, &lights, offset);
             if !(self.advance)(0) {
@@ -204,11 +204,11 @@ impl<T: KernelFloat> Shot<'_, T> {
         // By the kernel that normals are made of.
         let values = match self.settings.normals {
             Some(Normals::Central) => kernels.values().map(|kernel| {
-                let values = kernel.ask_all(&batches);
+                let values = kernel.eval_all(&batches);
                 values.into_iter().map(|out| out.value).collect::<Vec<_>>()
             }),
             Some(Normals::Gradient) | None => kernels.gradients().map(|kernel| {
-                let gradients = kernel.ask_all(&batches);
+                let gradients = kernel.eval_all(&batches);
                 gradients.into_iter().map(|out| out.value).collect()
             }),
         };

@@ -109,7 +109,7 @@ pub fn zero_kernel<T: KernelFloat>(formula: &Formula) -> Option<Box<dyn Kernel<F
 struct First(Program);
 
 impl<T: KernelFloat> Kernel<FindZeros, T> for First {
-    fn ask(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
-        self.0.kernels::<T>(0).zeros().expect("compiles").ask(boxes, zeros);
+    fn eval(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
+        self.0.kernels::<T>(0).zeros().expect("compiles").eval(boxes, zeros);
     }
 }

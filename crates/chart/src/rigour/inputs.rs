@@ -4,7 +4,7 @@ use crate::quantile::quantile;
 use fastrand::Rng;
 use zeroset_eval::{
     Boxes, ContractSegments, ContractTiles, Contractions, Enclose, Enclosures, Input, Kernel,
-    LANES, Planes, Question, Real, Segments, Tiles,
+    LANES, Planes, Query, Real, Segments, Tiles,
 };
 use zeroset_interval::Interval;
 use zeroset_jit::comparison::Compared;
@@ -64,12 +64,12 @@ pub fn errors<T: Real>(kernels: &Three<ContractTiles, T>, inputs: &[Tiles<T>]) -
     ratios(kernels, inputs, |answer: &Planes<T>, lane| answer.error[lane].into())
 }
 
-fn ratios<T: Real, Q: Question>(
+fn ratios<T: Real, Q: Query>(
     kernels: &Three<Q, T>,
     inputs: &[Q::Input<T>],
     width: impl Fn(&Q::Output<T>, usize) -> f64,
 ) -> [Option<f64>; 3] {
-    let answers = kernels.map(|kernel| kernel.ask_all(inputs));
+    let answers = kernels.map(|kernel| kernel.eval_all(inputs));
     let [_, _, upward] = &answers;
     answers.each_ref().map(|answers| {
         let pairs = inputs.iter().zip(answers.iter().zip(upward));

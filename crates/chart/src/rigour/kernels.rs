@@ -3,8 +3,8 @@
 use std::sync::{Mutex, OnceLock, PoisonError};
 use zeroset::program::{KernelSource, Program};
 use zeroset_eval::{
-    Asked, Binding, ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError,
-    KernelFloat, Kernels, Question, Real, SurfaceKernels, Tape,
+    Binding, ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError, KernelFloat,
+    KernelResult, Kernels, Query, Real, SurfaceKernels, Tape,
 };
 use zeroset_jit::comparison::{Arithmetic, Compared};
 use zeroset_trace::Precision;
@@ -29,12 +29,12 @@ pub struct Own<T: Real> {
 type Slot<Q, T> = OnceLock<Result<Watched<Q, T>, KernelError>>;
 
 /// A kernel, and what it was asked if that is kept.
-pub struct Watched<Q: Question, T: Real> {
+pub struct Watched<Q: Query, T: Real> {
     kernel: Compared<Q, T>,
     seen: Option<Mutex<Vec<Q::Input<T>>>>,
 }
 
-impl<Q: Question, T: Real> Watched<Q, T> {
+impl<Q: Query, T: Real> Watched<Q, T> {
     /// What a tracer asks: the kernel itself, so that it is called as the product's are, unless
     /// what it is asked is kept.
     fn asked(&self) -> &dyn Kernel<Q, T> {
@@ -42,17 +42,17 @@ impl<Q: Question, T: Real> Watched<Q, T> {
     }
 }
 
-impl<Q: Question, T: Real> Kernel<Q, T> for Watched<Q, T> {
-    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+impl<Q: Query, T: Real> Kernel<Q, T> for Watched<Q, T> {
+    fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         if let Some(seen) = &self.seen {
             seen.lock().unwrap_or_else(PoisonError::into_inner).push(input.clone());
         }
-        self.kernel.ask(input, output);
+        self.kernel.eval(input, output);
     }
 }
 
 /// A question of which a set has a kernel.
-pub trait Has<Q: Question, T: Real> {
+pub trait Has<Q: Query, T: Real> {
     /// Where it is kept.
     fn slot(&self) -> &Slot<Q, T>;
 }
@@ -75,7 +75,7 @@ has! {
 }
 
 impl<T: Real> Own<T> {
-    fn watched<Q: Question>(&self) -> Result<&Watched<Q, T>, KernelError>
+    fn watched<Q: Query>(&self) -> Result<&Watched<Q, T>, KernelError>
     where
         Self: Has<Q, T>,
     {
@@ -89,19 +89,19 @@ impl<T: Real> Own<T> {
 }
 
 impl<T: Real> Kernels<T> for Own<T> {
-    fn zeros(&self) -> Asked<'_, FindZeros, T> {
+    fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
         Ok(self.watched()?.asked())
     }
-    fn bounds(&self) -> Asked<'_, Enclose, T> {
+    fn bounds(&self) -> KernelResult<'_, Enclose, T> {
         Ok(self.watched()?.asked())
     }
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Ok(None)
     }
-    fn segments(&self) -> Asked<'_, ContractSegments, T> {
+    fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
         Ok(self.watched()?.asked())
     }
-    fn tiles(&self) -> Asked<'_, ContractTiles, T> {
+    fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
         Ok(self.watched()?.asked())
     }
 }
@@ -160,7 +160,7 @@ impl Set {
     ///
     /// # Errors
     /// If it cannot be made.
-    pub fn kernel<T: Float, Q: Question>(&self) -> Result<&Compared<Q, T>, KernelError>
+    pub fn kernel<T: Float, Q: Query>(&self) -> Result<&Compared<Q, T>, KernelError>
     where
         Own<T>: Has<Q, T>,
     {
@@ -171,7 +171,7 @@ impl Set {
     ///
     /// # Errors
     /// If it cannot be made.
-    pub fn seen<T: Float, Q: Question>(&self) -> Result<Vec<Q::Input<T>>, KernelError>
+    pub fn seen<T: Float, Q: Query>(&self) -> Result<Vec<Q::Input<T>>, KernelError>
     where
         Own<T>: Has<Q, T>,
     {

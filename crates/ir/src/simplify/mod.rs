@@ -21,7 +21,7 @@ use crate::compact::compact;
 use crate::constant::Constant;
 use crate::error::{IrError, NODE_LIMIT};
 use crate::graph::{Graph, Node, NodeId};
-use crate::rank::{Rank, ranks};
+use crate::rank::{Variability, ranks};
 use form::{Condition, Form, Product, Sum};
 use num_rational::BigRational;
 use num_traits::One;
@@ -105,7 +105,7 @@ pub fn rewrite(
                 None => Form::Node(rewriter.leaf(node)),
             },
             Node::Apply(op, operands) => {
-                let is_fixed = |id: &NodeId| ranks[id.index()] == Rank::Constant;
+                let is_fixed = |id: &NodeId| ranks[id.index()] == Variability::Constant;
                 let fixed_exponent = operands.last().is_some_and(is_fixed);
                 let operands = operands
                     .iter()
@@ -152,7 +152,7 @@ struct Rewriter<'a> {
     /// Bounds of each node's value, wherever in the domain it is defined, and facts over all of it.
     known: Vec<Decorated>,
     /// What each node varies with.
-    ranks: Vec<Rank>,
+    ranks: Vec<Variability>,
     /// The terms of nodes that are sums of several.
     sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
     /// The factors of nodes that are products or powers.
@@ -170,7 +170,7 @@ impl Rewriter<'_> {
         self.known(id).bounds
     }
 
-    fn rank(&self, id: NodeId) -> Rank {
+    fn rank(&self, id: NodeId) -> Variability {
         self.ranks[id.index()]
     }
 
@@ -179,15 +179,15 @@ impl Rewriter<'_> {
         let (id, value, rank) = match node {
             Node::Variable(axis) => {
                 let range = self.domain[*axis as usize];
-                (self.graph.variable(*axis), within(range), Rank::Varying)
+                (self.graph.variable(*axis), within(range), Variability::Varying)
             }
             Node::Parameter(number) => {
                 let range = self.parameters.get(*number as usize);
                 let range = range.copied().unwrap_or(Interval::ENTIRE);
-                (self.graph.parameter(*number), within(range), Rank::Uniform)
+                (self.graph.parameter(*number), within(range), Variability::Uniform)
             }
             Node::Constant(constant) => {
-                (self.graph.constant(constant.clone()), constant.value(), Rank::Constant)
+                (self.graph.constant(constant.clone()), constant.value(), Variability::Constant)
             }
             Node::Apply(..) => unreachable!("not a leaf"),
         };
@@ -203,13 +203,14 @@ impl Rewriter<'_> {
         let id = self.graph.apply(op, operands);
         if id.index() == self.known.len() {
             let known: Vec<Decorated> = operands.iter().map(|&id| self.known(id)).collect();
-            let rank = operands.iter().map(|&id| self.rank(id)).max().unwrap_or(Rank::Constant);
+            let rank =
+                operands.iter().map(|&id| self.rank(id)).max().unwrap_or(Variability::Constant);
             self.note(id, zeroset_interval::fold(op, &known).into(), rank);
         }
         id
     }
 
-    fn note(&mut self, id: NodeId, known: Decorated, rank: Rank) {
+    fn note(&mut self, id: NodeId, known: Decorated, rank: Variability) {
         if id.index() == self.known.len() {
             self.known.push(known);
             self.ranks.push(rank);

@@ -4,7 +4,7 @@ use super::Rewriter;
 use super::form::{Condition, Form, Product};
 use super::numbers;
 use crate::graph::NodeId;
-use crate::rank::Rank;
+use crate::rank::Variability;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive};
 use zeroset_ops::{Op, Restriction};
@@ -44,7 +44,7 @@ impl Rewriter<'_> {
             }
             let base = self.node_of(Form::Product(base));
             let power = Form::Node(self.node(Op::Pow, &[base, exponent]));
-            if fixed || self.rank(exponent) != Rank::Constant {
+            if fixed || self.rank(exponent) != Variability::Constant {
                 return power;
             }
             // Folding would find an integer only in a range of one number, whose sign is known.
@@ -95,7 +95,7 @@ impl Rewriter<'_> {
         }
         let base = self.node_of(Form::Product(base));
         let exponent = self.number(exponent.clone());
-        debug_assert_eq!(self.rank(exponent), Rank::Constant);
+        debug_assert_eq!(self.rank(exponent), Variability::Constant);
         Form::Node(self.node(Op::Pow, &[base, exponent]))
     }
 }

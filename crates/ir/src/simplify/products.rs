@@ -4,7 +4,7 @@ use super::Rewriter;
 use super::form::{Condition, Factor, Form, Product};
 use super::numbers;
 use crate::graph::{Node, NodeId};
-use crate::rank::Rank;
+use crate::rank::Variability;
 use num_integer::gcd;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -212,7 +212,7 @@ impl Rewriter<'_> {
     fn emit_factors(&mut self, p: &Product) -> NodeId {
         let mut uniform = [None, None]; // above and below the line
         let mut varying = [Vec::new(), Vec::new()];
-        for rank in [Rank::Constant, Rank::Uniform] {
+        for rank in [Variability::Constant, Variability::Uniform] {
             for factor in &p.factors {
                 if self.rank(factor.base) == rank {
                     let side = usize::from(factor.exponent < 0);
@@ -222,7 +222,7 @@ impl Rewriter<'_> {
             }
         }
         for factor in &p.factors {
-            if self.rank(factor.base) == Rank::Varying {
+            if self.rank(factor.base) == Variability::Varying {
                 let side = usize::from(factor.exponent < 0);
                 varying[side].push((factor.base, factor.exponent.unsigned_abs()));
             }

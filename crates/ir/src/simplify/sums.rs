@@ -8,7 +8,7 @@ use super::form::{Condition, Product, Sum};
 use super::numbers;
 use crate::constant::bits;
 use crate::graph::NodeId;
-use crate::rank::Rank;
+use crate::rank::Variability;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Op, Restriction};
@@ -219,9 +219,9 @@ impl Rewriter<'_> {
         let mut varying = Vec::new();
         for (term, c) in terms {
             match self.rank(*term) {
-                Rank::Constant => fixed[0].push((*term, c.clone())),
-                Rank::Uniform => fixed[1].push((*term, c.clone())),
-                Rank::Varying => varying.push((*term, c.clone())),
+                Variability::Constant => fixed[0].push((*term, c.clone())),
+                Variability::Uniform => fixed[1].push((*term, c.clone())),
+                Variability::Varying => varying.push((*term, c.clone())),
             }
         }
         self.group_equal_coefficients(&mut varying);

@@ -3,8 +3,8 @@
 
 use std::fmt::Debug;
 use zeroset_eval::{
-    Assumptions, Batch, Binding, Boxes, Enclose, Input, Kernel, LANES, Output, Points, Question,
-    Real, Reference, Sample, Tape,
+    Assumptions, Batch, Binding, Boxes, Enclose, Input, Kernel, LANES, Output, Points, Query, Real,
+    Reference, Sample, Tape,
 };
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
@@ -130,15 +130,15 @@ fn every_operation_agrees<T: Draw>() {
 }
 
 /// The answers of native code, which are those of the reference.
-fn agreed<Q: Question, T: Real>(tape: &Tape<T>, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>>
+fn agreed<Q: Query, T: Real>(tape: &Tape<T>, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>>
 where
     Q::Input<T>: Debug,
     Q::Output<T>: Debug,
 {
     let compiled = Compiled::<Q, T>::new(tape.clone()).expect("compiles");
     assert_eq!(Some(compiled.vector_bytes()), vector_widths().next(), "{:?}", tape.steps());
-    let found = compiled.bind(Binding::empty()).ask_all(inputs);
-    let expected = Reference::<Q, T>::new(tape.clone(), Binding::empty()).ask_all(inputs);
+    let found = compiled.bind(Binding::empty()).eval_all(inputs);
+    let expected = Reference::<Q, T>::new(tape.clone(), Binding::empty()).eval_all(inputs);
     for ((input, e), f) in inputs.iter().zip(&expected).zip(&found) {
         let lanes =
             |number| e.quantity(number).iter().zip(&**f.quantity(number)).take(input.count());

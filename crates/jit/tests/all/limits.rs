@@ -76,7 +76,7 @@ fn large_kernels_are_compiled_in_bounded_time_and_run() {
         let started = Instant::now();
         let kernel = compile(&graph, root).expect("within all limits");
         println!("{name}: {:?}, {} bytes", started.elapsed(), kernel.compiled().code_bytes());
-        let out = &kernel.ask_all(&[origin(1)])[0];
+        let out = &kernel.eval_all(&[origin(1)])[0];
         assert!(out.hi[0] >= -out.neg_lo[0], "{name}");
     }
 }
@@ -89,7 +89,7 @@ fn what_is_too_deep_for_wide_vectors_is_computed_in_narrow_ones() {
         assert_eq!(Some(kernel.compiled().vector_bytes()), width, "{length} arctangents");
         let mut one = origin(1);
         (one.neg_lo[0][0], one.hi[0][0]) = (-1.0, 1.0);
-        let out = &kernel.ask_all(&[one])[0];
+        let out = &kernel.eval_all(&[one])[0];
         // About √(3 / (2n)), whatever it starts from.
         let expected = (1.5 / length as f32).sqrt();
         assert!(
@@ -107,9 +107,9 @@ fn a_kernel_is_asked_about_one_to_sixteen_lanes() {
     let gradients = Native::<SampleGradient>::new(four, Binding::empty()).expect("compiles");
     for (count, is_allowed) in [(0, false), (1, true), (16, true), (17, false)] {
         let points = Points { count, ..Points::default() };
-        assert_eq!(is_refused(&mut || drop(bounds.ask_all(&[origin(count)]))), !is_allowed);
+        assert_eq!(is_refused(&mut || drop(bounds.eval_all(&[origin(count)]))), !is_allowed);
         assert_eq!(
-            is_refused(&mut || drop(gradients.ask_all(std::slice::from_ref(&points)))),
+            is_refused(&mut || drop(gradients.eval_all(std::slice::from_ref(&points)))),
             !is_allowed
         );
     }
@@ -157,7 +157,7 @@ fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
                 ends[axis] = Interval { lo, hi };
                 // In the last lane, which alone is outside.
                 let boxes = Boxes::around(&[[[Interval::ONE; 3]; 8].as_slice(), &[ends]].concat());
-                assert_eq!(is_refused(&mut || drop(kernel.ask_all(&boxes))), !is_allowed);
+                assert_eq!(is_refused(&mut || drop(kernel.eval_all(&boxes))), !is_allowed);
             }
         }
     }
@@ -181,7 +181,7 @@ fn no_page_is_writable_and_executable() {
         })
         .collect();
     for kernel in &kernels {
-        kernel.ask_all(&[origin(1)]);
+        kernel.eval_all(&[origin(1)]);
     }
     let maps = maps();
     let both: Vec<&str> = maps

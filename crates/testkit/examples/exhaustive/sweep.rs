@@ -255,7 +255,7 @@ impl Function {
             for (lane, x) in xs.iter().enumerate() {
                 (boxes.neg_lo[0][lane], boxes.hi[0][lane]) = (-x, *x);
             }
-            kernel.ask(&boxes, &mut out);
+            kernel.eval(&boxes, &mut out);
             for (lane, &x) in xs.iter().enumerate() {
                 self.judge(x, -out.neg_lo[lane], out.hi[lane], out.facts(lane), report);
             }

@@ -7,7 +7,7 @@ use crate::{Adversarial, Case, Ends, Place, Rng, minimise, pack_boxes};
 use std::fmt::Debug;
 use zeroset_eval::{
     Assumptions, Binding, Boxes, ContractSegments, ContractTiles, Enclose, EncloseGradient,
-    FindZeros, Input, Kernel, LANES, Lanes, Output, Points, Question, Real, Reference, Sample,
+    FindZeros, Input, Kernel, LANES, Lanes, Output, Points, Query, Real, Reference, Sample,
     SampleGradient, Segments, Tape, Tiles,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
@@ -195,7 +195,7 @@ fn same<T: Real, B: Output<T>>(a: &B, b: &B, count: usize) -> bool {
 }
 
 /// The answers of native code, for vectors of so many bytes, and of the reference.
-fn both<Q: Question, T: Real>(
+fn both<Q: Query, T: Real>(
     tape: Tape<T>,
     case: &Case,
     inputs: &[Q::Input<T>],
@@ -205,10 +205,10 @@ fn both<Q: Question, T: Real>(
     let compiled = Compiled::<Q, T>::narrow(tape.clone(), width).expect("compiles");
     assert_eq!(compiled.vector_bytes(), width, "{:?}", tape.steps());
     let native = compiled.bind(binding.clone());
-    [native.ask_all(inputs), Reference::<Q, T>::new(tape, binding).ask_all(inputs)]
+    [native.eval_all(inputs), Reference::<Q, T>::new(tape, binding).eval_all(inputs)]
 }
 
-fn compare<Q: Question, T: Real>(
+fn compare<Q: Query, T: Real>(
     case: &Case,
     tape: &dyn Fn(&Case) -> Option<Tape<T>>,
     inputs: &[Q::Input<T>],
@@ -219,7 +219,7 @@ where
     Q::Output<T>: Debug,
 {
     /// The first input on which they differ.
-    fn differing<Q: Question, T: Real>(
+    fn differing<Q: Query, T: Real>(
         answers: &[Vec<Q::Output<T>>; 2],
         inputs: &[Q::Input<T>],
     ) -> Option<usize> {

@@ -6,7 +6,7 @@ use super::tile::{Probe, Tile, pack_segments, pack_tiles};
 use crate::suite::Failure;
 use crate::{Adversarial, Case, Claim, Defined, Oracle, Place, Rng, minimise};
 use zeroset_eval::{
-    Binding, ContractSegments, ContractTiles, Kernel, LANES, Planes, Question, Reference, Tape,
+    Binding, ContractSegments, ContractTiles, Kernel, LANES, Planes, Query, Reference, Tape,
 };
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
@@ -66,7 +66,7 @@ pub enum Engine {
 }
 
 impl Manner {
-    fn kernel<Q: Question, T: Adversarial>(self, case: &Case) -> Option<Box<dyn Kernel<Q, T>>> {
+    fn kernel<Q: Query, T: Adversarial>(self, case: &Case) -> Option<Box<dyn Kernel<Q, T>>> {
         let tape: Tape<T> = Subject::Tiles.tape(self.simple, case)?;
         let binding = Binding::new(&case.parameters);
         Some(match self.engine {
@@ -103,7 +103,7 @@ pub fn contract<T: Adversarial>(
             lanes.push((tile, probes));
         }
         let tiles: Vec<Tile> = lanes.iter().map(|(tile, _)| *tile).collect();
-        let planes = &kernel.ask_all(&[pack_tiles::<T>(&tiles)])[0];
+        let planes = &kernel.eval_all(&[pack_tiles::<T>(&tiles)])[0];
         for (lane, (tile, probes)) in lanes.iter().enumerate() {
             let values = case.random_values(rng);
             let claims: Vec<_> =
@@ -159,9 +159,9 @@ fn lost_root<T: Adversarial>(
     all: &mut Contracted,
 ) -> Option<usize> {
     let case = with_root(case, claim);
-    let planes = &manner.kernel::<ContractTiles, T>(&case)?.ask_all(&[pack_tiles(tiles)])[0];
+    let planes = &manner.kernel::<ContractTiles, T>(&case)?.eval_all(&[pack_tiles(tiles)])[0];
     let segments = pack_segments::<T>(tiles, probe);
-    let ends = &manner.kernel::<ContractSegments, T>(&case)?.ask_all(&[segments])[0];
+    let ends = &manner.kernel::<ContractSegments, T>(&case)?.eval_all(&[segments])[0];
     (0..tiles.len()).find(|&lane| {
         let [near, far] = tiles[lane].span;
         let mut lost = false;
@@ -293,7 +293,7 @@ fn explain<T: Adversarial>(
 ) -> Failure {
     let ask = |case: &Case| {
         let kernel = manner.kernel::<ContractTiles, T>(case)?;
-        let plane = Plane::of(&kernel.ask_all(&[pack_tiles::<T>(&[*tile])])[0], 0);
+        let plane = Plane::of(&kernel.eval_all(&[pack_tiles::<T>(&[*tile])])[0], 0);
         let oracle = Oracle::new(&case.graph, &[case.root]);
         let within = |probe: &Probe| {
             probe.at.iter().zip(case.assumptions.domain).all(|(x, range)| range.contains(*x))

@@ -21,7 +21,7 @@ struct Lane<const N: usize> {
 
 /// What the kernels' text makes of a lane.
 #[derive(Clone, Copy, Debug)]
-struct Answer {
+struct QueryResult {
     near: f64,
     far: f64,
     possible: bool,
@@ -57,7 +57,10 @@ pub fn narrow<T: Adversarial, const N: usize>(
     Ok(tally)
 }
 
-fn answers<T: Adversarial, const N: usize>(m: &mut Software, lanes: &[Lane<N>]) -> Vec<Answer> {
+fn answers<T: Adversarial, const N: usize>(
+    m: &mut Software,
+    lanes: &[Lane<N>],
+) -> Vec<QueryResult> {
     let load = |number: &dyn Fn(&Lane<N>) -> f64| {
         let mut loaded = Lanes::<T>::default();
         for (to, lane) in loaded.iter_mut().zip(lanes) {
@@ -79,7 +82,7 @@ fn answers<T: Adversarial, const N: usize>(m: &mut Software, lanes: &[Lane<N>]) 
     (0..lanes.len())
         .map(|lane| {
             let [possible, crossing] = masks.map(|mask| mask >> lane & 1 == 1);
-            Answer { near: near[lane].into(), far: far[lane].into(), possible, crossing }
+            QueryResult { near: near[lane].into(), far: far[lane].into(), possible, crossing }
         })
         .collect()
 }
@@ -144,7 +147,7 @@ impl<const N: usize> Lane<N> {
         Self { centre, slopes, error, middle, half, near, far }
     }
 
-    fn contradiction<T: Real>(&self, answer: Answer) -> Option<&'static str> {
+    fn contradiction<T: Real>(&self, answer: QueryResult) -> Option<&'static str> {
         let keeps_all = answer.possible && answer.near <= self.near && self.far <= answer.far;
         let numbers = || {
             let rest: Option<Vec<_>> =

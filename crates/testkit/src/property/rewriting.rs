@@ -105,7 +105,7 @@ fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
     let enclose = |(graph, root): &(Graph, NodeId)| {
         let tape = Tape::new(graph, &[*root], &case.assumptions);
         let kernel = Reference::<Enclose, _>::new(tape, Binding::new(&case.parameters));
-        let answer = &kernel.ask_all(&pack_boxes(&[*region]))[0];
+        let answer = &kernel.eval_all(&pack_boxes(&[*region]))[0];
         (-answer.neg_lo[0], answer.hi[0], answer.facts(0))
     };
     let (was, is) = (enclose(&versions.typed), enclose(&versions.simplified));

@@ -40,7 +40,7 @@ pub fn vanish<T: Adversarial>(
         }
         let Some(kernel) = &kernel else { return Ok(tally) };
         let regions: Vec<_> = (0..BOXES).map(|_| around(formula, &line, &crossing, rng)).collect();
-        let zeros = &kernel.ask_all(&pack_boxes(&regions))[0];
+        let zeros = &kernel.eval_all(&pack_boxes(&regions))[0];
         for (lane, region) in regions.iter().enumerate() {
             tally.defined += 1;
             if zeros.possible >> lane & 1 == 0 {

@@ -1,6 +1,6 @@
 //! Interval kernels of whole cases: over a domain, with parameters, as a program compiles them.
 
-use super::interval::Answer;
+use super::interval::QueryResult;
 use super::{Failure, Tally};
 use crate::{
     Adversarial, Case, Claim, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal,
@@ -65,11 +65,11 @@ fn check<T: Adversarial>(
     boxes: usize,
 ) -> Result<Tally, Failure> {
     let regions: Vec<_> = (0..boxes).map(|_| case.random_box(rng)).collect();
-    let enclosures = kernel.ask_all(&pack_boxes(&regions));
+    let enclosures = kernel.eval_all(&pack_boxes(&regions));
     let oracle = Oracle::new(&case.graph, &[case.root]);
     let mut tally = Tally::default();
     for (index, region) in regions.iter().enumerate() {
-        let answer = Answer::of(&enclosures[index / LANES], index % LANES);
+        let answer = QueryResult::of(&enclosures[index / LANES], index % LANES);
         for _ in 0..POINTS {
             let point = case.random_point(rng, region);
             let values = case.random_values(rng);
@@ -84,7 +84,7 @@ fn check<T: Adversarial>(
     Ok(tally)
 }
 
-fn contradicts(answer: &Answer, claim: Claim) -> Option<&'static str> {
+fn contradicts(answer: &QueryResult, claim: Claim) -> Option<&'static str> {
     answer.well_formed().and_then(|()| answer.agrees(claim)).err()
 }
 
@@ -97,7 +97,7 @@ fn explain<T: Adversarial>(
     values: &[(f64, f64)],
 ) -> Failure {
     let ask = |case: &Case| {
-        let answer = Answer::of(&make(case)?.ask_all(&pack_boxes(&[*region]))[0], 0);
+        let answer = QueryResult::of(&make(case)?.eval_all(&pack_boxes(&[*region]))[0], 0);
         let claim = Oracle::new(&case.graph, &[case.root]).at(point, values)[0];
         contradicts(&answer, claim).map(|what| format!("{what} {claim:?}: {answer:?}"))
     };

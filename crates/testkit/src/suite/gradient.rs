@@ -29,7 +29,7 @@ pub fn check_gradients<T: Real>(
         let places: Vec<[f64; 3]> = (0..points)
             .map(|_| [(); 3].map(|()| f64::from(rng.i32(-1 << 20..1 << 20)) / f64::from(1 << 18)))
             .collect();
-        let out = make(&subject.graph, subject.root).ask_all(&Points::near(&places)); // exact
+        let out = make(&subject.graph, subject.root).eval_all(&Points::near(&places)); // exact
         let oracle = Oracle::new(&subject.graph, &[subject.root]);
         for (index, place) in places.iter().enumerate() {
             let point = *place;

@@ -66,11 +66,11 @@ fn check<T: Adversarial>(
     boxes: u32,
 ) -> Result<Tally, Failure> {
     let regions: Vec<_> = (0..boxes).map(|_| random_box::<T>(rng, Ends::Infinite)).collect();
-    let enclosures = make(graph, root).ask_all(&pack_boxes(&regions));
+    let enclosures = make(graph, root).eval_all(&pack_boxes(&regions));
     let oracle = Oracle::new(graph, &[root]);
     let mut tally = Tally::default();
     for (index, region) in regions.iter().enumerate() {
-        let answer = Answer::of(&enclosures[index / LANES], index % LANES);
+        let answer = QueryResult::of(&enclosures[index / LANES], index % LANES);
         let fail = |what: &str| {
             let line = reproduce_in::<T>(graph, root, &[], &Place::over(region));
             Failure(format!("{what}: {answer:?}\n{line}"))
@@ -92,13 +92,13 @@ fn check<T: Adversarial>(
 
 /// One lane of a kernel's answer.
 #[derive(Debug)]
-pub(super) struct Answer {
+pub(super) struct QueryResult {
     lo: f64,
     hi: f64,
     facts: Facts,
 }
 
-impl Answer {
+impl QueryResult {
     pub(super) fn of<T: Real>(answers: &Enclosures<T>, lane: usize) -> Self {
         Self {
             lo: -answers.neg_lo[lane].into(),

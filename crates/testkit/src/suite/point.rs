@@ -26,7 +26,7 @@ pub fn check_points<T: Adversarial>(
     for subject in subjects().into_iter().filter(Subject::fits::<T>) {
         let mut draw = || T::adversarial(&mut rng, Ends::Finite).into();
         let places: Vec<[f64; 3]> = (0..points).map(|_| [(); 3].map(|()| draw())).collect();
-        let values = make(&subject.graph, subject.root).ask_all(&Points::near(&places)); // exact
+        let values = make(&subject.graph, subject.root).eval_all(&Points::near(&places)); // exact
         let oracle = Oracle::new(&subject.graph, &[subject.root]);
         for (index, &point) in places.iter().enumerate() {
             let value = values[index / LANES].value[index % LANES];

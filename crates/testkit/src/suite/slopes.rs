@@ -40,14 +40,14 @@ impl Probe {
 
 /// One lane of an answer.
 #[derive(Debug)]
-struct Answer {
+struct QueryResult {
     bounds: [f64; 2],
     slopes: [[f64; 2]; 3],
     lipschitz: bool,
     differentiable: bool,
 }
 
-impl Answer {
+impl QueryResult {
     fn of<T: Real>(answers: &GradientEnclosures<T>, lane: usize) -> Self {
         let range = |neg_lo: T, hi: T| [-neg_lo.into(), hi.into()];
         Self {
@@ -185,11 +185,11 @@ pub fn check_slopes<T: Adversarial>(
     let mut tally = Tally::default();
     let Some(kernel) = make(case) else { return Ok(tally) };
     let regions: Vec<_> = (0..boxes).map(|_| case.random_box(rng)).collect();
-    let answers = kernel.ask_all(&pack_boxes(&regions));
+    let answers = kernel.eval_all(&pack_boxes(&regions));
     let (graph, roots) = derivatives(case);
     let oracle = Oracle::new(&graph, &roots);
     for (index, region) in regions.iter().enumerate() {
-        let answer = Answer::of(&answers[index / LANES], index % LANES);
+        let answer = QueryResult::of(&answers[index / LANES], index % LANES);
         for _ in 0..PAIRS {
             let probe = Probe::random(case, rng, region);
             let claims = probe.ends.map(|point| oracle.at(point, &probe.values));
@@ -211,7 +211,7 @@ fn explain<T: Adversarial>(
     probe: &Probe,
 ) -> Failure {
     let ask = |case: &Case| {
-        let answer = Answer::of(&make(case)?.ask_all(&pack_boxes(&[*region]))[0], 0);
+        let answer = QueryResult::of(&make(case)?.eval_all(&pack_boxes(&[*region]))[0], 0);
         let (graph, roots) = derivatives(case);
         let oracle = Oracle::new(&graph, &roots);
         let claims = probe.ends.map(|point| oracle.at(point, &probe.values));

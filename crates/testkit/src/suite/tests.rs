@@ -19,7 +19,7 @@ struct Same {
 }
 
 impl Kernel<Enclose> for Same {
-    fn ask(&self, _: &Boxes, answers: &mut Enclosures) {
+    fn eval(&self, _: &Boxes, answers: &mut Enclosures) {
         let mask = |fact| if self.facts.has(fact) { u16::MAX } else { 0 };
         *answers = Enclosures {
             neg_lo: Lanes::splat(-self.lo),
@@ -85,7 +85,7 @@ fn point(points: &Points, lane: usize) -> [f64; 3] {
 }
 
 impl Kernel<Sample> for Sampler {
-    fn ask(&self, points: &Points, answers: &mut Values) {
+    fn eval(&self, points: &Points, answers: &mut Values) {
         for lane in 0..LANES {
             answers.value[lane] = self.at(point(points, lane)) as f32;
         }
@@ -93,7 +93,7 @@ impl Kernel<Sample> for Sampler {
 }
 
 impl Kernel<SampleGradient> for Sampler {
-    fn ask(&self, points: &Points, answers: &mut Gradients) {
+    fn eval(&self, points: &Points, answers: &mut Gradients) {
         for lane in 0..LANES {
             let here = point(points, lane);
             answers.value[lane] = self.at(here) as f32;
@@ -143,11 +143,11 @@ fn wrong_values_are_caught() {
 struct Zero;
 
 impl Kernel<Sample> for Zero {
-    fn ask(&self, _: &Points, _: &mut Values) {}
+    fn eval(&self, _: &Points, _: &mut Values) {}
 }
 
 impl Kernel<SampleGradient> for Zero {
-    fn ask(&self, _: &Points, _: &mut Gradients) {}
+    fn eval(&self, _: &Points, _: &mut Gradients) {}
 }
 
 #[test]
@@ -173,7 +173,7 @@ struct Slope {
 }
 
 impl Kernel<EncloseGradient> for Slope {
-    fn ask(&self, _: &Boxes, answers: &mut GradientEnclosures) {
+    fn eval(&self, _: &Boxes, answers: &mut GradientEnclosures) {
         let [lo, hi] = self.range;
         let mask = |claim| if claim { u16::MAX } else { 0 };
         *answers = GradientEnclosures {

@@ -60,7 +60,7 @@ fn options(rng: &mut Rng) -> GraphOptions {
 
 /// Whether there may be a zero in the only box of a batch.
 fn is_possible<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &[Boxes<T>]) -> bool {
-    kernel.ask_all(boxes)[0].possible & 1 == 1
+    kernel.eval_all(boxes)[0].possible & 1 == 1
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn zeros_and_bounds<T: Adversarial>(seed: u64) {
         let binding = Binding::new(&case.parameters);
         let zeros = Native::<FindZeros, T>::new(tape.clone(), binding.clone()).expect("compiles");
         let bounds = Native::<Enclose, T>::new(tape, binding).expect("compiles");
-        let (zeros, bounds) = (zeros.ask_all(&inputs), bounds.ask_all(&inputs));
+        let (zeros, bounds) = (zeros.eval_all(&inputs), bounds.eval_all(&inputs));
         for (index, region) in regions.iter().enumerate() {
             let (zeros, bounds, lane) =
                 (&zeros[index / LANES], &bounds[index / LANES], index % LANES);

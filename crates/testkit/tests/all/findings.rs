@@ -86,7 +86,7 @@ fn bounds<T: Adversarial>(case: &Case, region: [[f64; 2]; 3]) -> [Enclosures<T>;
     let (graph, roots) = simplify(&case.graph, &[case.root], domain, &[]).expect("small");
     let tape = Tape::new(&graph, &roots, &case.assumptions);
     let reference = Reference::<Enclose, T>::new(tape, Binding::empty());
-    [native.ask_all(&boxes).remove(0), reference.ask_all(&boxes).remove(0)]
+    [native.eval_all(&boxes).remove(0), reference.eval_all(&boxes).remove(0)]
 }
 
 fn check<T: Adversarial>(finding: &Finding) {

@@ -1,6 +1,6 @@
 //! The suite, with the reference evaluator plugged in, in both precisions.
 
-use zeroset_eval::{Assumptions, Binding, Kernel, Question, Real, Reference, Tape};
+use zeroset_eval::{Assumptions, Binding, Kernel, Query, Real, Reference, Tape};
 use zeroset_interval::Format;
 use zeroset_ir::{Graph, NodeId};
 use zeroset_ops::Op;
@@ -10,7 +10,7 @@ use zeroset_testkit::suite::{
 use zeroset_testkit::{Adversarial, Claim, GraphOptions};
 
 /// Answers of a function alone, or with its derivatives.
-fn reference<Q: Question, T: Real>(graph: &Graph, root: NodeId) -> Box<dyn Kernel<Q, T>> {
+fn reference<Q: Query, T: Real>(graph: &Graph, root: NodeId) -> Box<dyn Kernel<Q, T>> {
     let (mut graph, mut roots) = (graph.clone(), vec![root]);
     if Q::OUTPUTS == 4 {
         roots.extend(zeroset_ir::gradient(&mut graph, root));

@@ -107,7 +107,7 @@ fn a_product_is_missed_kept_by_two_floats_or_by_two_neighbours() {
     let at = [f64::from(third), 3.0, 0.0].map(|x| Interval { lo: x, hi: x });
     let exact = f64::from(third) * 3.0;
     let ends = |arithmetic| {
-        let answer = &alone::<f32>(&graph, root, arithmetic).ask_all(&Boxes::around(&[at]))[0];
+        let answer = &alone::<f32>(&graph, root, arithmetic).eval_all(&Boxes::around(&[at]))[0];
         [-answer.neg_lo[0], answer.hi[0]]
     };
     let [lo, hi] = ends(Arithmetic::Unsound);

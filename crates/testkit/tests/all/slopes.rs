@@ -112,7 +112,7 @@ fn claims<T: Real>(graph: &Graph, root: NodeId, [lo, hi]: [f64; 2]) -> [bool; 2]
     let tape = Tape::<T>::new(&graph, &[root, x, y, z], &Assumptions::none(0));
     let kernel = Native::<EncloseGradient, T>::new(tape, Binding::empty()).expect("compiles");
     let region = [[lo, hi], [1.0, 2.0], [0.0, 0.0]].map(|[lo, hi]| Interval { lo, hi });
-    let answer = &kernel.ask_all(&Boxes::around(&[region]))[0];
+    let answer = &kernel.eval_all(&Boxes::around(&[region]))[0];
     [answer.lipschitz, answer.differentiable].map(|mask| mask & 1 == 1)
 }
 

@@ -38,7 +38,7 @@ fn many_threads<T: Adversarial>() {
             let kernel = Native::<Enclose, T>::new(tape(&case), Binding::empty());
             let kernel = kernel.expect("compiles");
             let expected = Reference::<Enclose, T>::new(tape(&case), Binding::empty());
-            let expected = expected.ask_all(&boxes);
+            let expected = expected.eval_all(&boxes);
             (kernel, boxes, expected)
         })
         .collect();
@@ -52,7 +52,7 @@ fn many_threads<T: Adversarial>() {
             scope.spawn(move || {
                 while !done.load(Ordering::Relaxed) {
                     for (kernel, boxes, expected) in &work {
-                        assert_eq!(&kernel.ask_all(boxes), expected, "seed {SEED:#x}");
+                        assert_eq!(&kernel.eval_all(boxes), expected, "seed {SEED:#x}");
                         assert_rounds_to_nearest();
                         runs.fetch_add(1, Ordering::Relaxed);
                     }
@@ -103,7 +103,7 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     let point = Native::<Sample, T>::new(tape.clone(), Binding::empty()).expect("compiles");
     let interval = Native::<Enclose, T>::new(tape, Binding::empty()).expect("compiles");
     assert_rounds_to_nearest();
-    let values = point.ask_all(&Points::near(&[[7.0, 10.0, 0.0]]));
+    let values = point.eval_all(&Points::near(&[[7.0, 10.0, 0.0]]));
     assert_rounds_to_nearest();
     // Also when every exception is raised.
     let (largest, least): (f64, f64) = (T::LARGEST.into(), 1e-45);
@@ -114,7 +114,7 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
         ([0.0, 0.0], [0.0, 0.0]),
     ];
     let boxes = boxes.map(|(x, y)| [x, y, [0.0; 2]].map(|[lo, hi]| Interval { lo, hi }));
-    let enclosures = interval.ask_all(&Boxes::around(&[boxes; 12].concat()));
+    let enclosures = interval.eval_all(&Boxes::around(&[boxes; 12].concat()));
     let infinite = enclosures[0].hi[1].into() == f64::INFINITY;
     assert!(infinite && enclosures[2] == enclosures[0]);
     assert_rounds_to_nearest();
@@ -134,10 +134,10 @@ fn threads_that_panic_and_are_used_again_round_to_nearest() {
                     let root = graph.variable(Axis::X);
                     let tape = Tape::<f32>::new(&graph, &[root], &Assumptions::none(0));
                     let kernel = Native::<Enclose>::new(tape, Binding::empty()).expect("compiles");
-                    let call = AssertUnwindSafe(|| kernel.ask_all(&[Boxes::default()]));
+                    let call = AssertUnwindSafe(|| kernel.eval_all(&[Boxes::default()]));
                     assert!(catch_unwind(call).is_err(), "no lane is in use");
                     assert_rounds_to_nearest();
-                    kernel.ask_all(&[Boxes { count: 1, ..Boxes::default() }]);
+                    kernel.eval_all(&[Boxes { count: 1, ..Boxes::default() }]);
                     assert_rounds_to_nearest();
                 }
             });

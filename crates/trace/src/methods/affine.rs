@@ -31,14 +31,14 @@ mod tracer;
 use super::knoll;
 use super::outcome::follow_ways;
 use crate::band::Band;
-use crate::found::Found;
+use crate::buffer_pool::BufferPool;
 use crate::grid::RayGrid;
+use crate::kernel_stats::KernelStats;
 use crate::method::{
     Method, MethodOption, Precision, Proves, Segment, Start, Task, TraceOptions, Tracer, by_squares,
 };
+use crate::ray_result::RayResult;
 use crate::scalar::Scalar;
-use crate::spare::Spares;
-use crate::work::Work;
 use frame::RayFrame;
 use narrow::Scratch;
 use rays::Follower;
@@ -78,7 +78,7 @@ struct Affine<'a, T: Scalar> {
     /// [`TraceOptions::longest`].
     longest: f64,
     /// Those that no thread is in.
-    rooms: Spares<Box<Room<T>>>,
+    rooms: BufferPool<Box<Room<T>>>,
     /// Made for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
@@ -108,7 +108,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
             cleared: kernels.cleared()?.is_some(),
             task,
             longest: task.options.longest(),
-            rooms: Spares::new(usize::MAX),
+            rooms: BufferPool::new(usize::MAX),
             double: OnceLock::new(),
         })
     }
@@ -130,13 +130,19 @@ impl<'a, T: Scalar> Affine<'a, T> {
 }
 
 impl<T: Scalar> Tracer for Affine<'_, T> {
-    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
+    fn follow(
+        &self,
+        rays: &[Segment],
+        start: Start,
+        found: &mut [RayResult],
+        work: &mut KernelStats,
+    ) {
         follow_ways(rays, &self.task, found, |ways| {
             self.follower.follow(ways, start, &mut Scratch::default(), work)
         });
     }
 
-    fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut Work) {
+    fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
         let frame = RayFrame::new(rays, self.task.region);
         let (error, extent) = (frame.error, self.task.region.high() - self.task.region.low());
         // From so far away forms say nothing of where in the region a ray is; boxes within it may.

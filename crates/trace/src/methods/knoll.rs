@@ -2,10 +2,10 @@
 //! around the rays of a packet, in slabs that are halved down to a fixed depth.
 
 use super::slabs::{Slab, SlabTest, Slabs};
+use crate::kernel_stats::KernelStats;
 use crate::method::{Method, MethodOption, Proves, Task, Tracer};
 use crate::packet::Packet;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use fearless_simd::Simd;
 use zeroset_eval::{Boxes, FindZeros, Kernel, KernelError, Zeros};
 
@@ -30,19 +30,19 @@ impl<T: Scalar> SlabTest<T> for Intervals<'_, T> {
     type Batch = Boxes<T>;
 
     #[inline(always)]
-    fn ask<S: Simd>(
+    fn eval<S: Simd>(
         &self,
         simd: S,
         packet: &Packet<T>,
         slab: &Slab<T>,
         boxes: &mut Boxes<T>,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> Zeros {
         let Slab { planes, rays, .. } = *slab;
         work.interval.called(rays.count_ones());
         packet.boxes(simd, planes, rays, boxes);
         let mut zeros = Zeros::default();
-        self.kernel.ask(boxes, &mut zeros);
+        self.kernel.eval(boxes, &mut zeros);
         zeros
     }
 }

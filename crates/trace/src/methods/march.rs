@@ -4,13 +4,13 @@
 //! the function changes sign at a pole, a wall is drawn.
 
 use super::refine::{Parts, Refiner};
-use crate::found::{Found, Reason, Status};
+use crate::kernel_stats::KernelStats;
 use crate::method::{Method, MethodOption, Proves, Segment, Start, Task, Tracer};
 use crate::packet::Lines;
 use crate::painted::ones;
+use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use zeroset_eval::{KernelError, LANES, Points, Values};
 
 pub(crate) const METHOD: Method = Method {
@@ -41,7 +41,7 @@ impl<T: Scalar> March<'_, T> {
         segment: &Segment,
         [near, far]: [f64; 2],
         start: Start,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> Option<[f64; 2]> {
         let step = (far - near) / f64::from(self.samples - 1);
         let at = |sample: u32| near + f64::from(sample) * step;
@@ -55,7 +55,7 @@ impl<T: Scalar> March<'_, T> {
                     points.at[axis][lane] = T::nearest(point[axis]);
                 }
             }
-            self.refiner.kernel.ask(&points, &mut values);
+            self.refiner.kernel.eval(&points, &mut values);
             work.point.called(points.count);
             for (lane, sample) in (first..first + points.count).enumerate() {
                 let value: f64 = values.value[lane].into();
@@ -72,15 +72,21 @@ impl<T: Scalar> March<'_, T> {
 }
 
 impl<T: Scalar> Tracer for March<'_, T> {
-    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
+    fn follow(
+        &self,
+        rays: &[Segment],
+        start: Start,
+        found: &mut [RayResult],
+        work: &mut KernelStats,
+    ) {
         for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
             let mut cells = Parts::default();
             for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
-                *found = Found::MISS;
+                *found = RayResult::MISS;
                 let Some([near, far]) = segment.within(self.region) else { continue };
                 // A miss would be a claim. Before the region there is nothing.
-                let (status, reason) = (Status::Undecided, Reason::Unproven);
-                *found = Found { status, reason, distance: near, ..Found::MISS };
+                let (status, reason) = (Status::Undecided, UndecidedReason::Unproven);
+                *found = RayResult { status, reason, distance: near, ..RayResult::MISS };
                 if far.is_finite()
                     && let Some(cell) = self.cell(segment, [near, far], start, work)
                 {

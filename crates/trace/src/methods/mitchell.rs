@@ -7,12 +7,12 @@
 mod isolated;
 mod search;
 
+use super::local_ray::LocalRay;
 use super::outcome::{Outcome, follow_ways};
-use super::way::Way;
-use crate::found::Found;
+use crate::kernel_stats::KernelStats;
 use crate::method::{Method, MethodOption, Precision, Proves, Segment, Start, Task, Tracer};
+use crate::ray_result::RayResult;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use search::Searcher;
 use std::sync::OnceLock;
 use zeroset_eval::KernelError;
@@ -38,7 +38,12 @@ struct Mitchell<'a, T: Scalar> {
 
 impl<T: Scalar> Mitchell<'_, T> {
     /// Looks in `f64` at what stayed open in `f32`, and at all that lies behind it.
-    fn follow_in_double(&self, ways: &[Way], outcomes: &mut [Outcome], work: &mut Work) {
+    fn follow_in_double(
+        &self,
+        ways: &[LocalRay],
+        outcomes: &mut [Outcome],
+        work: &mut KernelStats,
+    ) {
         let open: Vec<usize> = (0..ways.len()).filter(|&k| outcomes[k].open.is_some()).collect();
         if open.is_empty() {
             return;
@@ -47,9 +52,9 @@ impl<T: Scalar> Mitchell<'_, T> {
         let Some(double) = self.double.get_or_init(make) else { return };
         let rest = |&k: &usize| {
             let from = outcomes[k].open.map_or(0.0, |(from, _)| from);
-            Way { span: [from, ways[k].span[1]], ..ways[k] }
+            LocalRay { span: [from, ways[k].span[1]], ..ways[k] }
         };
-        let rests: Vec<Way> = open.iter().map(rest).collect();
+        let rests: Vec<LocalRay> = open.iter().map(rest).collect();
         let refined = double.search(&rests, Start::Anywhere, work);
         for (k, refined) in open.into_iter().zip(refined) {
             outcomes[k] = refined;
@@ -58,7 +63,13 @@ impl<T: Scalar> Mitchell<'_, T> {
 }
 
 impl<T: Scalar> Tracer for Mitchell<'_, T> {
-    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
+    fn follow(
+        &self,
+        rays: &[Segment],
+        start: Start,
+        found: &mut [RayResult],
+        work: &mut KernelStats,
+    ) {
         follow_ways(rays, &self.task, found, |ways| {
             let mut outcomes = self.searcher.search(ways, start, work);
             // Shadows need no more than `f32` tells.

@@ -1,8 +1,8 @@
 //! What became of a ray whose hits are proven, and how it is told.
 
-use super::way::Way;
-use crate::found::{Found, Reason, Status};
+use super::local_ray::LocalRay;
 use crate::method::{Segment, Task};
+use crate::ray_result::{RayResult, Status, UndecidedReason};
 use zeroset_eval::LANES;
 use zeroset_interval::Facts;
 
@@ -12,26 +12,28 @@ pub(super) struct Outcome {
     /// The bracket of the first proven hit.
     pub hit: Option<[f64; 2]>,
     /// The start of the first part before it of which nothing is proven, and why.
-    pub open: Option<(f64, Reason)>,
+    pub open: Option<(f64, UndecidedReason)>,
     /// The start of the first such part that is likely a zero.
     pub likely: Option<f64>,
 }
 
 impl Outcome {
     /// The same as a finding, for a ray whose t is `start` where s is 0.
-    pub fn found(&self, start: f64) -> Found {
+    pub fn found(&self, start: f64) -> RayResult {
         let place = |s: f64| start + s;
         let middle = self.hit.map(|[near, far]| place(0.5 * (near + far)));
         if let Some((from, reason)) = self.open {
             let drawn = self.likely.map(place).or(middle).unwrap_or(f64::INFINITY);
             let (status, distance) = (Status::Undecided, place(from));
-            return Found { status, distance, drawn, reason, ..Found::MISS };
+            return RayResult { status, distance, drawn, reason, ..RayResult::MISS };
         }
-        let (Some([near, far]), Some(distance)) = (self.hit, middle) else { return Found::MISS };
+        let (Some([near, far]), Some(distance)) = (self.hit, middle) else {
+            return RayResult::MISS;
+        };
         // Its ends are rounded outward.
         let bracket = [place(near).next_down(), place(far).next_up()];
         let (status, drawn) = (Status::Hit, distance);
-        Found { status, distance, drawn, bracket, ..Found::MISS }
+        RayResult { status, distance, drawn, bracket, ..RayResult::MISS }
     }
 }
 
@@ -39,15 +41,15 @@ impl Outcome {
 pub(super) fn follow_ways<O: IntoIterator<Item = Outcome>>(
     rays: &[Segment],
     task: &Task<'_>,
-    found: &mut [Found],
-    mut follow: impl FnMut(&[Way]) -> O,
+    found: &mut [RayResult],
+    mut follow: impl FnMut(&[LocalRay]) -> O,
 ) {
     let longest = task.options.longest();
     for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
         let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
         for (lane, segment) in rays.iter().enumerate() {
-            found[lane] = Found::MISS;
-            if let Some(mut way) = Way::new(segment, task.region) {
+            found[lane] = RayResult::MISS;
+            if let Some(mut way) = LocalRay::new(segment, task.region) {
                 way.longest = longest * segment.footprint(-way.start);
                 ways.push(way);
                 lanes.push(lane);
@@ -63,14 +65,14 @@ pub(super) fn follow_ways<O: IntoIterator<Item = Outcome>>(
 }
 
 /// Why a part stays open of which this is known, and for which effort may have run out.
-pub(super) fn reason(facts: Facts, spent: bool) -> Reason {
+pub(super) fn reason(facts: Facts, spent: bool) -> UndecidedReason {
     if !facts.has(Facts::DEFINED) {
-        Reason::Undefined
+        UndecidedReason::Undefined
     } else if !facts.has(Facts::CONTINUOUS) {
-        Reason::Discontinuous
+        UndecidedReason::Discontinuous
     } else if spent {
-        Reason::Budget
+        UndecidedReason::Budget
     } else {
-        Reason::Touching
+        UndecidedReason::Touching
     }
 }

@@ -7,10 +7,10 @@
 //! it apart from `affine`.
 
 use super::slabs::{Slab, SlabTest, Slabs};
+use crate::kernel_stats::KernelStats;
 use crate::method::{Method, MethodOption, Proves, Task, Tracer};
 use crate::packet::Packet;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use fearless_simd::Simd;
 use zeroset_eval::{
     Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelError, Lanes, Segments, Zeros,
@@ -55,20 +55,20 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
     }
 
     #[inline(always)]
-    fn ask<S: Simd>(
+    fn eval<S: Simd>(
         &self,
         simd: S,
         packet: &Packet<T>,
         slab: &Slab<T>,
         batch: &mut Batch<T>,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> Zeros {
         let Slab { planes, rays, is_last } = *slab;
         work.segments.called(rays.count_ones());
         let segments = &mut batch.segments;
         (segments.near, segments.far) = (Lanes::splat(planes[0]), Lanes::splat(planes[1]));
         segments.count = u16::BITS - rays.leading_zeros();
-        self.kernel.ask(&batch.segments, &mut batch.out);
+        self.kernel.eval(&batch.segments, &mut batch.out);
         let mut told = Zeros { possible: batch.out.possible, ..Zeros::default() };
         if let Some(kernel) = self.bounded
             && is_last
@@ -77,7 +77,7 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
             work.interval.called(rays.count_ones());
             packet.boxes(simd, planes, rays, &mut batch.boxes);
             let mut zeros = Zeros::default();
-            kernel.ask(&batch.boxes, &mut zeros);
+            kernel.eval(&batch.boxes, &mut zeros);
             told.unbounded = zeros.unbounded;
         }
         told

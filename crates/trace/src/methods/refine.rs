@@ -2,12 +2,12 @@
 //!
 //! Samples prove nothing, and neither does this: it moves what is painted, never what is claimed.
 
+use crate::kernel_stats::KernelStats;
 use crate::method::TraceOptions;
 use crate::packet::Lines;
 use crate::painted::ones;
 use crate::scalar::Scalar;
-use crate::widths::parts;
-use crate::work::Work;
+use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use zeroset_eval::{Kernel, LANES, Lanes, Points, Sample, Values};
 
@@ -71,17 +71,17 @@ impl<'a, T: Scalar> Refiner<'a, T> {
     }
 
     /// The places in parts of these rays at which samples change sign; of other rays infinity.
-    pub fn places(&self, lines: &Lines, wanted: &Parts, work: &mut Work) -> Lanes<f64> {
+    pub fn places(&self, lines: &Lines, wanted: &Parts, work: &mut KernelStats) -> Lanes<f64> {
         let mut places = Lanes::splat(f64::INFINITY);
         if wanted.rays == 0 {
             return places;
         }
         let vectors = Vectors::new();
         let (mut points, mut values) = (Points::default(), Values::default());
-        let mut sample = |at: &Lanes<f64>, lanes: u16, work: &mut Work| {
+        let mut sample = |at: &Lanes<f64>, lanes: u16, work: &mut KernelStats| {
             points.count = LANES as u32 - lanes.leading_zeros();
             dispatch!(vectors, simd => place(simd, lines, at, &mut points));
-            self.kernel.ask(&points, &mut values);
+            self.kernel.eval(&points, &mut values);
             work.point.called(lanes.count_ones());
             Lanes(values.value.map(Into::into))
         };
@@ -258,7 +258,7 @@ impl Brackets {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::widths::levels;
+    use crate::simd_chunks::levels;
 
     /// How many samples of a function a part of a ray takes, and where they end.
     fn refine(f: impl Fn(f64) -> f64, ends: [f64; 2], solid: bool) -> (u32, f64) {

@@ -7,13 +7,13 @@
 //! that there is one, so such pixels are undecided. How a slab is tested is not known here.
 
 use super::refine::{Parts, Refiner};
-use crate::found::{Found, Reason, Status};
+use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start, Task, Tracer};
 use crate::packet::{Lines, Packet, RAYS};
 use crate::painted::ones;
+use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use fearless_simd::{Level as Vectors, Simd, dispatch};
 use std::ops::Range;
 use zeroset_eval::Zeros;
@@ -34,13 +34,13 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
 
     /// Asks whether rays may meet a zero in a slab, and if it is the last whether it is bounded.
     /// What is told of other rays says nothing. What kernels are asked is added to `work`.
-    fn ask<V: Simd>(
+    fn eval<V: Simd>(
         &self,
         simd: V,
         packet: &Packet<T>,
         slab: &Slab<T>,
         batch: &mut Self::Batch,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> Zeros;
 }
 
@@ -99,7 +99,13 @@ impl<'a, T: Scalar, S: SlabTest<T>> Slabs<'a, T, S> {
 }
 
 impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
-    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
+    fn follow(
+        &self,
+        rays: &[Segment],
+        start: Start,
+        found: &mut [RayResult],
+        work: &mut KernelStats,
+    ) {
         let (mut batch, mut packet) = (S::Batch::default(), Packet::new(self.region));
         for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
             let (mut slabs, lines) = (Parts::default(), Lines::new(rays));
@@ -125,9 +131,9 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         (some, lines): (Range<usize>, &Lines),
         (packet, batch): (&mut Packet<T>, &mut S::Batch),
         start: Start,
-        found: &mut [Found],
+        found: &mut [RayResult],
         slabs: &mut Parts,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) {
         let taken = dispatch!(self.vectors, simd => {
             packet.take(simd, &rays[some.clone()], lines, self.region)
@@ -136,7 +142,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             let outcomes = dispatch!(self.vectors, simd => {
                 self.packet(simd, packet, batch, start, work)
             });
-            found[some.clone()].fill(Found::MISS);
+            found[some.clone()].fill(RayResult::MISS);
             for lane in ones(outcomes.drawn | outcomes.suppressed) {
                 let ray = some.start + lane;
                 found[ray] = outcomes.found(packet, lane, &rays[ray], |slab| slabs.set(ray, slab));
@@ -146,7 +152,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         if some.len() == 1 {
             // One ray always advances with itself. Were it not so (a direction that is not a
             // number), nothing would be known.
-            found[some.start] = Found { status: Status::Undecided, distance: 0.0, ..Found::MISS };
+            found[some.start] =
+                RayResult { status: Status::Undecided, distance: 0.0, ..RayResult::MISS };
             return;
         }
         // Neighbours by fours, then each alone.
@@ -165,7 +172,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         packet: &Packet<T>,
         batch: &mut S::Batch,
         start: Start,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> Outcomes<T> {
         self.test.begin(simd, packet, batch);
         let mut outcomes = Outcomes::default();
@@ -174,7 +181,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             Start::Anywhere => 0,
             Start::OnSurface => alive,
         };
-        let mut done = Work::default();
+        let mut done = KernelStats::default();
         // By level, the rays that may meet a zero in the slab of the level above: of others the
         // parts need no look.
         let mut possible = [u16::MAX; <f64 as Scalar>::MAX_DEPTH as usize];
@@ -188,7 +195,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             let mut told = Zeros::default();
             if active != 0 {
                 let slab = Slab { planes, rays: active, is_last: level == self.last };
-                told = self.test.ask(simd, packet, &slab, batch, &mut done);
+                told = self.test.eval(simd, packet, &slab, batch, &mut done);
             } else if alive & packet.meets(simd, from, T::integer(2)) == 0 {
                 break;
             }
@@ -274,7 +281,7 @@ impl<T: Scalar> Outcomes<T> {
         lane: usize,
         ray: &Segment,
         tell: impl FnOnce([f64; 2]),
-    ) -> Found {
+    ) -> RayResult {
         let at = |share: T| packet.distance(share, lane, ray);
         let mut drawn = f64::INFINITY;
         if self.drawn >> lane & 1 == 1 {
@@ -284,7 +291,7 @@ impl<T: Scalar> Outcomes<T> {
         }
         let is_suppressed = self.suppressed >> lane & 1 == 1;
         let distance = if is_suppressed { at(self.first[lane]).min(drawn) } else { drawn };
-        let (status, reason) = (Status::Undecided, Reason::Unproven);
-        Found { status, distance, drawn, reason, ..Found::MISS }
+        let (status, reason) = (Status::Undecided, UndecidedReason::Unproven);
+        RayResult { status, distance, drawn, reason, ..RayResult::MISS }
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! What is concluded from them is not known here.
 
+use crate::kernel_stats::KernelStats;
 use crate::method::Task;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use glam::DVec3;
 use zeroset_eval::{
     Boxes, Enclose, EncloseGradient, Enclosures, GradientEnclosures, Kernel, KernelError, LANES,
@@ -54,22 +54,22 @@ impl<'a, T: Scalar> Slopes<'a, T> {
     }
 
     /// What is known of the function in a box.
-    pub fn facts(&self, cuboid: &Cuboid, work: &mut Work) -> Facts {
+    pub fn facts(&self, cuboid: &Cuboid, work: &mut KernelStats) -> Facts {
         let mut out = Enclosures::default();
-        self.values.ask(&self.batch(&[*cuboid]), &mut out);
+        self.values.eval(&self.batch(&[*cuboid]), &mut out);
         work.interval.called(1);
         out.facts(0)
     }
 
     /// Bounds of the values in up to [`LANES`] boxes, where the function is defined throughout;
     /// else all numbers.
-    pub fn values(&self, boxes: &[Cuboid], work: &mut Work) -> [Interval; LANES] {
+    pub fn values(&self, boxes: &[Cuboid], work: &mut KernelStats) -> [Interval; LANES] {
         let mut values = [Interval::ENTIRE; LANES];
         if boxes.is_empty() {
             return values;
         }
         let mut out = Enclosures::default();
-        self.values.ask(&self.batch(boxes), &mut out);
+        self.values.eval(&self.batch(boxes), &mut out);
         work.interval.called(boxes.len() as u32);
         for (lane, value) in values.iter_mut().enumerate().take(boxes.len()) {
             if out.defined >> lane & 1 == 1 {
@@ -86,14 +86,14 @@ impl<'a, T: Scalar> Slopes<'a, T> {
         &self,
         boxes: &[Cuboid],
         direction: impl Fn(usize) -> DVec3,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> [Option<Interval>; LANES] {
         let mut slopes = [None; LANES];
         if boxes.is_empty() {
             return slopes;
         }
         let mut out = GradientEnclosures::default();
-        self.gradients.ask(&self.batch(boxes), &mut out);
+        self.gradients.eval(&self.batch(boxes), &mut out);
         work.interval.called(boxes.len() as u32);
         for (lane, found) in slopes.iter_mut().enumerate().take(boxes.len()) {
             if out.lipschitz >> lane & 1 == 1 {

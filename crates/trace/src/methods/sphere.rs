@@ -6,13 +6,13 @@
 //! root is drawn where such steps get shorter than the tolerance, and nothing says that there is
 //! one. Without a bound of the slope it cannot go on, and says so.
 
+use super::local_ray::{LocalRay, bounds};
 use super::slope::Slopes;
-use super::way::{Way, bounds};
-use crate::found::{Found, Reason, Status};
+use crate::kernel_stats::KernelStats;
 use crate::method::{Method, MethodOption, Proves, Segment, Start, Task, TraceOptions, Tracer};
+use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use zeroset_eval::{KernelError, LANES};
 use zeroset_interval::Interval;
 
@@ -48,7 +48,7 @@ const ROUGHLY: f64 = 1.0 / 4096.0;
 /// A ray on its way.
 struct Walk {
     lane: usize,
-    way: Way,
+    way: LocalRay,
     /// How far it has come.
     at: f64,
     /// How long the next part is, and how short it may be.
@@ -71,12 +71,12 @@ enum End {
     /// There is no zero.
     Empty,
     /// Nothing is known from the first place on, for a reason; a root may be drawn at the second.
-    Open(f64, Reason, Option<f64>),
+    Open(f64, UndecidedReason, Option<f64>),
 }
 
 impl<T: Scalar> Sphere<'_, T> {
     /// A ray at the start of its way.
-    fn walk(&self, lane: usize, segment: &Segment, way: Way, start: Start) -> Walk {
+    fn walk(&self, lane: usize, segment: &Segment, way: LocalRay, start: Start) -> Walk {
         let length = way.span[1];
         let size = way.origin.abs() + length * way.direction.abs();
         // Parts shorter than that are boxes of rounding only.
@@ -99,7 +99,7 @@ impl<T: Scalar> Sphere<'_, T> {
     }
 
     /// Finds out what is known of the ends of rays, at the region's faces.
-    fn look_at_faces(&self, walks: &mut [Walk], work: &mut Work) {
+    fn look_at_faces(&self, walks: &mut [Walk], work: &mut KernelStats) {
         for end in [0, 1] {
             let mut boxes = [[Interval::ENTIRE; 3]; LANES];
             for (place, walk) in boxes.iter_mut().zip(&*walks) {
@@ -118,7 +118,7 @@ impl<T: Scalar> Sphere<'_, T> {
     }
 
     /// One step of each ray; those that came to an end are taken out.
-    fn step(&self, walks: &mut Vec<Walk>, found: &mut [Found], work: &mut Work) {
+    fn step(&self, walks: &mut Vec<Walk>, found: &mut [RayResult], work: &mut KernelStats) {
         let mut places = [[Interval::ENTIRE; 3]; LANES];
         let mut parts = places;
         for (slot, walk) in walks.iter().enumerate() {
@@ -156,18 +156,18 @@ impl Walk {
         }
         self.steps += 1;
         if self.steps > most.max(2) {
-            return open(Reason::Budget, None);
+            return open(UndecidedReason::Budget, None);
         }
         let is_known = slope.is_some_and(|slope| slope.lo.is_finite() && slope.hi.is_finite());
         let Some(slope) = slope.filter(|_| is_known) else {
             if self.part <= self.least {
-                return open(Reason::Steep, None);
+                return open(UndecidedReason::Steep, None);
             }
             self.part = (0.5 * self.part).max(self.least);
             return None;
         };
         if !(value.lo.is_finite() && value.hi.is_finite()) {
-            return open(Reason::Undefined, None);
+            return open(UndecidedReason::Undefined, None);
         }
         // How far from 0 the value is, and how fast it nears 0 at most.
         let (gap, speed) =
@@ -191,36 +191,42 @@ impl Walk {
             (self.at, self.part) = (at + self.enough, GROWTH * self.enough);
             return None;
         }
-        open(Reason::Unproven, Some(at + step))
+        open(UndecidedReason::Unproven, Some(at + step))
     }
 
     /// What is to be said of the ray, given how the part ended that is certainly in the region.
-    fn found(&self, end: &End) -> Found {
+    fn found(&self, end: &End) -> RayResult {
         let place = |s: f64| s - self.way.start;
         let [before, behind] = self.open;
         let (at, reason, drawn) = match *end {
             End::Open(at, reason, drawn) => (if before { 0.0 } else { at }, reason, drawn),
-            End::Empty if before => (0.0, Reason::Touching, None),
-            End::Empty if behind => (self.end.max(0.0), Reason::Touching, None),
-            End::Empty => return Found::MISS,
+            End::Empty if before => (0.0, UndecidedReason::Touching, None),
+            End::Empty if behind => (self.end.max(0.0), UndecidedReason::Touching, None),
+            End::Empty => return RayResult::MISS,
         };
-        Found {
+        RayResult {
             status: Status::Undecided,
             reason,
             distance: place(at),
             drawn: drawn.map_or(f64::INFINITY, place),
-            ..Found::MISS
+            ..RayResult::MISS
         }
     }
 }
 
 impl<T: Scalar> Tracer for Sphere<'_, T> {
-    fn follow(&self, rays: &[Segment], start: Start, found: &mut [Found], work: &mut Work) {
+    fn follow(
+        &self,
+        rays: &[Segment],
+        start: Start,
+        found: &mut [RayResult],
+        work: &mut KernelStats,
+    ) {
         for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
             let mut walks = Vec::with_capacity(LANES);
             for (lane, segment) in rays.iter().enumerate() {
-                found[lane] = Found::MISS;
-                if let Some(way) = Way::new(segment, self.region) {
+                found[lane] = RayResult::MISS;
+                if let Some(way) = LocalRay::new(segment, self.region) {
                     walks.push(self.walk(lane, segment, way, start));
                 }
             }

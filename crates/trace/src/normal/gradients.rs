@@ -2,11 +2,11 @@
 //! in registers.
 
 use super::{NormalSource, Normals};
-use crate::found::Status;
 use crate::grid::{RayGrid, Ways};
+use crate::kernel_stats::KernelStats;
 use crate::painted::{Window, bits};
+use crate::ray_result::Status;
 use crate::shade::{Canvas, Faced, Seen};
-use crate::work::Work;
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
@@ -25,7 +25,7 @@ impl<T: Real> NormalSource<'_, T> {
         rays: &RayGrid,
         windows: &[Window],
         canvas: Option<&mut Canvas<'_>>,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> Vec<usize> {
         if let Self::Refined { double, everywhere: true, .. } = self
             && let Ok(kernel) = double.gradients()
@@ -55,7 +55,7 @@ struct Band<'a, 'c, 'n, T: Real> {
     canvas: Option<&'a mut Canvas<'c>>,
     /// Pixels without a gradient.
     open: Vec<usize>,
-    work: &'a mut Work,
+    work: &'a mut KernelStats,
 }
 
 impl<T: Real> Band<'_, '_, '_, T> {
@@ -86,7 +86,7 @@ impl<T: Real> Band<'_, '_, '_, T> {
             for (k, wanted) in open.into_iter().enumerate().take(some.len()) {
                 if wanted != 0 {
                     self.work.gradient.called(wanted.count_ones());
-                    self.kernel.ask(&points[k], &mut gradients[k]);
+                    self.kernel.eval(&points[k], &mut gradients[k]);
                 }
             }
             for (k, (&window, &to_eye)) in some.iter().zip(&eyes).enumerate() {

@@ -4,7 +4,7 @@ use super::*;
 use crate::camera::Ray;
 use crate::painted::ones;
 use crate::region::HalfSpace;
-use crate::widths::levels;
+use crate::simd_chunks::levels;
 use fearless_simd::{Level, dispatch};
 use num_bigint::BigInt;
 use num_rational::BigRational;

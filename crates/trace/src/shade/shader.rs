@@ -3,10 +3,10 @@
 use super::lanes::{by_axis, dot, left, shine, splat, toned};
 use super::{Appearance, Paint, SurfaceColors, UndecidedStyle};
 use crate::color::{BLACK, Codes, LinearRgb};
-use crate::found::Status;
 use crate::grid::RayGrid;
-use crate::numbers::Numbers;
 use crate::painted::{FULL, Window, bits};
+use crate::ray_result::Status;
+use crate::surface_ids::Numbers;
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};

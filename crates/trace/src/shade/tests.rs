@@ -3,8 +3,8 @@
 use super::*;
 use crate::LOOKS;
 use crate::camera::{Camera, Projection};
-use crate::found::Status;
-use crate::widths::{is_fused, levels};
+use crate::ray_result::Status;
+use crate::simd_chunks::{is_fused, levels};
 use glam::DVec3;
 
 /// One pixel painted at distance 4 on the way along +y from (0, −5, 0).

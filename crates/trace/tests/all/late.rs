@@ -15,13 +15,13 @@ use zeroset_trace::{
 struct Late;
 
 impl<T: Real> Kernel<ContractTiles, T> for Late {
-    fn ask(&self, _: &Tiles<T>, out: &mut Planes<T>) {
+    fn eval(&self, _: &Tiles<T>, out: &mut Planes<T>) {
         *out = Planes::default();
     }
 }
 
 impl<T: Real> Kernel<ContractSegments, T> for Late {
-    fn ask(&self, _: &Segments<T>, out: &mut Contractions<T>) {
+    fn eval(&self, _: &Segments<T>, out: &mut Contractions<T>) {
         *out = Contractions::default();
     }
 }

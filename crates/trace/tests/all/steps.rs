@@ -8,8 +8,8 @@ use zeroset_eval::{
     SurfaceKernels, Zeros,
 };
 use zeroset_trace::{
-    Camera, Driver, Found, GBuffer, Method, Precision, Projection, Ray, RayGrid, Region, STEPS,
-    Segment, Start, Status, TraceOptions, Work,
+    Camera, Driver, GBuffer, KernelStats, Method, Precision, Projection, Ray, RayGrid, RayResult,
+    Region, STEPS, Segment, Start, Status, TraceOptions,
 };
 
 /// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than
@@ -37,7 +37,7 @@ impl Stubborn {
 }
 
 impl Kernel<FindZeros> for Stubborn {
-    fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
+    fn eval(&self, boxes: &Boxes, zeros: &mut Zeros) {
         *zeros = Zeros::default();
         let bounds = |lane: usize| [-boxes.neg_lo[2][lane], boxes.hi[2][lane]];
         zeros.possible = self.possible(boxes.count, bounds);
@@ -45,7 +45,7 @@ impl Kernel<FindZeros> for Stubborn {
 }
 
 impl Kernel<ContractSegments> for Stubborn {
-    fn ask(&self, segments: &Segments, out: &mut Contractions) {
+    fn eval(&self, segments: &Segments, out: &mut Contractions) {
         *out = Contractions::default();
         let at = |lane: usize, t: f32| segments.origin[2][lane] + t * segments.direction[2][lane];
         let bounds = |lane: usize| [segments.near[lane], segments.far[lane]].map(|t| at(lane, t));
@@ -80,7 +80,7 @@ impl Ball {
 }
 
 impl Kernel<FindZeros> for Ball {
-    fn ask(&self, boxes: &Boxes, zeros: &mut Zeros) {
+    fn eval(&self, boxes: &Boxes, zeros: &mut Zeros) {
         *zeros = Zeros::default();
         let bounds = |lane: usize| {
             [0, 1, 2].map(|axis: usize| [-boxes.neg_lo[axis][lane], boxes.hi[axis][lane]])
@@ -90,7 +90,7 @@ impl Kernel<FindZeros> for Ball {
 }
 
 impl Kernel<ContractSegments> for Ball {
-    fn ask(&self, segments: &Segments, out: &mut Contractions) {
+    fn eval(&self, segments: &Segments, out: &mut Contractions) {
         *out = Contractions::default();
         let bounds = |lane: usize| {
             [0, 1, 2].map(|axis: usize| {
@@ -135,11 +135,11 @@ fn frame() -> RayGrid {
     camera.expect("valid").rays(SIZE, SIZE)
 }
 
-fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
+fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, KernelStats) {
     trace_by("knoll", kernel, depth)
 }
 
-fn trace_by(method: &str, kernel: &Stubborn, depth: u32) -> (GBuffer, Work) {
+fn trace_by(method: &str, kernel: &Stubborn, depth: u32) -> (GBuffer, KernelStats) {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
     let options = TraceOptions {
         precision: Precision::F32,
@@ -250,8 +250,8 @@ fn what_is_found_of_a_ray_does_not_hang_on_its_neighbours() {
         let method = Method::named(method).expect("a row");
         let tracer = method.prepare(&Ball, &region, options).expect("a kernel");
         let follow = |rays: &[Segment]| {
-            let mut found = vec![Found::MISS; rays.len()];
-            tracer.follow(rays, Start::Anywhere, &mut found, &mut Work::default());
+            let mut found = vec![RayResult::MISS; rays.len()];
+            tracer.follow(rays, Start::Anywhere, &mut found, &mut KernelStats::default());
             found.iter().map(|f| (f.status, f.distance, f.drawn)).collect::<Vec<_>>()
         };
         let together = follow(&rays);

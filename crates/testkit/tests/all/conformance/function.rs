@@ -79,14 +79,14 @@ fn with_integer(op: Op, integer: i64, last: bool) -> Function {
 
 /// Bounds and facts of one enclosure.
 #[derive(Clone, Copy, Debug)]
-pub struct Answer {
+pub struct QueryResult {
     pub bounds: Interval,
     pub facts: Facts,
 }
 
 impl Function {
     /// Encloses it in software, node by node, in `f64`.
-    pub fn fold(&self, operands: &[Decorated]) -> Answer {
+    pub fn fold(&self, operands: &[Decorated]) -> QueryResult {
         let mut values: HashMap<NodeId, Decorated> = HashMap::new();
         for (id, node) in self.graph.iter() {
             let value = match node {
@@ -104,7 +104,7 @@ impl Function {
             values.insert(id, value);
         }
         let Decorated { bounds, facts, .. } = values[&self.root];
-        Answer { bounds, facts }
+        QueryResult { bounds, facts }
     }
 
     /// The same function with the operands that are `empty` defined nowhere.
@@ -162,7 +162,7 @@ impl<T: Real> Native<T> {
         key: &str,
         function: &Function,
         operands: &[Option<Interval>],
-    ) -> Answer {
+    ) -> QueryResult {
         let empty: Vec<bool> = operands.iter().map(Option::is_none).collect();
         let mut domain = [Interval::ZERO; 3];
         for (axis, operand) in operands.iter().enumerate() {
@@ -181,14 +181,14 @@ impl<T: Real> Native<T> {
         let answers = match self.told {
             Told::Nothing => {
                 let kernel = self.kernels.entry(format!("{key} {empty:?}")).or_insert_with(compile);
-                kernel.ask_all(&boxes)
+                kernel.eval_all(&boxes)
             }
-            Told::TheBox => compile().ask_all(&boxes),
+            Told::TheBox => compile().eval_all(&boxes),
         };
         let (neg_lo, hi): (f64, f64) = (answers[0].neg_lo[0].into(), answers[0].hi[0].into());
         let (lo, facts) = (-neg_lo, answers[0].facts(0));
         assert!(!lo.is_nan() && !hi.is_nan(), "{key}: NaN over {operands:?}");
-        Answer { bounds: Interval { lo, hi }, facts }
+        QueryResult { bounds: Interval { lo, hi }, facts }
     }
 }
 

@@ -9,7 +9,7 @@ mod function;
 mod itl;
 mod tally;
 
-use function::{Answer, Function, Native, Told, function, outward, value_of};
+use function::{Function, Native, QueryResult, Told, function, outward, value_of};
 use itl::{Case, Decoration, Term, parse};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ fn data() -> PathBuf {
 }
 
 /// A case that can be run: its function, and its operands that are sets.
-struct Question<'a> {
+struct Query<'a> {
     case: &'a Case,
     function: Function,
     operands: Vec<(Option<Interval>, Option<Decoration>)>,
@@ -46,7 +46,7 @@ struct Question<'a> {
     decoration: Option<Decoration>,
 }
 
-impl<'a> Question<'a> {
+impl<'a> Query<'a> {
     fn new(case: &'a Case) -> Result<Self, &'static str> {
         let function = function(&case.name, &case.operands)?;
         let mut operands = Vec::new();
@@ -68,7 +68,7 @@ impl<'a> Question<'a> {
     }
 
     /// Counts an answer, lists it if it is remarkable, and checks what it claims of the function.
-    fn record(&self, answer: Answer, tightest: Option<Interval>, ulp: Ulp, tally: &mut Tally) {
+    fn record(&self, answer: QueryResult, tightest: Option<Interval>, ulp: Ulp, tally: &mut Tally) {
         let name = &self.case.name;
         let verdict = judge(answer, tightest, ulp)
             .unwrap_or_else(|violation| panic!("{}: {violation}", self.case.text));
@@ -82,7 +82,7 @@ impl<'a> Question<'a> {
             let unbounded = self.bounds().iter().flatten().any(|bounds| !bounds.is_bounded());
             let kind = if unbounded { "infinite" } else { "finite" };
             tally.loose += u64::from(is_tightest(name) && !unbounded);
-            let Answer { bounds, .. } = answer;
+            let QueryResult { bounds, .. } = answer;
             let shown = if answer.facts.has(Facts::NOWHERE) {
                 "[empty]".to_owned()
             } else {
@@ -103,7 +103,7 @@ impl<'a> Question<'a> {
 fn in_software(cases: &[Case]) -> Tally {
     let mut tally = Tally::default();
     for case in cases {
-        match Question::new(case) {
+        match Query::new(case) {
             Err(reason) => tally.skip(&case.name, reason),
             Ok(question) => {
                 let operands: Vec<_> =
@@ -120,7 +120,7 @@ fn natively<T: Real>(cases: &[Case], told: Told, ulp: Ulp) -> Tally {
     let mut native = Native::<T>::new(told);
     let mut tally = Tally::default();
     for case in cases {
-        let question = match Question::new(case) {
+        let question = match Query::new(case) {
             Ok(question) => question,
             Err(reason) => {
                 tally.skip(&case.name, reason);
@@ -150,9 +150,9 @@ fn natively<T: Real>(cases: &[Case], told: Told, ulp: Ulp) -> Tally {
         }
         if is_tightest(&case.name) {
             let operands: Vec<_> = widened.iter().map(|set| value_of(*set, None)).collect();
-            let Answer { bounds, facts } = question.function.fold(&operands);
+            let QueryResult { bounds, facts } = question.function.fold(&operands);
             let tightest = (!facts.has(Facts::NOWHERE)).then(|| outward::<T>(bounds));
-            let wider = Question { decoration: None, ..question };
+            let wider = Query { decoration: None, ..question };
             wider.record(answer, tightest, ulp, &mut tally);
         } else {
             tally.contain(&case.name);

@@ -1,6 +1,6 @@
 //! How enclosures compare with the tightest, counted by operation and written as a table.
 
-use super::function::Answer;
+use super::function::QueryResult;
 use super::itl::Decoration;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -43,7 +43,7 @@ pub enum Verdict {
 }
 
 /// Compares an answer with the tightest enclosure, or says what is wrong with it.
-pub fn judge(answer: Answer, tightest: Option<Interval>, ulp: Ulp) -> Result<Verdict, String> {
+pub fn judge(answer: QueryResult, tightest: Option<Interval>, ulp: Ulp) -> Result<Verdict, String> {
     let nowhere = answer.facts.has(Facts::NOWHERE);
     let Some(tightest) = tightest else {
         return Ok(if nowhere { Verdict::Tight } else { Verdict::Unproven });

@@ -57,7 +57,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let Memory { fresh, contractions, .. } = &mut *self.memory;
         fresh.longest = Lanes::splat(longest);
         fresh.segments.count = LANES as u32 - live.leading_zeros();
-        self.method.follower.ask(&fresh.segments, contractions);
+        self.method.follower.eval(&fresh.segments, contractions);
         self.work.segments.called(live.count_ones());
         let limits = &self.limits;
         let mut sifted = fresh.sift(self.simd, contractions, None, live, limits);

@@ -11,7 +11,7 @@ use crate::grid::RayGrid;
 use crate::packet::tests::{exact, inside};
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::widths::levels;
+use crate::simd_chunks::levels;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use num_rational::BigRational;

@@ -8,7 +8,7 @@ use super::screens::{Ends, Rays};
 use crate::grid::RayGrid;
 use crate::region::Region;
 use crate::scalar::{HALF, Scalar};
-use crate::widths::parts;
+use crate::simd_chunks::parts;
 use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
 use zeroset_eval::{LANES, Lanes, Segments, Tiles};
@@ -195,7 +195,7 @@ impl RayFrame {
 
     /// Shortens segments of single rays to what of them may be in the region, as
     /// [`clip`](Self::clip) does, and returns between which values of s the rays are certainly
-    /// between its faces, its clipping plane apart, rounded inward; as [`way::between_faces`] has
+    /// between its faces, its clipping plane apart, rounded inward; as [`local_ray::between_faces`] has
     /// it, and not behind the eye. No segment reaches farther than `size` from 0.
     #[inline(always)]
     pub fn clip_rays<S: Simd, T: Scalar>(
@@ -341,8 +341,8 @@ impl<S: Simd> Wide<S> {
 mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
-    use crate::methods::way;
-    use crate::widths::levels;
+    use crate::methods::local_ray;
+    use crate::simd_chunks::levels;
     use fearless_simd::dispatch;
 
     #[test]
@@ -384,7 +384,7 @@ mod tests {
                     for lane in 0..LANES {
                         let [origin, direction] = frame.ray([screens[0][lane], screens[1][lane]]);
                         let [first, last] =
-                            way::between_faces([origin, direction, frame.error], &region);
+                            local_ray::between_faces([origin, direction, frame.error], &region);
                         // Not behind the eye.
                         let first = first.max(-frame.start);
                         let is_beside = first > last;

@@ -1,11 +1,11 @@
 //! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
 
 use super::screens::Stack;
+use crate::kernel_stats::KernelStats;
 use crate::method::Task;
-use crate::methods::way::{CUT, Way, bounds};
+use crate::methods::local_ray::{CUT, LocalRay, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 use zeroset_eval::{
@@ -105,11 +105,11 @@ impl<'a, T: Scalar> Narrower<'a, T> {
     /// Follows each ray with a segment along it.
     pub fn narrow(
         &self,
-        ways: &[Way],
+        ways: &[LocalRay],
         segments: &[Option<[f64; 2]>; LANES],
         scratch: &mut Scratch<T>,
         steps: &mut [Step; LANES],
-        work: &mut Work,
+        work: &mut KernelStats,
     ) {
         let Scratch { stacks, batch, out } = scratch;
         let (mut grain, mut least) = ([0.0; LANES], [0.0; LANES]);
@@ -140,7 +140,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     batch.far[slot] = T::nearest(far);
                 }
             }
-            self.segments.ask(batch, out);
+            self.segments.eval(batch, out);
             for (slot, &lane) in lanes.iter().enumerate() {
                 let stack = &mut stacks[lane];
                 let Some([near, far]) = stack.pop() else { continue };
@@ -209,11 +209,11 @@ impl<'a, T: Scalar> Narrower<'a, T> {
     }
 
     /// Whether a bracket of the form's zero holds one of the function.
-    fn is_zero(&self, way: &Way, segment: [f64; 2]) -> bool {
+    fn is_zero(&self, way: &LocalRay, segment: [f64; 2]) -> bool {
         let Some([function, denominator]) = self.cleared else { return true };
         let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
         let [function, denominator] =
-            [function, denominator].map(|kernel| kernel.ask_all(&boxes).remove(0));
+            [function, denominator].map(|kernel| kernel.eval_all(&boxes).remove(0));
         let away = denominator.neg_lo[0] < T::default() || denominator.hi[0] < T::default();
         away && function.facts(0).has(Facts::CONTINUOUS)
             && denominator.facts(0).has(Facts::CONTINUOUS)
@@ -221,18 +221,18 @@ impl<'a, T: Scalar> Narrower<'a, T> {
 
     /// Whether there may be a zero in a segment, by intervals, and branch by branch where the
     /// function jumps.
-    fn may_vanish(&self, way: &Way, segment: [f64; 2]) -> bool {
+    fn may_vanish(&self, way: &LocalRay, segment: [f64; 2]) -> bool {
         let Some(kernel) = self.zeros else { return true };
         let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
         let mut zeros = Zeros::default();
-        kernel.ask(&boxes[0], &mut zeros);
+        kernel.eval(&boxes[0], &mut zeros);
         zeros.possible & 1 == 1
     }
 }
 
 /// Puts a ray's segment on its stack, its ends rounded outward; returns the length of the shortest
 /// segments.
-fn begin<T: Scalar>(way: &Way, [near, far]: [f64; 2], stack: &mut Stack) -> f64 {
+fn begin<T: Scalar>(way: &LocalRay, [near, far]: [f64; 2], stack: &mut Stack) -> f64 {
     let slack = T::PATH_ERROR * (near.abs() + far.abs());
     let outward = |end: f64, slack: f64| {
         let float: f64 = T::nearest(end).into();
@@ -290,7 +290,7 @@ pub(super) fn are_progress<S: Simd, V: SimdFloat<S>>(
 }
 
 /// Writes a ray into a lane.
-fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &Way) {
+fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &LocalRay) {
     let rounding = rounding::<T>(way);
     for axis in 0..3 {
         batch.origin[axis][lane] = T::nearest(way.origin[axis]);
@@ -300,7 +300,7 @@ fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &Way) {
 }
 
 /// What `T` rounds the coordinates of a ray by.
-pub(super) fn rounding<T: Scalar>(way: &Way) -> DVec3 {
+pub(super) fn rounding<T: Scalar>(way: &LocalRay) -> DVec3 {
     let most = way.span[0].abs().max(way.span[1].abs());
     let least: f64 = T::LEAST_NORMAL.into();
     (T::PATH_ERROR + T::UNIT) * (way.origin.abs() + most * way.direction.abs())

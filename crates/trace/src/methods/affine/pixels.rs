@@ -1,6 +1,6 @@
 //! The pixels of a tile: hits that the tile's form proves, and rays that have to be followed.
 
-use super::super::way::{self, Way};
+use super::super::local_ray::{self, LocalRay};
 use super::plane::Plane;
 use super::pool::{TileAt, TileRay, place_of, tile_at};
 use super::screens::spread;
@@ -212,7 +212,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
-        let (mut ways, mut lanes) = ([Way::default(); LANES], [0; LANES]);
+        let (mut ways, mut lanes) = ([LocalRay::default(); LANES], [0; LANES]);
         let mut count = 0;
         for (lane, (ray, span)) in rays.iter().enumerate() {
             let [origin, direction] = self.frame.ray(screen(lane));
@@ -225,7 +225,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                     let Some((near, far)) = region.span(&ray) else { continue };
                     let slack = 1e-15 * (near.abs() + start.abs());
                     span = [span[0].max(near - start - slack), span[1].min(far - start + slack)];
-                    inside = way::inside(region, &ray, start);
+                    inside = local_ray::inside(region, &ray, start);
                 }
             }
             // Segments in `T` begin a little behind the eye.
@@ -236,7 +236,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 continue;
             }
             let longest = ray.longest.into();
-            ways[count] = Way { origin, direction, error, start: -start, span, inside, longest };
+            ways[count] =
+                LocalRay { origin, direction, error, start: -start, span, inside, longest };
             lanes[count] = lane;
             count += 1;
         }

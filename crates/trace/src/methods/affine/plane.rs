@@ -3,7 +3,7 @@
 
 use super::screens::Rays;
 use crate::scalar::Scalar;
-use crate::widths::parts;
+use crate::simd_chunks::parts;
 use fearless_simd::{f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
@@ -131,7 +131,7 @@ impl<T: Scalar> Plane<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::widths::levels;
+    use crate::simd_chunks::levels;
     use fearless_simd::dispatch;
 
     fn plane(per_screen: f64) -> Plane<f64> {

@@ -110,7 +110,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         pool.pack(self.simd);
         let live = pool.live;
         pool.asked.segments.count = LANES as u32 - live.leading_zeros();
-        self.method.follower.ask(&pool.asked.segments, contractions);
+        self.method.follower.eval(&pool.asked.segments, contractions);
         self.work.segments.called(live.count_ones());
         let limits = &self.limits;
         let simd = self.simd;

@@ -4,19 +4,19 @@
 use super::FINE;
 use super::frame::BLURS;
 use super::narrow::{Narrower, Scratch, Step, Stop, rounding};
-use crate::found::Reason;
+use crate::kernel_stats::KernelStats;
 use crate::method::{Precision, Start, Task};
-use crate::methods::bridge::Bridge;
+use crate::methods::bracket_gap::Bridge;
+use crate::methods::local_ray::{LocalRay, OPEN_PARTS, bounds};
 use crate::methods::outcome::{Outcome, reason};
-use crate::methods::way::{OPEN_PARTS, Way, bounds};
+use crate::ray_result::UndecidedReason;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use std::sync::OnceLock;
 use zeroset_eval::{Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Zeros};
 use zeroset_interval::Facts;
 
 /// Whether hits are wanted so close on a ray that `T` would narrow segments of it in vain.
-fn is_blurred<T: Scalar>(way: &Way) -> bool {
+fn is_blurred<T: Scalar>(way: &LocalRay) -> bool {
     way.longest * way.direction.length() < FINE * BLURS * rounding::<T>(way).max_element()
 }
 
@@ -47,17 +47,17 @@ impl<'a, T: Scalar> Follower<'a, T> {
 
     /// Narrows segments once.
     #[inline]
-    pub fn ask(&self, segments: &Segments<T>, out: &mut Contractions<T>) {
-        self.narrower.segments.ask(segments, out);
+    pub fn eval(&self, segments: &Segments<T>, out: &mut Contractions<T>) {
+        self.narrower.segments.eval(segments, out);
     }
 
     /// Follows up to [`LANES`] rays.
     pub fn follow(
         &self,
-        ways: &[Way],
+        ways: &[LocalRay],
         start: Start,
         scratch: &mut Scratch<T>,
-        work: &mut Work,
+        work: &mut KernelStats,
     ) -> [Outcome; LANES] {
         let mut outcomes = [Outcome::default(); LANES];
         let mut parts = [0; LANES];
@@ -143,10 +143,10 @@ impl<'a, T: Scalar> Follower<'a, T> {
     /// is below the rounding of `f32`, so are many, and each time the stretch is longer.
     fn refine(
         &self,
-        ways: &[Way],
+        ways: &[LocalRay],
         steps: &mut [Step; LANES],
         stretch: &mut [f64; LANES],
-        work: &mut Work,
+        work: &mut KernelStats,
     ) {
         if !self.refines {
             return;
@@ -185,7 +185,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     /// Why a part stays open, and whether it is likely a zero.
-    fn judge(&self, way: &Way, segment: [f64; 2], stop: Stop) -> (Reason, bool) {
+    fn judge(&self, way: &LocalRay, segment: [f64; 2], stop: Stop) -> (UndecidedReason, bool) {
         if self.refines {
             self.judge_in::<f64>(way, segment, stop)
         } else {
@@ -194,7 +194,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     /// A bracket of the first zero, if it lies in a segment that stayed open or close behind it.
-    fn bridge(&self, way: &Way, segment: [f64; 2]) -> Option<[f64; 2]> {
+    fn bridge(&self, way: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
         if self.refines {
             self.bridge_in::<f64>(way, segment)
         } else {
@@ -202,7 +202,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    fn bridge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2]) -> Option<[f64; 2]> {
+    fn bridge_in<U: Scalar>(&self, way: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
         // A picture that another one follows paints the place either way.
         if !self.task.options.ideas.intervals || self.task.options.least > 0.0 {
             return None;
@@ -211,21 +211,26 @@ impl<'a, T: Scalar> Follower<'a, T> {
         Bridge { kernel, way, region: self.task.region }.bracket(segment)
     }
 
-    fn judge_in<U: Scalar>(&self, way: &Way, segment: [f64; 2], stop: Stop) -> (Reason, bool) {
+    fn judge_in<U: Scalar>(
+        &self,
+        way: &LocalRay,
+        segment: [f64; 2],
+        stop: Stop,
+    ) -> (UndecidedReason, bool) {
         let boxes = Boxes::around(&[bounds(way, segment, self.task.region)]);
         let kernels = U::kernels(self.task.surface);
         let mut zeros = Zeros::default();
         if let Ok(kernel) = kernels.zeros() {
-            kernel.ask(&boxes[0], &mut zeros);
+            kernel.eval(&boxes[0], &mut zeros);
         }
         let asymptote = self.task.options.suppress_asymptotes && zeros.unbounded & 1 == 1;
         if self.task.options.least > 0.0 {
-            return (Reason::Budget, !asymptote);
+            return (UndecidedReason::Budget, !asymptote);
         }
         let mut facts = Facts::NONE;
         let mut is_gap = false;
         if let Ok(kernel) = kernels.bounds() {
-            facts = Kernel::<Enclose, U>::ask_all(kernel, &boxes)[0].facts(0);
+            facts = Kernel::<Enclose, U>::eval_all(kernel, &boxes)[0].facts(0);
             if let Ok(Some([_, denominator])) = kernels.cleared() {
                 is_gap =
                     Bridge { kernel, way, region: self.task.region }.is_gap(segment, denominator);

@@ -1,9 +1,9 @@
 //! Segments of rays that were asked together, told apart by what is left of them.
 
-use super::super::way::CUT;
+use super::super::local_ray::CUT;
 use super::narrow::{STALLED, STEADY, UNSTEADY, are_progress};
 use crate::scalar::Scalar;
-use crate::widths::parts;
+use crate::simd_chunks::parts;
 use fearless_simd::prelude::*;
 use zeroset_eval::{Contractions, Lanes, Segments};
 

@@ -9,11 +9,11 @@ use super::sift::Limits;
 use super::tracer::{LAST, SIDES, Tracer};
 use crate::band::Band;
 use crate::grid::RayGrid;
-use crate::methods::way::CUT;
+use crate::kernel_stats::KernelStats;
+use crate::methods::local_ray::CUT;
 use crate::painted::ones;
 use crate::scalar::Scalar;
-use crate::widths::parts;
-use crate::work::Work;
+use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use zeroset_eval::{LANES, Lanes, Tiles};
 
@@ -46,7 +46,7 @@ pub(super) fn trace<T: Scalar>(
     frame: RayFrame,
     rays: &RayGrid,
     band: &mut Band<'_>,
-    work: &mut Work,
+    work: &mut KernelStats,
 ) {
     dispatch!(Vectors::new(), simd => trace_with(simd, method, frame, rays, band, work));
 }
@@ -59,7 +59,7 @@ fn trace_with<T: Scalar, S: Simd>(
     frame: RayFrame,
     rays: &RayGrid,
     band: &mut Band<'_>,
-    work: &mut Work,
+    work: &mut KernelStats,
 ) {
     let is_patched = rays.is_patched();
     let across = if is_patched { 1 } else { band.width.div_ceil(4) };
@@ -193,7 +193,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let (level, finer) = levels.split_first_mut().expect("a level");
         while level.live != 0 && !self.is_over() {
             level.pack(self.simd);
-            self.method.tiles.ask(&level.batch, &mut level.out);
+            self.method.tiles.eval(&level.batch, &mut level.out);
             self.work.tiles.called(level.live.count_ones());
             let possible = level.live & level.out.possible;
             let tired = level.tire(self.simd);

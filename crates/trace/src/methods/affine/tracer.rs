@@ -8,11 +8,11 @@ use super::pixels::ROUNDED;
 use super::pool::Memory;
 use super::sift::Limits;
 use crate::band::Band;
-use crate::found::Status;
 use crate::grid::RayGrid;
+use crate::kernel_stats::KernelStats;
 use crate::painted::ones;
+use crate::ray_result::Status;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use fearless_simd::prelude::*;
 use std::ops::Range;
 
@@ -40,7 +40,7 @@ pub(super) struct Tracer<'a, 'b, 'm, T: Scalar, S> {
     pub size: f64,
     pub limits: Limits<T>,
     pub memory: &'a mut Memory<T>,
-    pub work: &'a mut Work,
+    pub work: &'a mut KernelStats,
     /// Whether nobody wants what is still to be found.
     pub over: bool,
     /// How many calls had been made when that was asked.

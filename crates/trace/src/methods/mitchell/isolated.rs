@@ -1,11 +1,11 @@
 //! A root that is isolated, brought within the tolerance: signs are certain at both ends of what is
 //! left.
 
+use crate::kernel_stats::KernelStats;
+use crate::methods::local_ray::{LocalRay, bounds};
 use crate::methods::slope::Slopes;
-use crate::methods::way::{Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use zeroset_interval::Interval;
 
 /// A part of a ray with one root, and values of opposite signs at its ends.
@@ -31,10 +31,10 @@ const BEYOND: f64 = 0.75;
 
 /// Brings roots within the tolerance.
 pub(super) fn refine<T: Scalar>(
-    all: &mut [(&Way, &mut Isolated)],
+    all: &mut [(&LocalRay, &mut Isolated)],
     slopes: &Slopes<'_, T>,
     region: &Region,
-    work: &mut Work,
+    work: &mut KernelStats,
 ) {
     for round in 0..ROUNDS {
         let mut left: Vec<_> = all.iter_mut().filter(|(_, isolated)| !isolated.is_done()).collect();

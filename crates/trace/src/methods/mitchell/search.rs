@@ -1,14 +1,14 @@
 //! Parts of up to sixteen rays, halved until each ray has met a root or nothing.
 
 use super::isolated::{Isolated, refine, sign};
+use crate::kernel_stats::KernelStats;
 use crate::method::{Start, Task};
-use crate::methods::bridge::Bridge;
+use crate::methods::bracket_gap::Bridge;
+use crate::methods::local_ray::{CUT, LocalRay, OPEN_PARTS, bounds};
 use crate::methods::outcome::{Outcome, reason};
 use crate::methods::slope::{Cuboid, Slopes};
-use crate::methods::way::{CUT, OPEN_PARTS, Way, bounds};
 use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::work::Work;
 use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Zeros};
 use zeroset_interval::Interval;
 
@@ -27,7 +27,7 @@ const HASTE: f64 = 1.5;
 
 /// A ray that is searched.
 struct Search<'a> {
-    way: &'a Way,
+    way: &'a LocalRay,
     /// What is still to be looked at, the nearest part last.
     parts: Vec<[f64; 2]>,
     /// The shortest parts that are looked at.
@@ -60,7 +60,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// What becomes of up to [`LANES`] rays.
-    pub fn search(&self, ways: &[Way], start: Start, work: &mut Work) -> Vec<Outcome> {
+    pub fn search(&self, ways: &[LocalRay], start: Start, work: &mut KernelStats) -> Vec<Outcome> {
         let mut rays: Vec<Search> = ways.iter().map(|way| Search::new::<T>(way, start)).collect();
         loop {
             let parts = self.possible(&mut rays, work);
@@ -80,7 +80,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// The next part of each ray, if it may hold a zero.
-    fn possible(&self, rays: &mut [Search], work: &mut Work) -> Vec<Candidate> {
+    fn possible(&self, rays: &mut [Search], work: &mut KernelStats) -> Vec<Candidate> {
         let mut parts = Vec::with_capacity(LANES);
         for (number, ray) in rays.iter_mut().enumerate() {
             if let Some(ends) = ray.parts.pop() {
@@ -92,7 +92,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             return parts;
         }
         let mut zeros = Zeros::default();
-        self.zeros.ask(&self.slopes.batch(&cuboids(&parts)), &mut zeros);
+        self.zeros.eval(&self.slopes.batch(&cuboids(&parts)), &mut zeros);
         work.interval.called(parts.len() as u32);
         let mut lane = 0;
         parts.retain_mut(|part| {
@@ -106,7 +106,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Decides what becomes of parts that may hold a zero.
-    fn look(&self, rays: &mut [Search], parts: &[Candidate], work: &mut Work) {
+    fn look(&self, rays: &mut [Search], parts: &[Candidate], work: &mut KernelStats) {
         let slopes =
             self.slopes.along(&cuboids(parts), |lane| rays[parts[lane].ray].way.direction, work);
         let is_steady = |slope: Option<Interval>| slope.is_some_and(|s| s.lo > 0.0 || s.hi < 0.0);
@@ -149,7 +149,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Cuts a part in two, or leaves it open if it is as short as arithmetic allows.
-    fn cut(&self, ray: &mut Search, part: &Candidate, work: &mut Work) {
+    fn cut(&self, ray: &mut Search, part: &Candidate, work: &mut KernelStats) {
         let [near, far] = part.ends;
         let cut = near + CUT * (far - near);
         if far - near > ray.grain && near < cut && cut < far {
@@ -184,7 +184,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
 }
 
 impl<'a> Search<'a> {
-    fn new<T: Scalar>(way: &'a Way, start: Start) -> Self {
+    fn new<T: Scalar>(way: &'a LocalRay, start: Start) -> Self {
         let [near, far] = way.span;
         let [first, last] = [way.inside[0].max(near), way.inside[1].min(far)];
         // Where the ray crosses the region's faces no sign is known: what rounding leaves open

@@ -9,15 +9,15 @@ use crate::batch::{
 };
 use crate::binding::Binding;
 use crate::differentiable::Differentiable;
-use crate::domain::{Bounds, Loader, Samples};
 use crate::forms::{Across, Along, Depth, contracted};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
+use crate::value_domain::{Bounds, Loader, Samples};
 use zeroset_interval::{Enclosure, Fact, Machine};
 
 /// A question, as a type without values.
-pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
+pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     /// The question in a word or two, for reports.
     const NAME: &'static str;
     /// Expressions that a tape must compute to answer it.
@@ -66,11 +66,11 @@ pub trait Question: sealed::Sealed + Copy + Send + Sync + 'static {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> Answer<M::V>;
+    ) -> QueryResult<M::V>;
 }
 
 /// An answer while code is written.
-pub struct Answer<V> {
+pub struct QueryResult<V> {
     /// In the order of the output's quantities.
     pub quantities: Vec<V>,
     /// In the order of its masks.
@@ -78,22 +78,22 @@ pub struct Answer<V> {
 }
 
 /// What answers a question about one function.
-pub trait Kernel<Q: Question, T: Real = f32>: Send + Sync {
+pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     /// Answers for the lanes in use.
     ///
     /// # Panics
     /// If no lane is in use, or more than there are. In debug builds also if a box reaches out of
     /// the domain that this was made for.
-    fn ask(&self, input: &Q::Input<T>, output: &mut Q::Output<T>);
+    fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>);
 
     /// The answers to all of `inputs`, in order.
     ///
     /// # Panics
-    /// As [`Kernel::ask`].
-    fn ask_all(&self, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>> {
+    /// As [`Kernel::eval`].
+    fn eval_all(&self, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>> {
         let answer = |input| {
             let mut output = Q::Output::<T>::default();
-            self.ask(input, &mut output);
+            self.eval(input, &mut output);
             output
         };
         inputs.iter().map(answer).collect()
@@ -134,7 +134,7 @@ pub struct Sample;
 #[derive(Clone, Copy, Debug)]
 pub struct SampleGradient;
 
-impl Question for Enclose {
+impl Query for Enclose {
     const NAME: &'static str = "bounds";
     const OUTPUTS: usize = 1;
     type Input<T: Real> = Boxes<T>;
@@ -144,14 +144,14 @@ impl Question for Enclose {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> Answer<M::V> {
+    ) -> QueryResult<M::V> {
         let Enclosure { neg_lo, hi, facts } = tape.evaluate(m, &mut Bounds(loader))[0];
         let masks = vec![facts.nowhere, facts.defined, facts.continuous];
-        Answer { quantities: vec![neg_lo, hi], masks }
+        QueryResult { quantities: vec![neg_lo, hi], masks }
     }
 }
 
-impl Question for FindZeros {
+impl Query for FindZeros {
     const NAME: &'static str = "zeros";
     const OUTPUTS: usize = 1;
     type Input<T: Real> = Boxes<T>;
@@ -161,7 +161,7 @@ impl Question for FindZeros {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> Answer<M::V> {
+    ) -> QueryResult<M::V> {
         let masks = if let Some(possible) = tape.vanishing_together(m, loader) {
             // Only the possible lanes are known; nothing is claimed of the others.
             vec![possible, Fact::False, Fact::False]
@@ -177,11 +177,11 @@ impl Question for FindZeros {
             };
             vec![possible, unbounded, value.facts.continuous.not(m, T::FORMAT)]
         };
-        Answer { quantities: Vec::new(), masks }
+        QueryResult { quantities: Vec::new(), masks }
     }
 }
 
-impl Question for EncloseGradient {
+impl Query for EncloseGradient {
     const NAME: &'static str = "gradient bounds";
     const OUTPUTS: usize = 4;
     type Input<T: Real> = Boxes<T>;
@@ -191,7 +191,7 @@ impl Question for EncloseGradient {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> Answer<M::V> {
+    ) -> QueryResult<M::V> {
         let values = tape.evaluate(m, &mut Differentiable(Bounds(loader)));
         let (function, derivatives) = values.split_first().expect("a function");
         let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
@@ -204,11 +204,11 @@ impl Question for EncloseGradient {
         let upper = derivatives.iter().map(|derivative| derivative.value.hi);
         let own = [function.value.neg_lo, function.value.hi];
         let quantities = own.into_iter().chain(lower).chain(upper).collect();
-        Answer { quantities, masks: vec![lipschitz, differentiable] }
+        QueryResult { quantities, masks: vec![lipschitz, differentiable] }
     }
 }
 
-impl Question for ContractSegments {
+impl Query for ContractSegments {
     const NAME: &'static str = "segments";
     const OUTPUTS: usize = 1;
     type Input<T: Real> = Segments<T>;
@@ -218,13 +218,13 @@ impl Question for ContractSegments {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> Answer<M::V> {
+    ) -> QueryResult<M::V> {
         let (_, new, _) = contracted::<Along, _, _, _, _>(tape, m, loader);
-        Answer { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
+        QueryResult { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
     }
 }
 
-impl Question for ContractTiles {
+impl Query for ContractTiles {
     const NAME: &'static str = "tiles";
     const OUTPUTS: usize = 1;
     type Input<T: Real> = Tiles<T>;
@@ -234,13 +234,13 @@ impl Question for ContractTiles {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> Answer<M::V> {
+    ) -> QueryResult<M::V> {
         let (form, new, Depth { middle, half }) = contracted::<Across, _, _, _, _>(tape, m, loader);
         let zero = m.number(T::FORMAT, 0.0);
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
         let error = form.error(m, T::FORMAT).unwrap_or(zero);
         let quantities = vec![new.near, new.far, form.centre, a, b, depth, error, middle, half];
-        Answer { quantities, masks: vec![new.possible, new.crossing] }
+        QueryResult { quantities, masks: vec![new.possible, new.crossing] }
     }
 }
 
@@ -249,11 +249,11 @@ fn samples<T: Real, M: Machine>(
     tape: &Tape<T>,
     m: &mut M,
     loader: &mut impl Loader<M>,
-) -> Answer<M::V> {
-    Answer { quantities: tape.evaluate(m, &mut Samples(loader)), masks: Vec::new() }
+) -> QueryResult<M::V> {
+    QueryResult { quantities: tape.evaluate(m, &mut Samples(loader)), masks: Vec::new() }
 }
 
-impl Question for Sample {
+impl Query for Sample {
     const NAME: &'static str = "values";
     const OUTPUTS: usize = 1;
     type Input<T: Real> = Points<T>;
@@ -263,12 +263,12 @@ impl Question for Sample {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> Answer<M::V> {
+    ) -> QueryResult<M::V> {
         samples(tape, m, loader)
     }
 }
 
-impl Question for SampleGradient {
+impl Query for SampleGradient {
     const NAME: &'static str = "gradients";
     const OUTPUTS: usize = 4;
     type Input<T: Real> = Points<T>;
@@ -278,7 +278,7 @@ impl Question for SampleGradient {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> Answer<M::V> {
+    ) -> QueryResult<M::V> {
         samples(tape, m, loader)
     }
 }

@@ -1,7 +1,7 @@
 //! Zeros whose place arithmetic cannot tell: between two places where the sign is certain, and
 //! different.
 
-use super::way::{Way, between_faces, bounds};
+use super::local_ray::{LocalRay, between_faces, bounds};
 use crate::region::Region;
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
 use zeroset_interval::Facts;
@@ -19,7 +19,7 @@ const CLOSE: f64 = 8.0;
 /// The function along one ray.
 pub(super) struct Bridge<'a, T: Real> {
     pub kernel: &'a dyn Kernel<Enclose, T>,
-    pub way: &'a Way,
+    pub way: &'a LocalRay,
     pub region: &'a Region,
 }
 
@@ -66,7 +66,7 @@ impl<T: Real> Bridge<'_, T> {
         // What is left open behind a gap is not told from it.
         let close = CLOSE * (end - start);
         let boxes = Boxes::around(&[bounds(self.way, [start - close, end + close], self.region)]);
-        let (bounds, zero) = (denominator.ask_all(&boxes).remove(0), T::default());
+        let (bounds, zero) = (denominator.eval_all(&boxes).remove(0), T::default());
         before == behind && bounds.neg_lo[0] >= zero && bounds.hi[0] >= zero
     }
 
@@ -112,6 +112,6 @@ impl<T: Real> Bridge<'_, T> {
     }
 
     fn enclose(&self, segment: [f64; 2]) -> Enclosures<T> {
-        self.kernel.ask_all(&Boxes::around(&[bounds(self.way, segment, self.region)])).remove(0)
+        self.kernel.eval_all(&Boxes::around(&[bounds(self.way, segment, self.region)])).remove(0)
     }
 }

@@ -14,7 +14,7 @@ pub struct Count {
 
 /// Calls of kernels by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Work {
+pub struct KernelStats {
     /// Questions about boxes.
     pub interval: Count,
     /// Tiles narrowed.
@@ -45,7 +45,7 @@ impl AddAssign for Count {
     }
 }
 
-impl AddAssign for Work {
+impl AddAssign for KernelStats {
     fn add_assign(&mut self, other: Self) {
         self.interval += other.interval;
         self.tiles += other.tiles;
@@ -56,7 +56,7 @@ impl AddAssign for Work {
     }
 }
 
-impl Sum for Work {
+impl Sum for KernelStats {
     fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
         parts.fold(Self::default(), |mut sum, part| {
             sum += part;

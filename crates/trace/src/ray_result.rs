@@ -16,7 +16,7 @@ pub enum Status {
 /// Why nothing is proven of an undecided ray, by the first part of it that is so.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Reason {
+pub enum UndecidedReason {
     /// It is decided, or the method does not tell.
     #[default]
     None = 0,
@@ -35,7 +35,7 @@ pub enum Reason {
     Steep = 6,
 }
 
-impl Reason {
+impl UndecidedReason {
     /// Every reason, in the order of its number.
     pub const ALL: [Self; 7] = [
         Self::None,
@@ -79,7 +79,7 @@ pub(crate) const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
 
 /// What became of one ray. Distances are values of its parameter t.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub struct RayResult {
     /// What is proven, whatever the distances are.
     pub status: Status,
     /// Of the hit, or of the start of the first undecided part; infinite for a miss.
@@ -87,19 +87,19 @@ pub struct Found {
     /// Of what is to be painted; infinite for nothing.
     pub drawn: f64,
     /// Why it is undecided.
-    pub reason: Reason,
+    pub reason: UndecidedReason,
     /// Of a hit: the part of the ray that is proven to hold its first zero, and nothing before it.
     /// Else NaN.
     pub bracket: [f64; 2],
 }
 
-impl Found {
+impl RayResult {
     /// No zero.
     pub const MISS: Self = Self {
         status: Status::Miss,
         distance: f64::INFINITY,
         drawn: f64::INFINITY,
-        reason: Reason::None,
+        reason: UndecidedReason::None,
         bracket: [f64::NAN; 2],
     };
 
@@ -109,8 +109,12 @@ impl Found {
     }
 
     /// Nothing is known of the ray, for lack of time.
-    pub(crate) const GIVEN_UP: Self =
-        Self { status: Status::Undecided, distance: 0.0, reason: Reason::Budget, ..Self::MISS };
+    pub(crate) const GIVEN_UP: Self = Self {
+        status: Status::Undecided,
+        distance: 0.0,
+        reason: UndecidedReason::Budget,
+        ..Self::MISS
+    };
 
     /// The same with distances in world units, for a ray whose direction has this length.
     pub(crate) fn scaled(self, length: f64) -> Self {

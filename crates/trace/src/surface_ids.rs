@@ -5,13 +5,13 @@ use std::ops::{Index, Range};
 /// The number of the surface that is painted, by pixel; meaningless where the background shows.
 /// Where all pixels have the same, as in most pictures, nothing is kept by pixel.
 #[derive(Clone, Debug, Default)]
-pub struct SurfaceNumbers {
+pub struct SurfaceIds {
     all: u16,
     /// Empty if all have that number.
     each: Vec<u16>,
 }
 
-impl SurfaceNumbers {
+impl SurfaceIds {
     /// Gives all pixels a number.
     pub fn fill(&mut self, number: u16) {
         self.all = number;
@@ -42,7 +42,7 @@ impl SurfaceNumbers {
     }
 }
 
-impl Index<usize> for SurfaceNumbers {
+impl Index<usize> for SurfaceIds {
     type Output = u16;
 
     fn index(&self, pixel: usize) -> &u16 {

@@ -21,13 +21,13 @@ pub(crate) fn serves(room: usize, wanted: usize) -> bool {
 }
 
 /// Memory of one kind.
-pub(crate) struct Spares<T> {
+pub(crate) struct BufferPool<T> {
     kept: Mutex<Vec<T>>,
     /// How much of it is kept at most.
     most: usize,
 }
 
-impl<T> Spares<T> {
+impl<T> BufferPool<T> {
     pub const fn new(most: usize) -> Self {
         Self { kept: Mutex::new(Vec::new()), most }
     }

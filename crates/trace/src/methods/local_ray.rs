@@ -16,7 +16,7 @@ pub(super) const OPEN_PARTS: u32 = 16;
 
 /// A ray to be followed: the points `origin` + s·`direction`.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Way {
+pub(super) struct LocalRay {
     pub origin: DVec3,
     pub direction: DVec3,
     /// How far the real ray may be from that, per axis.
@@ -31,7 +31,7 @@ pub(super) struct Way {
     pub longest: f64,
 }
 
-impl Way {
+impl LocalRay {
     /// A ray's way through the region, from where it enters: s is 0 there, and t is s − `start`.
     /// `None` if it does not meet the region.
     pub fn new(segment: &Segment, region: &Region) -> Option<Self> {
@@ -81,7 +81,7 @@ pub(super) fn between_faces([origin, direction, error]: [DVec3; 3], region: &Reg
 }
 
 /// Bounds of a segment's points in the region.
-pub(super) fn bounds(way: &Way, [near, far]: [f64; 2], region: &Region) -> [Interval; 3] {
+pub(super) fn bounds(way: &LocalRay, [near, far]: [f64; 2], region: &Region) -> [Interval; 3] {
     std::array::from_fn(|axis| {
         let ends = [near, far].map(|s| way.origin[axis] + s * way.direction[axis]);
         let size = way.origin[axis].abs() + near.abs().max(far.abs()) * way.direction[axis].abs();
