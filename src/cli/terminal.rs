@@ -43,7 +43,7 @@ const LONGEST: usize = 64;
 /// Asks the terminal for its primary device attributes (DA1) before anything else reads from it.
 /// What is typed until the answer is there is dropped, as it would be on the way into the prompt.
 #[cfg(unix)]
-pub fn eval(limit: Duration) -> Answer {
+pub fn ask(limit: Duration) -> Answer {
     use std::io::{IsTerminal, Write};
     let (input, mut output) = (std::io::stdin(), std::io::stdout());
     if !(input.is_terminal() && output.is_terminal()) {
@@ -72,7 +72,7 @@ pub fn eval(limit: Duration) -> Answer {
 
 /// Asks the terminal for its primary device attributes.
 #[cfg(not(unix))]
-pub fn eval(_: Duration) -> Answer {
+pub fn ask(_: Duration) -> Answer {
     Answer::NotAsked
 }
 

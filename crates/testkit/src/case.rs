@@ -1,6 +1,6 @@
-//! A function with all that a kernel of it is compiled for and run with: domain and parameters.
+//! A function with the domain and parameters that its kernels are compiled for and run with.
 //!
-//! Which kernel, and how it is compiled, is not known here.
+//! Which kernel it is, and how it is compiled, is not known here.
 
 use crate::random::{
     Adversarial, Ends, GraphOptions, Rng, point_in_box, random_box, random_domain, random_graph,
@@ -12,22 +12,23 @@ use zeroset_eval::{Assumptions, Boxes, Real};
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, NodeId};
 
-/// A function, what code for it may assume, and the values of its parameters.
+/// A function, the assumptions its code may make, and the values of its parameters.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// The graph as typed.
     pub graph: Graph,
     /// The function.
     pub root: NodeId,
-    /// The domain and the range of each parameter, as the compiler is told.
+    /// The domain and the range of each parameter that are given to the compiler.
     pub assumptions: Assumptions,
-    /// Bounds of each parameter's value when the code runs: within what is assumed.
+    /// Bounds of each parameter's value when the code runs, within the assumed range.
     pub parameters: Vec<Interval>,
 }
 
 impl Case {
-    /// A graph drawn by `options` over a random domain, which is all of space, or a box whose ends
-    /// need not be `f32`. Parameters are assumed to have their value, or a range around it, or any.
+    /// Returns a graph drawn by `options` over a random domain: all of space, or a box whose ends
+    /// need not be `f32`. The assumed range of a parameter is its value, a wider range, or all
+    /// reals.
     pub fn random(rng: &mut Rng, options: &GraphOptions) -> Self {
         let (graph, root) = random_graph(rng, options);
         let domain = random_domain(rng);
@@ -43,7 +44,8 @@ impl Case {
         Self { graph, root, assumptions, parameters }
     }
 
-    /// A box for this case: its ends are floats, so it may stick out of the domain by a rounding.
+    /// Returns a box for this case. Its ends are floats, so it may exceed the domain by one
+    /// rounding.
     pub fn random_box<T: Adversarial>(&self, rng: &mut Rng) -> [[T; 2]; 3] {
         let anywhere: [[T; 2]; 3] = random_box(rng, Ends::Infinite);
         let mut region = anywhere;
@@ -53,7 +55,7 @@ impl Case {
         region
     }
 
-    /// A real point of the domain within `region`.
+    /// Returns a real point of the domain within `region`.
     pub fn random_point<T: Adversarial>(&self, rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64; 3] {
         let mut point = point_in_box(rng, region);
         for (value, bounds) in point.iter_mut().zip(self.assumptions.domain) {
@@ -62,7 +64,7 @@ impl Case {
         point
     }
 
-    /// A value within the bounds of each parameter, as two equal bounds: mostly an end.
+    /// Returns a value of each parameter as two equal bounds. The value is mostly one of its ends.
     pub fn random_values(&self, rng: &mut Rng) -> Vec<(f64, f64)> {
         let drawn = self.parameters.iter().map(|bounds| {
             let value = match rng.u32(0..3) {
@@ -75,12 +77,12 @@ impl Case {
         drawn.collect()
     }
 
-    /// How many nodes the function needs.
+    /// Number of nodes that the function needs.
     pub fn size(&self) -> usize {
         self.graph.reachable(&[self.root]).into_iter().filter(|needed| *needed).count()
     }
 
-    /// A line for `zeroset eval` about this case and a kernel of `T`, and what was assumed.
+    /// Returns a line for `zeroset eval` about this case and a kernel of `T`, and its assumptions.
     pub fn describe<T: Real>(&self, place: &Place) -> String {
         let values: Vec<(f64, f64)> = self.parameters.iter().map(|v| (v.lo, v.hi)).collect();
         let line = reproduce_in::<T>(&self.graph, self.root, &values, place);
@@ -104,7 +106,7 @@ impl fmt::Display for Assumed<'_> {
     }
 }
 
-/// Boxes as kernels read them.
+/// Packs boxes into batches for kernels.
 pub fn pack_boxes<T: Real>(regions: &[[[T; 2]; 3]]) -> Vec<Boxes<T>> {
     let exact = |[lo, hi]: [T; 2]| Interval { lo: lo.into(), hi: hi.into() };
     let regions: Vec<_> = regions.iter().map(|region| region.map(exact)).collect();
@@ -131,7 +133,7 @@ mod tests {
                 let p = point[axis];
                 assert!(lo <= hi && lo < f32::INFINITY && hi > f32::NEG_INFINITY, "{region:?}");
                 assert!(f64::from(lo) <= p && p <= f64::from(hi) && bounds.contains(p), "{p}");
-                // By a rounding at most.
+                // The box exceeds the domain by one rounding at most.
                 assert!(f64::from(lo.next_up()) > bounds.lo || lo.next_up() == hi.next_up());
                 assert!(f64::from(hi.next_down()) < bounds.hi || hi == lo, "{region:?} {bounds:?}");
                 let reaches = f64::from(lo) <= bounds.lo && f64::from(hi) >= bounds.hi;

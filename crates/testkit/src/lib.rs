@@ -1,14 +1,14 @@
-//! What the tests, fuzz targets and benches of `zeroset` share; no product code depends on it.
+//! Shared support for the tests, fuzz targets and benches of `zeroset`. No product code depends on
+//! it.
 //!
-//! - The independent [`Oracle`] says what is certain of a function at one exact point.
-//! - The [`certified`] tracer finds the first root on a ray, slowly, by the oracle alone.
-//! - Seeded generators draw adversarial numbers, boxes, points, rays and graphs over every row of
-//!   the table of operations, internal ones included.
-//! - The [`suite`] holds any evaluator against the oracle over the whole table.
-//! - A [`property`] is what must hold of one input, drawn from a seed or from a fuzzer's bytes;
-//!   [`attack`] tries it on many.
-//! - A [`Case`] is a function over a domain with its parameters; [`minimise`] makes a failing one
-//!   smaller.
+//! - The independent [`Oracle`] states what is certain about a function at one exact point.
+//! - The [`certified`] tracer finds the first root on a ray, slowly, with the oracle alone.
+//! - Seeded generators draw adversarial numbers, boxes, points, rays and graphs. The graphs use
+//!   every operation of the table, internal ones included.
+//! - The [`suite`] checks any evaluator against the oracle over the whole table.
+//! - A [`property`] must hold for every input, which is drawn from a seed or from a fuzzer's bytes.
+//!   [`attack`] tries a property on many inputs.
+//! - A [`Case`] is a function with its domain and parameters. [`minimise`] shrinks a failing case.
 //! - [`reproduce`] prints a failing case as a line that `zeroset eval` reads.
 
 mod attack;

@@ -1,13 +1,14 @@
-//! Smaller cases that fail in the same way.
+//! Shrinking of a case to a smaller one that fails in the same way.
 
 use crate::case::Case;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, compact};
 
-/// A case no larger than `case` of which `fails` still holds: parts of the function are cut out as
-/// long as that can be done one at a time, then the assumptions are dropped if they do not matter.
+/// Returns a case no larger than `case` for which `fails` still holds. Parts of the function are
+/// cut out one at a time while that is possible. Then bounds of the domain that do not matter are
+/// dropped.
 ///
-/// `fails` is asked a few times per node squared.
+/// `fails` is called a few times per node squared.
 pub fn minimise(case: &Case, fails: &mut dyn FnMut(&Case) -> bool) -> Case {
     let mut best = case.clone();
     while let Some(smaller) = smaller(&best).into_iter().find(|candidate| fails(candidate)) {
@@ -23,7 +24,7 @@ pub fn minimise(case: &Case, fails: &mut dyn FnMut(&Case) -> bool) -> Case {
     best
 }
 
-/// Every case that is one cut away, and smaller.
+/// Returns every smaller case that one cut leads to.
 fn smaller(case: &Case) -> Vec<Case> {
     let needed = case.graph.reachable(&[case.root]);
     let nodes = || case.graph.iter().filter(|(id, _)| needed[id.index()]);
@@ -42,7 +43,7 @@ fn smaller(case: &Case) -> Vec<Case> {
     found
 }
 
-/// What stands in for a part that is cut out.
+/// Replacement of a part that is cut out.
 #[derive(Clone, Copy)]
 enum Part {
     Node(NodeId),
@@ -51,7 +52,7 @@ enum Part {
 }
 
 impl Case {
-    /// The same case about another function.
+    /// Returns the same case with another function.
     fn with(&self, graph: &Graph, root: NodeId) -> Self {
         let (graph, roots) = compact(graph, &[root]);
         Self { graph, root: roots[0], ..self.clone() }

@@ -1,8 +1,7 @@
-//! Random inputs that are more often unpleasant than not.
+//! Random inputs, most of them adversarial.
 //!
-//! Everything is drawn from an [`Rng`] by integer arithmetic and exact scaling, so a seed, or a
-//! fuzzer's bytes, give the same inputs on every platform. What is done with them is not known
-//! here.
+//! Every input is drawn from an [`Rng`] by integer arithmetic and exact scaling, so the same seed
+//! or bytes give the same inputs on every platform. How the inputs are used is not known here.
 
 mod graphs;
 mod places;

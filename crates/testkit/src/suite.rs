@@ -1,7 +1,7 @@
-//! One suite for every evaluator: each row of the table over adversarial inputs, and random graphs.
+//! One test suite for every evaluator: each operation over adversarial inputs, and random graphs.
 //!
-//! An evaluator plugs in as a function that makes a kernel out of a graph. Nothing is assumed of
-//! how it works; what it says is held against the [oracle](crate::Oracle).
+//! An evaluator is given as a function that compiles a graph to a kernel. The suite assumes nothing
+//! else about it and checks its results against the [oracle](crate::Oracle).
 
 mod cases;
 mod gradient;
@@ -23,32 +23,32 @@ pub(crate) use rewrite::contradiction;
 pub use rewrite::{Rewrite, check_rewrite};
 pub use slopes::{check_slopes, check_slopes_of_ops};
 
-/// Makes a kernel for a graph without parameters.
+/// Compiles a graph without parameters to a kernel.
 pub type Make<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, T>>;
 
-/// How much a passing check has looked at: a test should ask for a minimum.
+/// Amount of work behind a passing check. A test should require a minimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
-    /// Pairs of a kernel's answer and an oracle's claim.
+    /// Number of comparisons of a kernel's result with an oracle's claim.
     pub compared: u64,
-    /// Those where the function is certainly defined, so that values were compared.
+    /// Number of those where the function is certainly defined, so that values were compared.
     pub defined: u64,
 }
 
 impl Tally {
-    /// Counts what `other` counts, too.
+    /// Adds the counts of `other`.
     pub fn add(&mut self, other: Self) {
         self.compared += other.compared;
         self.defined += other.defined;
     }
 }
 
-/// The first contradiction found: what it was, and a line that reproduces it.
+/// The first contradiction found: a message, and a line that reproduces it.
 #[derive(Clone, Debug)]
 pub struct Failure(String);
 
 impl Failure {
-    /// A contradiction, told.
+    /// Creates a failure with this message.
     pub(crate) fn new(what: impl Into<String>) -> Self {
         Self(what.into())
     }

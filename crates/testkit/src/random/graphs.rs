@@ -1,4 +1,4 @@
-//! Random expression graphs over every row of the table, and values for their parameters.
+//! Random expression graphs over every operation of the table, and values for their parameters.
 
 use super::Rng;
 use super::values::{Adversarial, Ends, below, from_exponents};
@@ -6,14 +6,14 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, NamedConstant, NodeId};
 use zeroset_ops::{Op, TABLE};
 
-/// What [`random_graph`] draws from.
+/// Options of [`random_graph`].
 #[derive(Clone, Debug)]
 pub struct GraphOptions {
-    /// How many operations are applied; equal ones are one node.
+    /// Number of operations applied. Equal ones share one node.
     pub size: u32,
-    /// The operations to choose from: at least one.
+    /// Operations to choose from, at least one.
     pub ops: Vec<Op>,
-    /// Parameters are numbered below this.
+    /// Number of parameters to choose from.
     pub parameters: u32,
     /// Whether constants may be huge, tiny or known only by their bounds.
     pub adversarial: bool,
@@ -31,9 +31,9 @@ impl Default for GraphOptions {
     }
 }
 
-/// An expression and its root, which is the operation applied last.
+/// Returns an expression and its root, which is the operation applied last.
 ///
-/// Operands are mostly recent nodes, so that formulas are deep and share sub-expressions; exponents
+/// Operands are mostly recent nodes, so that formulas are deep and share sub-expressions. Exponents
 /// and divisors are mostly constants, so that many formulas are defined somewhere.
 ///
 /// # Panics
@@ -94,7 +94,8 @@ fn exponent(rng: &mut Rng, adversarial: bool) -> Constant {
         1 => random_constant(rng, adversarial),
         2 => Constant::integer(i64::from(rng.i32(-40..=40))),
         3 if adversarial => {
-            // About the ends of the integers that an exponent is told apart by.
+            // Exponents are treated by size, so numbers at the ends of integer types are worth
+            // trying.
             let end = 1_i64 << [16, 31, 32][below(rng, 3)];
             Constant::integer((end + i64::from(rng.i32(-1..=1))) * if rng.bool() { 1 } else { -1 })
         }
@@ -102,9 +103,9 @@ fn exponent(rng: &mut Rng, adversarial: bool) -> Constant {
     }
 }
 
-/// A constant as one might type it: a small integer, a short decimal, a ratio, π, τ, e or φ. If
-/// `adversarial`, also huge and tiny decimals, `f32` at which something goes wrong, integers that
-/// no float holds, and numbers known only by their bounds.
+/// Returns a constant as a user might type it: a small integer, a short decimal, a ratio, π, τ, e
+/// or φ. If `adversarial`, also huge and tiny decimals, adversarial `f32` numbers, integers that no
+/// `f32` represents, and numbers known only by their bounds.
 pub fn random_constant(rng: &mut Rng, adversarial: bool) -> Constant {
     let decimal = |text: String| Constant::decimal(&text).unwrap_or_else(|| Constant::integer(0));
     let kinds = if adversarial { 12 } else { 6 };
@@ -138,13 +139,13 @@ pub fn random_constant(rng: &mut Rng, adversarial: bool) -> Constant {
     }
 }
 
-/// Some number between two finite bounds in order.
+/// Returns a constant known only to lie between two finite bounds in order.
 fn enclosed(lo: f64, hi: f64) -> Constant {
     Constant::enclosed(Interval { lo, hi })
 }
 
-/// Bounds for each of `count` parameters: what was typed exactly, or as a decimal that no float
-/// holds, or a wider range.
+/// Returns bounds for each of `count` parameters: an exact value, the rounding of a decimal that no
+/// float represents, or a wider range.
 pub fn random_parameters(rng: &mut Rng, count: u32) -> Vec<(f64, f64)> {
     (0..count)
         .map(|_| {
@@ -207,7 +208,8 @@ mod tests {
         }
     }
 
-    /// A generator whose formulas are nowhere defined would make every property hold.
+    /// Guards against a generator whose formulas are nowhere defined, for which every property
+    /// would hold.
     #[test]
     fn a_fair_share_of_formulas_has_finite_values() {
         let mut rng = Rng::with_seed(SEED);

@@ -4,10 +4,10 @@ use super::values::{Adversarial, Ends, below, from_exponents, uniform_f64};
 use super::{Rng, values::nudge};
 use zeroset_interval::Interval;
 
-/// A box: per axis, the lower and the upper end, in order and never NaN. An infinite end stands for
-/// an unbounded side (as allowed by `ends`), so a lower end is below +∞ and an upper one above −∞.
+/// Returns a box: per axis, the lower and the upper end, in order and never NaN. An infinite end is
+/// an unbounded side, drawn if `ends` allows it. A lower end is below +∞ and an upper end above −∞.
 ///
-/// Points, thin boxes, boxes around zero and huge ones are all likely; one box in four is plain on
+/// Points, thin boxes, boxes around zero and huge boxes are all likely. One box in four is plain on
 /// every axis, so that larger formulas are defined and finite somewhere.
 pub fn random_box<T: Adversarial>(rng: &mut Rng, ends: Ends) -> [[T; 2]; 3] {
     let plain = rng.u32(0..4) == 0;
@@ -44,8 +44,8 @@ fn random_range<T: Adversarial>(rng: &mut Rng, ends: Ends) -> [T; 2] {
     }
 }
 
-/// A domain: all of space, or a box as one might type it, whose ends need not be `f32`, or any
-/// [`random_box`].
+/// Returns a domain: all of space, a box as a user might type it (its ends need not be `f32`), or
+/// any [`random_box`].
 pub fn random_domain(rng: &mut Rng) -> [Interval; 3] {
     match rng.u32(0..4) {
         0 => [Interval::ENTIRE; 3],
@@ -63,8 +63,8 @@ pub fn random_domain(rng: &mut Rng) -> [Interval; 3] {
     }
 }
 
-/// A range within `bounds`, rounded outward to `T`: all of it, or a part anywhere in it, thin ones
-/// included, or `wanted` as far as it lies inside. It always holds real numbers within `bounds`.
+/// Returns a range within `bounds`, rounded outward to `T`: all of it, any part of it (thin ones
+/// included), or the part of `wanted` inside. It always contains real numbers within `bounds`.
 pub fn range_within<T: Adversarial>(rng: &mut Rng, bounds: Interval, wanted: [T; 2]) -> [T; 2] {
     let down = |value: f64| -T::above(-value);
     let (least, most) = (down(bounds.lo), T::above(bounds.hi));
@@ -81,9 +81,9 @@ pub fn range_within<T: Adversarial>(rng: &mut Rng, bounds: Interval, wanted: [T;
     [between(lo, least, down(bounds.hi)), between(hi, T::above(bounds.lo), most)]
 }
 
-/// A real point of `region` (ends as in [`random_box`]): mostly at corners, on edges and at zeros,
-/// integers, half integers and multiples of π/2 inside, and else anywhere. Always finite; where the
-/// box is unbounded the point may be as far out as 1e300, or as its other end if that is farther.
+/// Returns a real point of `region`, whose ends are as in [`random_box`]. It often lies at corners,
+/// on edges, or at zeros, integers, half integers and multiples of π/2. It is always finite: in an
+/// unbounded box it is at most as far out as 1e300, or as the other end if that is farther.
 pub fn point_in_box<T: Adversarial>(rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64; 3] {
     let corner = rng.u32(0..4) == 0;
     region.map(|[lo, hi]| {
@@ -106,7 +106,7 @@ pub fn point_in_box<T: Adversarial>(rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64
     })
 }
 
-/// A finite stand-in for an infinite end.
+/// Returns `end`, or a finite substitute if it is infinite.
 fn bounded(rng: &mut Rng, end: f64) -> f64 {
     if end.is_finite() {
         return end;
@@ -114,7 +114,7 @@ fn bounded(rng: &mut Rng, end: f64) -> f64 {
     [1e300, f64::from(f32::MAX).next_up()][below(rng, 2)].copysign(end)
 }
 
-/// Zero, an integer, a half integer or about a multiple of π/2, near or inside [lo, hi].
+/// Returns zero, an integer, a half integer or about a multiple of π/2, near or inside [lo, hi].
 fn special_between(rng: &mut Rng, lo: f64, hi: f64) -> f64 {
     use std::f64::consts::FRAC_PI_2;
     let share = uniform_f64(rng);
@@ -127,18 +127,19 @@ fn special_between(rng: &mut Rng, lo: f64, hi: f64) -> f64 {
     }
 }
 
-/// A piece of a line in space: the points `eye + t·direction` for t between two ends.
+/// A segment of a ray: the points `eye + t·direction` for t between two ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where t is 0.
+    /// The point at t = 0.
     pub eye: [f64; 3],
-    /// Of any length but 0; components may be ±0.
+    /// Direction of any length but 0. Components may be ±0.
     pub direction: [f64; 3],
-    /// The least and the largest t, in order.
+    /// The least and the greatest t, in order.
     pub span: [f32; 2],
 }
 
-/// A ray of about unit direction: along an axis, a diagonal, nearly along an axis, or anywhere.
+/// Returns a ray along an axis, a diagonal, nearly an axis, or any direction. No component of its
+/// direction exceeds 1.
 pub fn random_ray(rng: &mut Rng) -> Ray {
     let signed = |rng: &mut Rng| uniform_f64(rng) * 2.0 - 1.0;
     let direction = loop {

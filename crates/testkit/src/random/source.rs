@@ -1,42 +1,42 @@
-//! Where random choices come from: a seed, or the bytes of a fuzzer.
+//! Source of random choices: a seed, or the bytes of a fuzzer.
 //!
 //! What is chosen is not known here.
 
 use std::ops::{Bound, RangeBounds};
 
-/// A source of choices. The same seed, or the same bytes, give the same choices on every platform.
+/// A source of choices. The same seed or the same bytes give the same choices on every platform.
 #[derive(Clone, Debug)]
 pub struct Rng {
-    /// Bytes not used yet, last first.
+    /// Bytes not used yet, in reverse order.
     bytes: Vec<u8>,
-    /// What follows them.
+    /// Generator used when the bytes have run out.
     tail: fastrand::Rng,
 }
 
-/// How many leading bytes seed what follows the others.
+/// Number of leading bytes that seed the generator.
 const SEED_BYTES: usize = 4;
 
 impl Rng {
-    /// Choices that look random.
+    /// Creates a source of pseudo-random choices.
     pub fn with_seed(seed: u64) -> Self {
         Self { bytes: Vec::new(), tail: fastrand::Rng::with_seed(seed) }
     }
 
-    /// Choices made by `data`: each uses as few bytes as can tell the possibilities apart, so a
-    /// changed byte changes one choice. When none are left, choices follow from a seed, the first
-    /// four bytes.
+    /// Creates a source whose choices are made by `data`. Each choice uses as few bytes as can tell
+    /// its possibilities apart, so a changed byte changes one choice. When the bytes have run out,
+    /// choices come from a generator seeded by the first four bytes.
     pub fn from_bytes(data: &[u8]) -> Self {
         let (seed, choices) = data.split_at(data.len().min(SEED_BYTES));
         let seed = seed.iter().fold(0, |seed, byte| seed << 8 | u64::from(*byte));
         Self { bytes: choices.iter().rev().copied().collect(), ..Self::with_seed(seed) }
     }
 
-    /// Either.
+    /// Returns true or false.
     pub fn bool(&mut self) -> bool {
         self.take(1).map_or_else(|| self.tail.bool(), |byte| byte & 1 != 0)
     }
 
-    /// A number of `range`.
+    /// Returns a number in `range`.
     ///
     /// # Panics
     /// If the range is empty.
@@ -49,7 +49,7 @@ impl Rng {
         }
     }
 
-    /// A number of `range`.
+    /// Returns a number in `range`.
     ///
     /// # Panics
     /// If the range is empty.
@@ -61,12 +61,12 @@ impl Rng {
         }
     }
 
-    /// A number of `range`.
+    /// Returns a number in `range`.
     ///
     /// # Panics
     /// If the range is empty.
     pub fn i32(&mut self, range: impl RangeBounds<i32>) -> i32 {
-        // Shifted, so that the least is 0.
+        // Shifted, so that `i32::MIN` becomes 0.
         let shifted = |x: &i32| (i64::from(*x) - i64::from(i32::MIN)) as u64;
         let wide = (range.start_bound().map(shifted), range.end_bound().map(shifted));
         match self.chosen(bounds(wide, 0, u64::from(u32::MAX))) {
@@ -75,7 +75,7 @@ impl Rng {
         }
     }
 
-    /// A number between two, by bytes; `None` if they have run out.
+    /// Returns a number between two others, chosen by bytes; `None` if the bytes have run out.
     fn chosen(&mut self, (least, most): (u64, u64)) -> Option<u64> {
         assert!(least <= most, "an empty range");
         let others = most - least;
@@ -87,7 +87,7 @@ impl Rng {
         Some(least + others.checked_add(1).map_or(drawn, |count| drawn % count))
     }
 
-    /// The next bytes as a number, or `None` if there are not as many.
+    /// Returns the next bytes as a number, or `None` and drops the rest if there are too few.
     fn take(&mut self, count: usize) -> Option<u64> {
         let rest = self.bytes.len().checked_sub(count);
         let Some(rest) = rest else {
@@ -98,7 +98,7 @@ impl Rng {
     }
 }
 
-/// The least and the largest number of a range within `least..=most`.
+/// Returns the least and the greatest number of a range; open sides end at `least` and `most`.
 fn bounds(range: (Bound<u64>, Bound<u64>), least: u64, most: u64) -> (u64, u64) {
     let least = match range.0 {
         Bound::Included(x) => x,
@@ -123,7 +123,7 @@ mod tests {
         assert!(rng.bool());
         assert_eq!(rng.u32(0..8), 1);
         assert_eq!(rng.u32(5..=5), 5);
-        // Two bytes for more than 256 possibilities, last byte first.
+        // More than 256 possibilities take two bytes, the last byte first.
         assert_eq!(rng.u64(0..1000), 1);
         assert_eq!(rng.i32(-3..=6), -3); // 250 is a multiple of 10
         assert_eq!(rng.i32(-128..128), 127);

@@ -1,14 +1,14 @@
-//! Random formulas as text, over every form and every composed function: what is only a spelling in
-//! the language becomes graphs that random operations hardly ever make.
+//! Random formulas as text, over every form and every composed function. Lowering these spellings
+//! gives graphs that random operations hardly ever produce.
 
 use super::Rng;
 use super::values::below;
 use zeroset_ops::{COMPOSED, FORMS, Meaning, VectorFunction};
 
-/// Names of vectors and of a function, which each text defines.
+/// Vectors and a function that every text defines.
 const HEAD: &str = "p = vec3(x, y, z)\nq = vec3(y, 1 - z, x*y)\nf(a) = a^2 - x/2\n";
 
-/// A text that draws one formula, its brackets nested up to `depth`.
+/// Returns a text of one formula whose nesting is limited by `depth`.
 pub fn random_text(rng: &mut Rng, depth: u32) -> String {
     let mut text = Text { rng, indices: 0 };
     let formula = text.number(depth);
@@ -17,7 +17,7 @@ pub fn random_text(rng: &mut Rng, depth: u32) -> String {
 
 struct Text<'r> {
     rng: &'r mut Rng,
-    /// How many sums are around.
+    /// Number of enclosing sums and products.
     indices: usize,
 }
 
@@ -33,7 +33,7 @@ impl Text<'_> {
         leaves[below(self.rng, leaves.len())].to_owned()
     }
 
-    /// A number.
+    /// Returns the text of a number.
     fn number(&mut self, depth: u32) -> String {
         if depth == 0 {
             return self.leaf();
@@ -75,7 +75,7 @@ impl Text<'_> {
         }
     }
 
-    /// A vector of three components.
+    /// Returns the text of a vector with three components.
     fn vector(&mut self, depth: u32) -> String {
         if depth == 0 {
             return ["p", "q", "p.zxy", "q.yzx"][below(self.rng, 4)].to_owned();
@@ -98,7 +98,8 @@ impl Text<'_> {
         }
     }
 
-    /// Two columns or three, or as many times a number of the diagonal.
+    /// Returns a square matrix of `size` columns: from all its elements, or from one number for the
+    /// diagonal.
     fn matrix(&mut self, size: u8, depth: u32) -> String {
         let count = usize::from(size) * usize::from(size);
         let count = if self.rng.u32(0..3) == 0 { 1 } else { count };
@@ -106,7 +107,7 @@ impl Text<'_> {
         format!("mat{size}({})", elements.join(", "))
     }
 
-    /// A number by a form of the language, of whichever meaning.
+    /// Returns a number spelled with one of the forms of the language.
     fn form(&mut self, depth: u32) -> String {
         let form = &FORMS[below(self.rng, FORMS.len())];
         let name = form.name;
@@ -163,7 +164,7 @@ mod tests {
     use super::*;
     use zeroset_syntax::{Options, read};
 
-    /// Texts that are refused would test nothing.
+    /// Refused texts would test nothing.
     #[test]
     fn texts_read_and_hold_every_form_and_composed_function() {
         let mut rng = Rng::with_seed(0x5eed_0031);

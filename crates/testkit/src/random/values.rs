@@ -7,29 +7,29 @@ use zeroset_eval::Real;
 /// Whether infinite numbers may be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ends {
-    /// Only finite ones.
+    /// Only finite numbers.
     Finite,
-    /// Infinite ones too.
+    /// Infinite numbers too.
     Infinite,
 }
 
-/// A float type of which adversarial numbers can be drawn.
+/// A float type with a generator of adversarial numbers.
 pub trait Adversarial: Real {
-    /// A number at which something tends to go wrong: ±0, subnormals, ±1, ±`MAX`, integers, half
-    /// integers, multiples of π/2 and the ends of what `exp` can represent, with their neighbours;
-    /// and plain numbers of every magnitude. Never NaN; infinite only if `ends` allows it.
+    /// Returns a number at which code tends to fail: ±0, subnormals, ±1, ±`MAX`, integers, half
+    /// integers, multiples of π/2 or the ends of the range of `exp`, and neighbors of these. Other
+    /// numbers of every magnitude are drawn too. Never NaN; infinite only if `ends` allows it.
     fn adversarial(rng: &mut Rng, ends: Ends) -> Self;
-    /// Uniform in [0, 1), with as many bits as the format has.
+    /// Returns a number uniform in [0, 1), with as many bits as the format has.
     fn uniform(rng: &mut Rng) -> Self;
-    /// The least number that is greater.
+    /// Returns the least number that is greater.
     #[must_use]
     fn next_up(self) -> Self;
-    /// The greatest number that is less.
+    /// Returns the greatest number that is less.
     #[must_use]
     fn next_down(self) -> Self;
 }
 
-/// What differs between the formats: where things go wrong.
+/// Implements [`Adversarial`] with the critical numbers of a format.
 macro_rules! adversarial {
     ($type:ty, $bits:ident, $mantissa:expr, $exponents:expr, $huge:expr, $edges:expr) => {
         impl Adversarial for $type {
@@ -53,8 +53,7 @@ macro_rules! adversarial {
                         nudge(rng, Self::nearest(f64::from(integer)))
                     }
                     9 => {
-                        // About where the format loses its fractions, and where conversion to i32
-                        // overflows.
+                        // About where floats lose their fractions and conversion to i32 overflows.
                         let power = [$mantissa - 1, $mantissa, $mantissa + 1, 31, 32, 63];
                         let power = power[below(rng, 6)];
                         nudge(rng, Self::nearest(2f64.powi(power)))
@@ -63,8 +62,8 @@ macro_rules! adversarial {
                         let half = f64::from(rng.u32(0..=12)) + 0.5;
                         nudge(rng, Self::nearest(half))
                     }
-                    // exp underflows, leaves the normal numbers, or overflows there; source:
-                    // logarithms of MAX, MIN_POSITIVE and of half the least subnormal.
+                    // Here exp overflows, falls below the normal numbers, or underflows to 0.
+                    // Source: logarithms of MAX, MIN_POSITIVE and half the least subnormal.
                     11 => {
                         let edge = $edges[below(rng, 3)];
                         nudge(rng, edge)
@@ -100,24 +99,24 @@ adversarial!(
     [709.782_712_893_384, 708.396_418_532_264_1, 745.133_219_101_941_1]
 );
 
-/// An index below `count`, drawn alike on every platform.
+/// Returns an index below `count`, the same on every platform.
 pub(super) fn below(rng: &mut Rng, count: usize) -> usize {
     rng.u64(0..count as u64) as usize
 }
 
-/// Uniform in [0, 1), with 53 bits.
+/// Returns a number uniform in [0, 1), with 53 bits.
 pub(super) fn uniform_f64(rng: &mut Rng) -> f64 {
     rng.u64(0..1 << 53) as f64 / (1_u64 << 53) as f64
 }
 
-/// Log-uniform between two powers of two.
+/// Returns a number that is log-uniform between two powers of two.
 pub(super) fn from_exponents<T: Real>(rng: &mut Rng, least: i32, most: i32) -> T {
     let scale = 2f64.powi(rng.i32(least..=most));
     let value = scale * (1.0 + uniform_f64(rng));
     T::nearest(value.min(T::LARGEST.into()))
 }
 
-/// `value` or a number up to two units in the last place away, if that is finite.
+/// Returns `value` or a number up to two ulps away, if that is finite.
 pub(super) fn nudge<T: Adversarial>(rng: &mut Rng, value: T) -> T {
     let moved = match rng.u32(0..6) {
         0 => value.next_up(),
@@ -160,7 +159,7 @@ mod tests {
         assert!((0..200).any(|_| draw(Ends::Infinite).into().is_infinite()));
     }
 
-    /// Pins the stream: a changed generator changes what every seed means.
+    /// Pins the stream: a changed generator would change the meaning of every seed.
     #[test]
     fn a_seed_always_means_the_same() {
         let mut rng = Rng::with_seed(1);
