@@ -1,4 +1,5 @@
-//! Tells the program by what, and how, it was compiled: each row of its results says so.
+//! Passes the compiler's version and flags to the program, which records them in every row of
+//! results.
 
 use std::process::Command;
 

@@ -1,4 +1,4 @@
-//! The command line's arguments.
+//! Command-line arguments.
 
 use crate::grid::{Values, precision};
 use crate::groups::distinct;
@@ -13,7 +13,8 @@ use zeroset_trace::{METHODS, Method, Precision};
 
 /// Measure and chart the methods of zeroset: speed against accuracy.
 ///
-/// Exit codes: 0; 1 if `check` finds that what was counted differs; 2 for what the user can mend.
+/// Exit codes: 0; 1 if `check` finds different counts or hashes; 2 for errors that the user can
+/// fix.
 #[derive(Debug, Parser)]
 #[command(name = "zeroset-chart", version, about)]
 pub struct Arguments {
@@ -22,57 +23,54 @@ pub struct Arguments {
     pub command: Command,
 }
 
-/// What to do.
+/// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Measure times and errors of each method with each value of the options that it reads
     Run(RunArguments),
-    /// Draw formulas on which methods are known to fail, and name what becomes of each
+    /// Draw formulas on which methods are known to fail, and classify each picture
     Stability(StabilityArguments),
-    /// Follow given rays, or random ones, by each method and by the certified tracer
+    /// Trace given or random rays with each method and with the certified tracer
     ///
-    /// So that other programs can be held against the same rays. Writes, as .npy files of float64:
-    /// `rays`, of which a row is an origin and a direction of any length; `domain`, the ends of x,
-    /// y and z; for each method a file of its name, of which a row is 0 for a proven miss, 1 for a
-    /// proven hit or 2 for undecided, the two distances between which the hit is proven, and the
-    /// distance at which the ray is painted; and `certified`, of which a row is 0 for no root, 1
-    /// for one or 2 for open, and the distances between which the first root lies. Distances are
-    /// from the origin in units of the world; they are NaN where there are none.
+    /// Other programs can then be compared on the same rays. Writes .npy files of float64. `rays`
+    /// has an origin and a direction of any length per row. `domain` has the ends of x, y and z.
+    /// Each method has a file of its name. Its rows hold 0 for a proven miss, 1 for a proven hit or
+    /// 2 for undecided, then the two ends of the hit's bracket, then the drawn distance.
+    /// `certified` has rows of 0 for no root, 1 for a root or 2 for open, then the bounds of the
+    /// first root. Distances are from the origin in world units, and NaN where there are none.
     Rays(RaysArguments),
-    /// Time kernels and pictures without rigour, widened operation by operation, and rounded up as
-    /// they are
+    /// Time kernels and pictures in three arithmetics: unsound, widened and rounded up
     ///
-    /// In the directory: `rigour.csv`, of which a row is a surface's kernel or picture in one
-    /// arithmetic, and `rigour.svg`.
+    /// Writes `rigour.csv`, with a surface's kernel or picture in one arithmetic per row, and
+    /// `rigour.svg`.
     Rigour(RigourArguments),
-    /// Time text to kernels against the size of formulas: those of the gallery, and sums and
-    /// products that are made
+    /// Time the way from text to kernels by size, for the gallery and for generated sums and
+    /// products
     ///
-    /// In the directory: `compile.csv`, of which a row is a formula, `compile-time.svg` and
-    /// `compile-code.svg`.
+    /// Writes `compile.csv`, with a formula per row, `compile-time.svg` and `compile-code.svg`.
     Compile(CompileArguments),
-    /// Draw the charts of a directory's rows once more, as `run` does at its end
+    /// Draw the charts of a directory's rows again, as `run` does at its end
     Draw {
-        /// What `run` has written
+        /// Directory that `run` has written
         directory: PathBuf,
     },
-    /// Measure a directory's rows once more: counts and hashes must be the same
+    /// Measure a directory's rows again: counts and hashes must be the same
     Check {
-        /// What `run` has written
+        /// Directory that `run` has written
         directory: PathBuf,
     },
 }
 
-/// Which methods.
+/// The option that selects methods.
 #[derive(Args, Debug)]
 pub struct Methods {
-    /// Methods, with commas between; all if not given
+    /// Methods, separated by commas; all if not given
     #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
     methods: Vec<String>,
 }
 
 impl Methods {
-    /// The methods of these names, in the order of the table; all if there are none.
+    /// The selected methods, in the order of the table; all if none is named.
     pub fn chosen(&self) -> Vec<&'static Method> {
         let names = &self.methods;
         let is_chosen =
@@ -81,12 +79,12 @@ impl Methods {
     }
 }
 
-/// What to measure.
+/// Arguments of `run`.
 #[derive(Args, Debug)]
 pub struct RunArguments {
     /// Surfaces: names of `zeroset gallery --list`, or of the ten that are measured by default
     pub surfaces: Vec<String>,
-    /// Which methods.
+    /// Methods to measure.
     #[command(flatten)]
     pub methods: Methods,
     /// Depths, for methods that read one
@@ -105,113 +103,113 @@ pub struct RunArguments {
     #[arg(long, value_delimiter = ',', default_value = "f32,f64,auto", value_name = "NAMES",
         value_parser = precision_name)]
     precision: Vec<String>,
-    /// Rows of a picture, and pixels in a row; several, with commas between, chart time against
-    /// resolution
+    /// Side of the square pictures in pixels; several sizes, separated by commas, chart time
+    /// against resolution
     #[arg(long, visible_alias = "size", value_delimiter = ',', default_value = "256", value_name = "PIXELS",
         value_parser = number(8..=8192))]
     sizes: Vec<usize>,
-    /// Views of each surface: a standard one, then around it, close, grazing and inside
+    /// Number of views of each surface: standard, around, close, grazing, inside, and again
     #[arg(long, default_value_t = 8, value_parser = number(1..=1000))]
     views: usize,
-    /// Draws views, pixels and the order of measurements
+    /// Seed of views, sampled pixels and the order of measurements
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// How often each picture is measured
+    /// Number of times that each picture is measured
     #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
     repeats: usize,
     /// Threads that pictures are drawn on
     #[arg(long, default_value_t = 1, value_parser = number(1..=1024))]
     pub threads: usize,
-    /// About how many pixels of a picture are held against the certified tracer; 0 for all
+    /// Approximate number of pixels per picture that the certified tracer checks; 0 for all
     #[arg(long, default_value_t = 1024, value_parser = number(0..=u32::MAX.into()))]
     samples: usize,
-    /// Where results go; those that are there are kept
+    /// Directory of the results; rows that are already there are kept
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
-    /// Little of everything, to try it: two views, three repeats, 64 pixels in a row
+    /// Small trial run: two views, three repeats, 64 pixels in a row
     #[arg(long)]
     quick: bool,
 }
 
-/// Which rays to follow.
+/// Arguments of `rays`.
 #[derive(Args, Debug)]
 pub struct RaysArguments {
     /// A surface: a name of `zeroset gallery --list`, or one of the ten that are measured by
     /// default
     pub surface: String,
-    /// Rays from an .npy file: float64, a row of six numbers each, an origin and a direction
+    /// Rays from an .npy file of float64: an origin and a direction per row, six numbers
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     pub rays: Option<PathBuf>,
-    /// So many random rays, from around the domain to points in it
+    /// Number of random rays, from around the domain to points in it
     #[arg(long, default_value_t = 1000, value_parser = number(1..=10_000_000))]
     pub random: usize,
-    /// Draws the random rays
+    /// Seed of the random rays
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Which methods.
+    /// Methods that trace the rays.
     #[command(flatten)]
     pub methods: Methods,
-    /// How near a hit is to be, as a share of the domain's diagonal
+    /// Tolerance of a hit, as a share of the domain's diagonal
     #[arg(long, default_value_t = 1e-6, value_name = "SHARE", value_parser = tolerance)]
     pub within: f64,
-    /// Where the files go
+    /// Directory of the files
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }
 
-/// What rigour is to be priced on.
+/// Arguments of `rigour`.
 #[derive(Args, Debug)]
 pub struct RigourArguments {
     /// Surfaces without parameters and poles, as for `run`; the ten if not given
     pub surfaces: Vec<String>,
-    /// Rows of a picture, and pixels in a row
+    /// Side of the square pictures, in pixels
     #[arg(long, default_value_t = 256, value_name = "PIXELS", value_parser = number(8..=8192))]
     pub size: usize,
-    /// How often each kernel and each picture is measured
+    /// Number of times that each kernel and each picture is measured
     #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
     pub repeats: usize,
-    /// Draws boxes and the order of measurements
+    /// Seed of the boxes and the order of measurements
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Where rows and chart go
+    /// Directory of rows and chart
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }
 
-/// What is to be compiled.
+/// Arguments of `compile`.
 #[derive(Args, Debug)]
 pub struct CompileArguments {
-    /// About how many nodes the largest sum and product have
+    /// Approximate number of nodes of the largest sum and product
     #[arg(long, default_value_t = 3000, value_parser = number(12..=100_000))]
     pub nodes: usize,
-    /// How often each formula is compiled
+    /// Number of times that each formula is compiled
     #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
     pub repeats: usize,
-    /// Draws the numbers in sums and products, and the order of measurements
+    /// Seed of the numbers in sums and products, and of the order of measurements
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Where rows and charts go
+    /// Directory of rows and charts
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }
 
-/// Which difficult formulas to draw.
+/// Arguments of `stability`.
 #[derive(Args, Debug)]
 pub struct StabilityArguments {
     /// Cases by name; all of tests/data/stability if not given
     pub cases: Vec<String>,
-    /// Which methods.
+    /// Methods that draw the cases.
     #[command(flatten)]
     pub methods: Methods,
-    /// How long each picture may take, in seconds
+    /// Time limit of each picture, in seconds
     #[arg(long, default_value = "10", value_name = "SECONDS", value_parser = seconds)]
     pub budget: Duration,
-    /// Where table, rows and contact sheet go
+    /// Directory of table, rows and contact sheet
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }
 
-/// A whole number in this range.
+/// A parser of whole numbers in this range.
 fn number(range: RangeInclusive<i64>) -> RangedI64ValueParser<usize> {
     RangedI64ValueParser::new().range(range)
 }
@@ -233,7 +231,7 @@ fn precision_name(text: &str) -> Result<String, String> {
 }
 
 impl RunArguments {
-    /// The options' values.
+    /// The values of each option.
     pub fn values(&self) -> Values {
         Values {
             depths: distinct(self.max_depth.iter().copied()),
@@ -243,17 +241,17 @@ impl RunArguments {
         }
     }
 
-    /// This many, or no more than `few` if little is asked for.
+    /// Returns `number`, but at most `few` with `--quick`.
     fn limited(&self, number: usize, few: usize) -> usize {
         if self.quick { number.min(few) } else { number }
     }
 
-    /// How many views each surface has.
+    /// Number of views of each surface.
     pub fn views(&self) -> usize {
         self.limited(self.views, 2)
     }
 
-    /// How pictures are measured, size by size.
+    /// The conditions of measurement, one per picture size.
     pub fn conditions(&self) -> Vec<Conditions> {
         let sizes = distinct(self.sizes.iter().map(|size| self.limited(*size, 64)));
         let conditions = |size| Conditions {

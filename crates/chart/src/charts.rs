@@ -1,4 +1,4 @@
-//! Which charts there are, and what of the rows each shows.
+//! The charts, and the rows that each shows.
 
 mod errors;
 mod options;
@@ -13,7 +13,7 @@ use crate::row::Row;
 use std::path::Path;
 use zeroset_trace::{METHODS, MethodOption, Precision};
 
-/// All charts that rows can fill: over all surfaces, and surface by surface.
+/// All charts that the rows can fill: those over all surfaces, then those of single surfaces.
 pub fn charts(rows: &[Row]) -> [Vec<Figure>; 2] {
     let rows = Rows::of(rows);
     let Some(size) = rows.common_size() else { return Default::default() };
@@ -24,10 +24,10 @@ pub fn charts(rows: &[Row]) -> [Vec<Figure>; 2] {
     [all, errors::by_surface(&same)]
 }
 
-/// Draws all charts that rows can fill into a directory; returns how many.
+/// Draws all charts that the rows can fill into a directory; returns their number.
 ///
 /// # Errors
-/// If one cannot be drawn or written.
+/// If a chart cannot be drawn or written.
 pub fn draw_all(rows: &[Row], directory: &Path) -> Result<usize, ChartError> {
     let charts = charts(rows).concat();
     for chart in &charts {
@@ -36,7 +36,7 @@ pub fn draw_all(rows: &[Row], directory: &Path) -> Result<usize, ChartError> {
     Ok(charts.len())
 }
 
-/// Rows whose method is known.
+/// Rows whose method is known, with their configurations.
 #[derive(Clone, Debug)]
 struct Rows<'a>(Vec<(&'a Row, Configuration)>);
 
@@ -57,14 +57,14 @@ impl<'a> Rows<'a> {
         distinct(self.0.iter().map(|(row, _)| row.surface.as_str()))
     }
 
-    /// The one that most rows have, the greatest of such.
+    /// The picture size of most rows; the greatest of several such sizes.
     fn common_size(&self) -> Option<usize> {
         let sizes = distinct(self.0.iter().map(|(row, _)| row.size));
         let number = |size: &usize| self.0.iter().filter(|(row, _)| row.size == *size).count();
         sizes.into_iter().max_by_key(|size| (number(size), *size))
     }
 
-    /// Those of each method in one precision: `auto` where it was measured.
+    /// The rows of each method in one precision: `auto` if it was measured, else the first one.
     fn in_one_precision(&self) -> Self {
         let best = |method: &str| {
             let of_method = self.0.iter().filter(|(_, other)| other.method.name == method);
@@ -77,7 +77,7 @@ impl<'a> Rows<'a> {
         Self(self.0.iter().filter(|(_, one)| is_best(one)).copied().collect())
     }
 
-    /// A quantity's geometric mean on each surface, over views.
+    /// A quantity's geometric mean over views, surface by surface.
     fn by_surface(&self, value: impl Fn(&Row) -> Option<f64>) -> Vec<f64> {
         let surfaces = self.surfaces().into_iter();
         surfaces.filter_map(|surface| self.mean_on(surface, &value)).collect()
@@ -89,10 +89,10 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// Below this, an error in pixels counts as this where means are taken: no picture shows it.
+/// Error in pixels that zero counts as in means, since it is far below what a picture shows.
 const LEAST: f64 = 1e-6;
 
-/// The geometric mean of values, of which some may be 0; 0 if all are.
+/// The geometric mean, with values raised to at least [`LEAST`]; 0 if all values are 0.
 fn mean(values: &[f64]) -> Option<f64> {
     if values.iter().all(|value| *value == 0.0) {
         return values.first().copied();
@@ -100,13 +100,13 @@ fn mean(values: &[f64]) -> Option<f64> {
     geometric_mean(&values.iter().map(|value| value.max(LEAST)).collect::<Vec<_>>())
 }
 
-/// From its lower to its upper quartile, if there is more than one.
+/// The lower and upper quartile, if there are several values.
 fn bar(values: &[f64]) -> Option<[f64; 2]> {
     let quartiles = Quartiles::of(values).filter(|_| values.len() > 1)?;
     Some([quartiles.lower, quartiles.upper])
 }
 
-/// Of a method, everywhere the same.
+/// Color number of a method, the same in every chart.
 fn color(method: &str) -> usize {
     METHODS.iter().position(|other| other.name == method).unwrap_or(METHODS.len())
 }
@@ -119,7 +119,7 @@ fn shape(precision: Option<Precision>) -> Shape {
     }
 }
 
-/// A method in a precision: an empty series.
+/// An empty series for a method in a precision.
 fn series(configuration: &Configuration) -> Series {
     let method = configuration.method.name;
     let precision = configuration.precision.map(|p| format!(", {p}")).unwrap_or_default();
@@ -132,14 +132,14 @@ fn series(configuration: &Configuration) -> Series {
     }
 }
 
-/// Configurations that differ in numbers only, method by method.
+/// Configurations grouped by method and precision: those of a group differ in numbers only.
 fn families(rows: &Rows<'_>) -> Vec<Vec<Configuration>> {
     let configurations = distinct(rows.0.iter().map(|(_, configuration)| *configuration));
     let families = grouped(configurations, |one| (one.method, one.precision));
     families.into_iter().map(|(_, family)| family).collect()
 }
 
-/// What the letters of labels stand for.
+/// Legend of the letters in labels.
 fn letters(rows: &Rows<'_>) -> Vec<&'static str> {
     let letters = [
         (MethodOption::Tolerance, "t: tolerance in pixels"),
@@ -150,11 +150,11 @@ fn letters(rows: &Rows<'_>) -> Vec<&'static str> {
     letters.into_iter().filter(|(option, _)| has(*option)).map(|(_, letter)| letter).collect()
 }
 
-/// A legend's notes: what pictures have in common, then `further` lines.
+/// A legend's notes: what the pictures have in common, then the lines of `further`.
 fn notes<'a>(rows: &Rows<'_>, further: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let Some((row, _)) = rows.0.first() else { return Vec::new() };
     let surfaces = rows.surfaces();
-    // What the views are may differ from one surface to the next.
+    // Surfaces may have different views, so they are counted surface by surface.
     let views_of = |surface: &&str| {
         let own = rows.0.iter().filter(|(row, _)| row.surface == **surface);
         distinct(own.map(|(row, _)| row.view.as_str())).len()

@@ -1,4 +1,4 @@
-//! Results measured once more: what was counted must be the same, times about the same.
+//! Measures results again: counts must be the same, times about the same.
 
 use crate::error::ChartError;
 use crate::groups::grouped;
@@ -12,23 +12,23 @@ use crate::surfaces::Surface;
 use crate::views::View;
 use std::path::Path;
 
-/// Times may differ by so much, as a ratio: those of two runs of a machine that does nothing else
-/// do so by less.
+/// Greatest accepted relative change of a time. Two runs on an otherwise idle machine differ by
+/// less.
 pub const ROOM: f64 = 0.15;
 
-/// How results differ from those of another run.
+/// Differences between results and a repetition of them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
-    /// How many rows were compared.
+    /// Number of rows compared.
     pub rows: usize,
-    /// Work, pixels or hashes that are not the same: a line each.
+    /// Counts or hashes that differ, one line each.
     pub counts: Vec<String>,
-    /// Rows of which the time relative to that of the others in their view changed by more than
-    /// [`ROOM`]: a line each.
+    /// Rows whose time changed by more than [`ROOM`] relative to their view's other rows, one line
+    /// each.
     pub times: Vec<String>,
 }
 
-/// Measures every row of `directory` once more, and changes none.
+/// Measures every row of `directory` again, without writing any.
 ///
 /// # Errors
 /// If there are no rows, or they cannot be repeated by this version.
@@ -36,7 +36,7 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
     let store = Store::existing(directory)?;
     let machine = Machine::this();
     let mut differences = Differences::default();
-    // Rows that were measured together.
+    // Rows are grouped as they were measured.
     let batches = grouped(&store.rows, |row| (&row.surface, &row.view, row.conditions()));
     let bar = progress(batches.len());
     for ((surface, view, conditions), old) in batches {
@@ -61,7 +61,7 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
 
 impl Differences {
     fn add(&mut self, old: &[&Row], new: &[Row]) {
-        // What all of a view's times changed by is the machine's doing.
+        // A change that all times of a view share comes from the machine.
         let ratios: Vec<f64> = old.iter().zip(new).map(|(a, b)| b.total_ms / a.total_ms).collect();
         let common = crate::quantile::quantile(&ratios, 0.5).unwrap_or(1.0);
         for ((old, new), ratio) in old.iter().zip(new).zip(ratios) {

@@ -1,4 +1,4 @@
-//! Pictures of what is wrong.
+//! Pictures that show errors pixel by pixel.
 
 use crate::error::ChartError;
 use crate::errors::{Mistake, mistake};
@@ -8,7 +8,7 @@ use image::{ImageFormat, Rgb, RgbImage};
 use std::io::Cursor;
 use zeroset_trace::GBuffer;
 
-/// Of pixels with this mistake.
+/// Color of pixels with this mistake.
 fn color(mistake: Mistake) -> Rgb<u8> {
     match mistake {
         Mistake::Missed => Rgb([214, 39, 40]),
@@ -21,8 +21,7 @@ const OPEN: Rgb<u8> = Rgb([140, 140, 140]);
 const RIGHT: Rgb<u8> = Rgb([220, 220, 220]);
 const NOTHING: Rgb<u8> = Rgb([255, 255, 255]);
 
-/// Each pixel of a picture in the color of what is wrong with it; white where the reference has
-/// none.
+/// Colors each pixel by its mistake; pixels without a reference are white.
 pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
     let (width, height) = (buffer.width as u32, buffer.height as u32);
     let mut image = RgbImage::from_pixel(width, height, NOTHING);
@@ -40,7 +39,7 @@ pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
     image
 }
 
-/// A picture as a PNG file.
+/// Encodes a picture as a PNG file.
 ///
 /// # Errors
 /// If it is too large for one.

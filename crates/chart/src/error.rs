@@ -1,15 +1,15 @@
-//! What can go wrong, each with one message for the user.
+//! Errors, each with one message for the user.
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why nothing was measured, or charted.
+/// Reasons why nothing was measured or charted.
 #[derive(Debug, Error)]
 pub enum ChartError {
     /// No such surface.
     #[error("there is no surface '{name}'; {ten} or a name of `zeroset gallery --list`")]
     UnknownSurface {
-        /// What was asked for.
+        /// The name that was given.
         name: String,
         /// The names of the ten.
         ten: String,
@@ -17,10 +17,10 @@ pub enum ChartError {
     /// No such case.
     #[error("there is no case '{0}' in tests/data/stability")]
     UnknownCase(String),
-    /// No such method: a row was made by another version.
+    /// No such method: another version wrote the row.
     #[error("there is no method '{0}'")]
     UnknownMethod(String),
-    /// A surface has no picture, or none that can be judged.
+    /// A surface cannot be drawn or judged.
     #[error("{surface}: {why}")]
     Surface {
         /// Its name.
@@ -31,15 +31,15 @@ pub enum ChartError {
     /// A file or directory cannot be read or written.
     #[error("{path}: {why}", path = path.display())]
     File {
-        /// Which.
+        /// The file or directory.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         why: std::io::Error,
     },
-    /// A file is there, and is not what it should be.
+    /// A file has invalid content.
     #[error("{path}: {why}", path = path.display())]
     Content {
-        /// Which.
+        /// The file.
         path: PathBuf,
         /// One phrase.
         why: String,
@@ -47,7 +47,7 @@ pub enum ChartError {
     /// A chart could not be drawn.
     #[error("the chart {name} cannot be drawn: {why}")]
     Chart {
-        /// Which.
+        /// The chart's name.
         name: String,
         /// One phrase.
         why: String,
@@ -55,22 +55,22 @@ pub enum ChartError {
 }
 
 impl ChartError {
-    /// For `map_err`: of a surface.
+    /// Converter of a surface's errors for `map_err`.
     pub fn of_surface<E: ToString>(surface: &str) -> impl Fn(E) -> Self {
         move |why| Self::Surface { surface: surface.to_owned(), why: why.to_string() }
     }
 
-    /// For `map_err`: of a chart.
+    /// Converter of a chart's errors for `map_err`.
     pub fn of_chart<E: ToString>(name: &str) -> impl Fn(E) -> Self {
         move |why| Self::Chart { name: name.to_owned(), why: why.to_string() }
     }
 
-    /// For `map_err`: of a file.
+    /// Converter of a file's I/O errors for `map_err`.
     pub fn of_file(path: &Path) -> impl Fn(std::io::Error) -> Self {
         move |why| Self::File { path: path.to_owned(), why }
     }
 
-    /// For `map_err`: of what is in a file.
+    /// Converter of errors in a file's content for `map_err`.
     pub fn of_content<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
         move |why| Self::Content { path: path.to_owned(), why: why.to_string() }
     }

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Atomic writing of files.
 
 use crate::error::ChartError;
 use serde::Serialize;
@@ -6,16 +6,17 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes a file in one step.
+/// Writes a file atomically, by renaming a temporary one.
 ///
 /// # Errors
-/// If that is impossible.
+/// If it cannot be written.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ChartError> {
     let refuse = ChartError::of_file(path);
     let directory = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(directory).map_err(&refuse)?;
     let mut builder = tempfile::Builder::new();
-    // As readable as any other file; a temporary one would be its owner's alone.
+    // Temporary files are readable by their owner only, but results should be as readable as
+    // others.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(directory).map_err(&refuse)?;
@@ -24,10 +25,10 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ChartError> {
     Ok(())
 }
 
-/// Writes rows as a table with a head, in one step.
+/// Writes rows as a CSV table with a header, atomically.
 ///
 /// # Errors
-/// If that is impossible.
+/// If it cannot be written.
 pub fn write_csv<R: Serialize>(
     path: &Path,
     rows: impl IntoIterator<Item = R>,

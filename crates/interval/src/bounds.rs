@@ -1,6 +1,6 @@
 //! A closed interval of reals with `f64` ends.
 
-/// The reals from `lo` to `hi`, both ends included where finite.
+/// The reals from `lo` to `hi`; finite ends are included.
 ///
 /// Invariants: neither end is NaN, `lo ≤ hi`, `lo < +∞`, `hi > −∞`. There is no empty interval:
 /// emptiness is a [fact](crate::Facts) that accompanies the bounds.
@@ -20,17 +20,17 @@ impl Interval {
     /// The number 1.
     pub const ONE: Self = Self { lo: 1.0, hi: 1.0 };
 
-    /// The interval from `lo` to `hi`, or `None` if the invariants do not hold.
+    /// Returns the interval from `lo` to `hi`, or `None` if the invariants do not hold.
     pub fn new(lo: f64, hi: f64) -> Option<Self> {
         (lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY).then_some(Self { lo, hi })
     }
 
-    /// The one number `value`, or `None` if it is not finite.
+    /// Returns the interval that contains only `value`, or `None` if that is not finite.
     pub fn point(value: f64) -> Option<Self> {
         Self::new(value, value).filter(|_| value.is_finite())
     }
 
-    /// Whether the real number `value` lies inside.
+    /// Whether the number `value` lies inside.
     pub fn contains(self, value: f64) -> bool {
         self.lo <= value && value <= self.hi
     }
@@ -45,18 +45,18 @@ impl Interval {
         self.lo.is_finite() && self.hi.is_finite()
     }
 
-    /// The one number inside, if there is just one.
+    /// Returns the only number inside, or `None` if there are several.
     pub fn singleton(self) -> Option<f64> {
         (self.lo == self.hi).then_some(self.lo)
     }
 
-    /// The smallest interval that encloses both.
+    /// Returns the smallest interval that encloses both.
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// The largest absolute value of a member.
+    /// Returns the largest absolute value inside.
     pub fn magnitude(self) -> f64 {
         self.lo.abs().max(self.hi.abs())
     }

@@ -1,48 +1,47 @@
-//! Branches over a box: where a function that jumps has one value, or keeps to one side of a pole.
+//! Branches over a box: where a function that jumps has one value, or stays on one side of a pole.
 //!
-//! How branches of several functions are combined is not known here.
+//! This module splits by one function only; it does not combine the branches of several.
 
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
 use zeroset_ops::{Class, Continuity, Law, Op};
 
-/// Which points of a box count.
+/// The part of a box over which an operation is enclosed.
 ///
-/// A function that jumps splits a box in two or three branches by its own value; one with a pole
-/// splits it in two by the sign of its divisor. The branches of one [`Split`] cover the box, so
-/// that what holds over each holds over the box.
+/// A function that jumps splits a box into two or three branches by its own value. A function with
+/// a pole splits it into two, by the sign of its divisor. The branches of one [`Split`] cover the
+/// box, so a claim that holds over each branch holds over the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
-    /// All of them.
+    /// The whole box.
     Whole,
-    /// Those where an integer-valued function takes the lowest value of the box, a choice its first
-    /// branch, a divisor is negative, an angle is below its cut.
+    /// Where an integer-valued function takes its lowest value in the box, a choice takes its first
+    /// branch, a divisor is negative, or an angle is below its cut.
     Low,
-    /// All but [`Branch::Low`].
+    /// The box without [`Branch::Low`].
     Rest,
-    /// Those where an integer-valued function takes neither its lowest nor its highest value of the
-    /// box.
+    /// Where an integer-valued function takes neither its lowest nor its highest value in the box.
     Middle,
-    /// Those where it takes the highest.
+    /// Where an integer-valued function takes its highest value in the box.
     High,
 }
 
-/// Into which branches an operation splits a box.
+/// How an operation splits a box into branches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// It does not.
+    /// Not at all.
     Whole,
-    /// In two, where its divisor changes sign.
+    /// Into two, where the divisor changes sign.
     AtPole,
-    /// In two, where it jumps.
+    /// Into two, at a jump.
     AtJump,
-    /// In three, where it jumps twice.
+    /// Into three, at two jumps.
     AtBothJumps,
 }
 
 impl Split {
-    /// How `op` splits boxes, if its operands, as many as its arity says, keep within `ranges`;
-    /// `exponent` says what the last one is as an exponent.
+    /// Returns how `op` splits boxes if its operands lie within `ranges`, one for each. `exponent`
+    /// is the last operand's kind as an exponent.
     pub fn of(op: Op, ranges: &[Interval], exponent: Exponent) -> Self {
         let straddles = |range: &Interval| range.lo < 0.0 && range.hi > 0.0;
         let row = op.row();
@@ -52,7 +51,7 @@ impl Split {
         }
         let is_pole = match row.class {
             Class::Quotient => straddles(&ranges[1]),
-            // An even power goes the same way on both sides of its pole.
+            // An even power tends to the same infinity on both sides of its pole.
             Class::Power => match exponent {
                 Exponent::Integer(n) => n < 0 && n % 2 != 0 && straddles(&ranges[0]),
                 Exponent::Real | Exponent::LargeInteger { .. } => false,
@@ -72,7 +71,7 @@ impl Split {
         if is_pole { Self::AtPole } else { Self::Whole }
     }
 
-    /// The branches; together they cover the box.
+    /// The branches, which together cover the box.
     pub fn branches(self) -> &'static [Branch] {
         match self {
             Self::Whole => &[Branch::Whole],

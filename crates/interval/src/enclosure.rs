@@ -1,9 +1,9 @@
-//! What an interval rule takes and gives.
+//! Operands and results of interval rules.
 
 use crate::bounds::Interval;
 use crate::machine::{Format, Machine};
 
-/// Lanes of enclosures: −lo and hi, and what is known of the expression's domain.
+/// Lanes of enclosures: negated lower ends, upper ends, and facts about the domain of definition.
 #[derive(Clone, Copy, Debug)]
 pub struct Enclosure<V> {
     /// The negated lower ends. Never NaN, never −∞.
@@ -15,25 +15,25 @@ pub struct Enclosure<V> {
 }
 
 impl<V: Copy> Enclosure<V> {
-    /// Bounds of an expression that is defined and continuous everywhere.
+    /// The enclosure of an expression that is defined and continuous everywhere.
     pub fn total(neg_lo: V, hi: V) -> Self {
         Claims::TOTAL.with([neg_lo, hi])
     }
 
-    /// The same, defined and continuous only where an operation of it is.
+    /// Combines the facts with those of an operation's own domain.
     pub(crate) fn restricted<M: Machine<V = V>>(self, m: &mut M, own: &Claims<V>) -> Self {
         Self { facts: self.facts.and(m, own), ..self }
     }
 }
 
-/// What is known of an expression's domain: three facts.
+/// What is proven about an expression's domain of definition: three facts per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Claims<V> {
-    /// Lanes where the expression is defined nowhere in the box.
+    /// Lanes where the expression is defined at no point of the box.
     pub nowhere: Fact<V>,
-    /// Lanes where it is defined throughout the box.
+    /// Lanes where it is defined at every point of the box.
     pub defined: Fact<V>,
-    /// Lanes where it is defined and continuous throughout the box.
+    /// Lanes where it is defined and continuous at every point of the box.
     pub continuous: Fact<V>,
 }
 
@@ -41,8 +41,8 @@ impl<V: Copy> Claims<V> {
     pub(crate) const TOTAL: Self =
         Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
 
-    /// Those of an operation that is continuous where it is defined: the lanes where it is defined
-    /// at no point, and those where it is at every point.
+    /// The claims of an operation that is continuous where it is defined: `nowhere` has the lanes
+    /// where it is defined at no point, `throughout` those where it is defined at every point.
     pub(crate) fn of_domain(nowhere: Fact<V>, throughout: Fact<V>) -> Self {
         Self { nowhere, defined: throughout, continuous: throughout }
     }
@@ -60,19 +60,19 @@ impl<V: Copy> Claims<V> {
     }
 }
 
-/// A truth per lane: known when the code is made, or a mask.
+/// A truth value per lane: a constant when the code is compiled, or a mask.
 #[derive(Clone, Copy, Debug)]
 pub enum Fact<V> {
-    /// In no lane.
+    /// False in every lane.
     False,
-    /// In every lane.
+    /// True in every lane.
     True,
-    /// Where the mask is set.
+    /// True in the lanes of this mask.
     Lanes(V),
 }
 
 impl<V: Copy> Fact<V> {
-    /// Both.
+    /// Lanes where both hold.
     #[must_use]
     pub fn and<M: Machine<V = V>>(self, m: &mut M, other: Self) -> Self {
         match (self, other) {
@@ -82,7 +82,7 @@ impl<V: Copy> Fact<V> {
         }
     }
 
-    /// Either.
+    /// Lanes where either holds.
     #[must_use]
     pub fn or<M: Machine<V = V>>(self, m: &mut M, other: Self) -> Self {
         match (self, other) {
@@ -92,7 +92,7 @@ impl<V: Copy> Fact<V> {
         }
     }
 
-    /// In the other lanes.
+    /// Lanes where it does not hold.
     #[must_use]
     pub fn not<M: Machine<V = V>>(self, m: &mut M, format: Format) -> Self {
         match self {
@@ -115,36 +115,36 @@ impl<V: Copy> Fact<V> {
     }
 }
 
-/// A value in lanes, and what is known of it whenever the code runs.
+/// A value in lanes, and what is known about it when the code is compiled.
 #[derive(Clone, Copy, Debug)]
 pub struct Term<W> {
-    /// The lanes.
+    /// The value in each lane.
     pub value: W,
-    /// Every lane's bounds lie within these, for every box the code will ever see.
+    /// Interval that contains every lane's bounds whenever the code runs.
     pub range: Interval,
-    /// Whether it is a constant integer; asked of exponents only.
+    /// Kind of the value as an exponent; used for exponents only.
     pub exponent: Exponent,
 }
 
 /// An operand of a rule.
 pub type Operand<V> = Term<Enclosure<V>>;
 
-/// What an operand is as an exponent: the domain of a power depends on it.
+/// The kind of an operand as an exponent, on which the domain of a power depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Exponent {
-    /// It varies, or is a constant that is no integer: bases below 0 are outside the domain.
+    /// Not a constant integer: bases below 0 are outside the domain of the power.
     #[default]
     Real,
-    /// It is this integer, at every sample.
+    /// This constant integer.
     Integer(i32),
-    /// It is an integer too large for `i32`.
+    /// A constant integer that does not fit `i32`.
     LargeInteger {
         /// Whether it is odd.
         odd: bool,
     },
 }
 
-/// A sign that an operand's bounds are known to have.
+/// The sign that an operand's range proves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sign {
     Nonneg,
@@ -153,14 +153,14 @@ pub(crate) enum Sign {
 }
 
 impl<W> Term<W> {
-    /// Another value of which the same is known.
+    /// Another value with the same range and exponent kind.
     pub fn with<U>(&self, value: U) -> Term<U> {
         Term { value, range: self.range, exponent: self.exponent }
     }
 }
 
 impl<V: Copy> Operand<V> {
-    /// An operand that is no constant integer.
+    /// An operand that is not a constant integer.
     pub fn new(value: Enclosure<V>, range: Interval) -> Self {
         Self { value, range, exponent: Exponent::Real }
     }

@@ -1,9 +1,9 @@
-//! The three facts that accompany every enclosure.
+//! The three facts that every enclosure carries.
 
 use std::fmt;
 use std::ops::BitOr;
 
-/// What is proven of a function over a box, beside its bounds: a set of three bits.
+/// What is proven about a function over a box, besides its bounds: a set of three bits.
 ///
 /// A missing bit claims nothing. [`Facts::NOWHERE`] excludes the other two.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -12,7 +12,7 @@ pub struct Facts(u32);
 impl Facts {
     /// Nothing is proven.
     pub const NONE: Self = Self(0);
-    /// Defined at no point of the box: the enclosure is empty, whatever its bounds say.
+    /// Defined at no point of the box: the enclosure is empty, regardless of its bounds.
     pub const NOWHERE: Self = Self(1);
     /// Defined at every point of the box.
     pub const DEFINED: Self = Self(2);

@@ -1,4 +1,4 @@
-//! Operations on software intervals, for constants and range analysis.
+//! Interval evaluation of one operation in software, for constants and range analysis.
 
 use crate::bounds::Interval;
 use crate::enclosure::{Claims, Exponent, Fact, Operand};
@@ -9,30 +9,29 @@ use crate::software::{Software, Vector128};
 use crate::unbounded::{product, quotient};
 use zeroset_ops::{Class, Op};
 
-/// What is known of an expression: its bounds, what is proven of it, and what it is as an exponent.
+/// Bounds and facts of an expression, and its kind as an exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decorated {
-    /// All its values lie within.
+    /// Interval that contains all its values.
     pub bounds: Interval,
     /// Where it is defined and continuous.
     pub facts: Facts,
-    /// Whether it is a constant integer.
+    /// Its kind as an exponent.
     pub exponent: Exponent,
 }
 
 impl From<(Interval, Facts)> for Decorated {
-    /// No constant integer.
+    /// Not a constant integer.
     fn from((bounds, facts): (Interval, Facts)) -> Self {
         Self { bounds, facts, exponent: Exponent::Real }
     }
 }
 
-/// Encloses `op` over boxes of operands in `f64`, rounded outward, with what is proven of the
-/// result.
+/// Encloses `op` over boxes of operands in `f64`, rounded outward, and returns bounds and facts.
 ///
-/// Where the result is defined nowhere, its bounds are all reals. Sums, products, quotients,
-/// squares, square roots and all that rounds or compares are the tightest, on infinite operands too
-/// (where kernels need not be).
+/// If the result is defined nowhere, its bounds are all reals. Bounds of sums, products, quotients,
+/// squares, square roots, comparisons and roundings to integers are the tightest. This holds for
+/// infinite operands, too, where kernels may be less tight.
 ///
 /// ```
 /// use zeroset_interval::{Facts, Interval, fold};

@@ -1,12 +1,11 @@
-//! What the rewriting, clearing and printing of formulas tell apart: kinds of operation, not
-//! operations.
+//! Kinds of operation, by the laws of algebra that rewriting, clearing and printing of formulas
+//! use.
 //!
-//! A new function needs no new kind: the kinds here say which laws of algebra an operation obeys,
-//! and most functions obey none.
+//! Most functions obey no law, so a new function needs no new kind.
 
 use crate::Op;
 
-/// What kind of operation it is.
+/// The kind of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// −a
@@ -37,56 +36,56 @@ pub enum Class {
     FunctionOfTwo,
 }
 
-/// Where a restriction lets its first operand through. Of several, those that stand first here are
-/// the innermost when a formula is rewritten.
+/// Where a restriction keeps its first operand. The order is that in which the simplifier nests
+/// restrictions: the least is innermost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Restriction {
-    /// Wherever the other is defined.
+    /// Wherever the second operand is defined.
     Defined,
-    /// Where the other is ≠ 0.
+    /// Where the second operand is ≠ 0.
     Nonzero,
-    /// Where the other is ≥ 0.
+    /// Where the second operand is ≥ 0.
     Nonneg,
-    /// Where the other is > 0.
+    /// Where the second operand is > 0.
     Positive,
 }
 
-/// The law that a function of one operand simplifies by, besides its parity and its exact values.
+/// The law by which a function of one operand simplifies, besides its parity and its exact values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
-    /// None.
+    /// No law.
     Plain,
     /// |c·a| = |c|·|a|, and |a| is a or −a where the sign of a is known.
     Magnitude,
-    /// 1 or −1 where the sign of the operand is known, whatever its size.
+    /// 1 or −1 where the sign of the operand is known.
     Sign,
-    /// An integer is itself; any rational number has an exact value.
+    /// Integers are unchanged, and the value at a rational number is exact.
     Rounding(Rounding),
-    /// a − ⌊a⌋: any rational number has an exact value.
+    /// a − ⌊a⌋: the value at a rational number is exact.
     Fraction,
     /// √(a²) = |a|
     SquareRoot,
     /// ∛(a³) = a
     CubeRoot,
-    /// f(g(a)) = a wherever g(a) is defined, where g is the operation named. Only the domains
-    /// [`All`](crate::Domain::All) and [`Positive`](crate::Domain::Positive) of g are made use of.
+    /// f(g(a)) = a wherever g(a) is defined, for this operation g. The simplifier uses the law only
+    /// if the domain of g is [`All`](crate::Domain::All) or [`Positive`](crate::Domain::Positive).
     Undoes(Op),
 }
 
-/// To which integer a number is rounded.
+/// The integer to which a number is rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
-    /// The largest not above it.
+    /// The largest integer that is not above the number.
     Down,
-    /// The smallest not below it.
+    /// The smallest integer that is not below the number.
     Up,
-    /// The nearest, halves to even.
+    /// The nearest integer, halves to even.
     Nearest,
-    /// The nearest of those no larger in magnitude.
+    /// The nearest integer of no larger magnitude.
     TowardZero,
 }
 
-/// What a function does with a minus sign of its operand.
+/// How the value of a function changes with the sign of its operand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
     /// f(−a) = f(a)

@@ -1,16 +1,16 @@
 //! Functions that are formulas over other functions, written in the language itself.
 
-/// A function given by a formula. Several may share a name and differ in the number of parameters.
+/// A function defined by a formula. Functions of one name differ in their number of parameters.
 #[derive(Debug)]
 pub struct Composed {
-    /// The name it is called by.
+    /// The name by which it is called.
     pub name: &'static str,
     /// Other accepted names.
     pub aliases: &'static [&'static str],
     /// Parameter names, as used in `body`.
     pub parameters: &'static [&'static str],
-    /// The formula. Names in it mean the built-in functions and constants, whatever the user
-    /// redefines; internal operations of the table may be called here.
+    /// The formula. Its names are those of built-in functions and constants, even if the user
+    /// redefines them. It may call internal operations of the table.
     pub body: &'static str,
     /// One line for help.
     pub doc: &'static str,
@@ -49,8 +49,8 @@ pub static COMPOSED: &[Composed] = &[
     row("asech", &["arsech", "arcsech"], &["a"], "acosh(1/a)", "inverse hyperbolic secant; defined for 0 < a <= 1"),
     row("acsch", &["arcsch", "arccsch"], &["a"], "asinh(1/a)", "inverse hyperbolic cosecant; undefined at 0"),
     row("acoth", &["arcoth", "arccoth"], &["a"], "atanh(1/a)", "inverse hyperbolic cotangent; defined for |a| > 1"),
-    // The bounds beside the quotient are Taylor polynomials, which hold for all a: they change no
-    // value, and keep enclosures near 0 narrow, where the quotient alone has none.
+    // The Taylor polynomials bound sin(a)/a for all a, so they change no value. They keep
+    // enclosures narrow near 0, where those of the quotient alone are infinite.
     row("sinc", &[], &["a"], "otherwise(min(max(sin(a)/a, 1-a^2/6), 1-a^2/6+a^4/120), where_defined(1, a))", "sin(a)/a, and 1 at 0"),
     row("exp2", &[], &["a"], "2^a", "2 to the power a"),
     row("expm1", &[], &["a"], "exp(a)-1", "exp(a) - 1"),

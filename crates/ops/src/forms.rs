@@ -1,30 +1,30 @@
-//! Words of the language that look like functions and are none: what they take is not a row of
-//! numbers.
+//! Special forms: words of the language that are written like functions but whose arguments are not
+//! a plain list of numbers.
 
-/// What a form stands for.
+/// The meaning of a special form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Meaning {
-    /// A choice between values: condition and value in turn, then a value for all other points.
+    /// A choice between values: conditions and values alternate, and a default value may come last.
     Choose,
-    /// A choice, its pieces in brackets of their own: value and condition.
+    /// A choice whose pieces are in brackets, the value before the condition.
     Pieces,
     /// A sum over a range of whole numbers.
     Sum,
     /// A product over a range of whole numbers.
     Product,
-    /// A function applied again and again.
+    /// A function that is applied repeatedly.
     Iterate,
-    /// A vector with this many components.
+    /// A vector with this number of components.
     Vector(u8),
-    /// A square matrix with this many rows.
+    /// A square matrix with this number of rows.
     Matrix(u8),
-    /// A function that mixes the components of vectors or matrices.
+    /// A function that combines the components of vectors or matrices.
     OfVectors(VectorFunction),
     /// A product of matrices and vectors.
     Multiply,
 }
 
-/// A function that mixes the components of its arguments.
+/// A function that combines the components of its arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VectorFunction {
     /// The scalar product.
@@ -44,16 +44,16 @@ pub enum VectorFunction {
 }
 
 impl VectorFunction {
-    /// The name that it is printed by.
+    /// The name under which it is printed.
     ///
     /// # Panics
-    /// Never: each has a row.
+    /// Never: every function has a row.
     pub fn name(self) -> &'static str {
         let row = FORMS.iter().find(|form| form.meaning == Meaning::OfVectors(self));
         row.expect("each has a row").name
     }
 
-    /// The number of its arguments.
+    /// Number of arguments.
     pub fn arity(self) -> usize {
         match self {
             Self::Normalize | Self::Transpose | Self::Determinant => 1,
@@ -62,14 +62,14 @@ impl VectorFunction {
     }
 }
 
-/// A form, and how it is written.
+/// A special form and its spellings.
 #[derive(Debug)]
 pub struct SpecialForm {
-    /// The name it is printed by.
+    /// The name under which it is printed.
     pub name: &'static str,
     /// Other accepted names.
     pub aliases: &'static [&'static str],
-    /// What it stands for.
+    /// Its meaning.
     pub meaning: Meaning,
     /// An example of its use.
     pub usage: &'static str,
@@ -111,7 +111,7 @@ pub static FORMS: &[SpecialForm] = &[
     row("reflect", &[], Meaning::OfVectors(VectorFunction::Reflect), "reflect(p, n)", "p - 2 dot(n, p) n"),
 ];
 
-/// The form called `name` (exact spelling, aliases included).
+/// Returns the form with this name (exact spelling, aliases included).
 pub fn form(name: &str) -> Option<&'static SpecialForm> {
     FORMS.iter().find(|form| form.name == name || form.aliases.contains(&name))
 }

@@ -1,10 +1,10 @@
-//! The table of operations: what `zeroset` can compute, one row each.
+//! The table of operations that `zeroset` can compute, one row each.
 //!
-//! Two kinds of function share one name space, with a few forms that look like them. A native
-//! [`Op`] is a node of the expression graph with its own interval rule; a [`Composed`] function is
-//! a formula over other functions, written in the language itself. Parser look-up, completion,
-//! help, suggestions, random generators and table-walking tests are all derived from [`TABLE`] and
-//! [`COMPOSED`]. This crate knows neither numbers nor text: only names and properties.
+//! A native [`Op`] is a node of the expression graph with its own interval rule. A [`Composed`]
+//! function is a formula over other functions, written in the language itself. Both share one name
+//! space with the special forms. Look-up in the parser, completion, help, suggestions, random
+//! generators and table-driven tests are derived from [`TABLE`], [`COMPOSED`] and [`FORMS`]. This
+//! crate knows only names and properties: it neither computes nor parses.
 
 mod class;
 mod composed;
@@ -18,32 +18,32 @@ pub use forms::{FORMS, Meaning, SpecialForm, VectorFunction, form};
 pub use op::{Continuity, Domain, Notation, Op, Row};
 pub use table::TABLE;
 
-/// The native operation a user may call by `name` (exact spelling, aliases included), or `None`.
+/// Returns the native operation that a user may call by `name` (exact spelling, aliases included).
 ///
-/// Infix and internal operations have names too, for printing, but cannot be called.
-/// If there are several, of different arity, it is the first; see [`natives`].
+/// Infix and internal operations have names for printing but cannot be called. If operations of
+/// several arities have this name, the first is returned; see [`natives`].
 pub fn native(name: &str) -> Option<&'static Row> {
     natives(name).next()
 }
 
-/// The native operations a user may call by `name`, one per arity.
+/// Returns the native operations that a user may call by `name`, one per arity.
 pub fn natives(name: &str) -> impl Iterator<Item = &'static Row> {
     callable().filter(move |row| row.name == name || row.aliases.contains(&name))
 }
 
-/// The native operations a user may call.
+/// Returns the native operations that a user may call.
 fn callable() -> impl Iterator<Item = &'static Row> {
     TABLE.iter().filter(|row| {
         matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
     })
 }
 
-/// The composed functions called `name` (exact spelling, aliases included), one per arity.
+/// Returns the composed functions with this name (exact spelling, aliases included), one per arity.
 pub fn composed(name: &str) -> impl Iterator<Item = &'static Composed> {
     COMPOSED.iter().filter(move |f| f.name == name || f.aliases.contains(&name))
 }
 
-/// Every callable name, aliases included, in table order: for completion and suggestions.
+/// Returns every callable name, aliases included, in table order: for completion and suggestions.
 pub fn names() -> impl Iterator<Item = &'static str> {
     let native = callable().map(|row| (row.name, row.aliases));
     let composed = COMPOSED.iter().map(|f| (f.name, f.aliases));
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn no_name_means_two_things() {
         let mut seen: HashMap<(&str, usize), &str> = HashMap::new();
-        // What cannot be called has its name for printing only.
+        // An operation that cannot be called has a name for printing only.
         for row in TABLE.iter().filter(|row| native(row.name).is_some()) {
             for name in std::iter::once(&row.name).chain(row.aliases) {
                 assert!(seen.insert((name, usize::from(row.arity)), row.name).is_none(), "{name}");

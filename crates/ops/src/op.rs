@@ -1,11 +1,11 @@
-//! What an operation is, and the properties a row of the table states.
+//! The native operations and the properties that a row of the table states.
 
 use crate::class::{Class, Parity};
 
-/// A native operation: a node of the expression graph that has an interval rule of its own.
+/// A native operation: a node of the expression graph with its own interval rule.
 ///
-/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm: the
-/// compiler then lists every place that a new row still needs.
+/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm, so
+/// that the compiler lists every place that a new operation has to be added to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)] // each variant is documented by its row
 pub enum Op {
@@ -54,12 +54,12 @@ pub enum Op {
 }
 
 impl Op {
-    /// This operation's row.
+    /// The row of this operation.
     pub fn row(self) -> &'static Row {
         &crate::TABLE[self as usize]
     }
 
-    /// How many operands it takes: 1, 2 or 3.
+    /// Number of operands: 1, 2 or 3.
     pub fn arity(self) -> usize {
         usize::from(self.row().arity)
     }
@@ -68,61 +68,60 @@ impl Op {
 /// One row of the table of operations.
 #[derive(Debug)]
 pub struct Row {
-    /// The operation described.
+    /// The operation that the row describes.
     pub op: Op,
-    /// The name it is printed and called by.
+    /// The name by which it is printed and called.
     pub name: &'static str,
     /// Other accepted names.
     pub aliases: &'static [&'static str],
     /// Number of operands.
     pub arity: u8,
-    /// How it is written.
+    /// How it is written in a formula.
     pub notation: Notation,
     /// Where it is defined, for operands that are themselves defined.
     pub domain: Domain,
     /// Where it is continuous, within its domain.
     pub continuity: Continuity,
-    /// Where a function is continuous and has no derivative: integers at which an operand may be;
-    /// at all others of its domain, where it is continuous, it has one. `None` if that is not
-    /// known.
+    /// Integers at which a function may be continuous without a derivative. Wherever else it is
+    /// continuous, it has a derivative. `None` if the points without a derivative are unknown.
     pub corners: Option<&'static [i32]>,
     /// Which laws of algebra it obeys.
     pub class: Class,
-    /// What it does with a minus sign.
+    /// How its value changes with the sign of its operand.
     pub parity: Parity,
-    /// Where a function of one operand has a rational value that no law gives: pairs of integers,
+    /// Rational values of a function of one operand that follow from no law: pairs of integers,
     /// argument and value.
     pub values: &'static [(i32, i32)],
-    /// Two functions without poles whose quotient it is, if it has poles and is such a quotient.
+    /// Two functions without poles whose quotient it is, if it has poles.
     pub quotient: Option<[Op; 2]>,
-    /// A function of the same operand that shares most of its work, so that both are computed
+    /// A function of the same operand that shares most of the work, so that both are computed
     /// together.
     pub twin: Option<Op>,
-    /// If its bounds come from an approximation: the most floats by which an enclosure of its value
-    /// at a point may be wider than the tightest one, in `f32` and in `f64`; such bounds are not
-    /// exactly monotone in those of the operands. `None` if they come from correctly rounded
-    /// arithmetic alone; claiming `None` otherwise is unsound.
+    /// If its bounds come from an approximation: the largest number of floats by which the
+    /// enclosure at a point may be wider than the tightest one, in `f32` and in `f64`. Such bounds
+    /// are not exactly monotone in those of the operands. `None` if they come from correctly
+    /// rounded arithmetic alone; claiming `None` otherwise is unsound.
     pub excess: Option<[u64; 2]>,
-    /// Its derivative by some variable: a formula over operands `a`, `b`, `c`, their derivatives
-    /// `da`, `db`, `dc`, small integers and the operations of the table.
+    /// Its derivative with respect to some variable: a formula over the operands `a`, `b`, `c`,
+    /// their derivatives `da`, `db`, `dc`, small integers and the operations of the table.
     pub derivative: &'static str,
     /// One line for help.
     pub doc: &'static str,
 }
 
-/// How an operation is written.
+/// How an operation is written in a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
     /// By its name, with arguments in brackets.
     Function,
-    /// By a symbol; `callable` if the name may be called as well.
+    /// By a symbol.
     Infix {
         /// The symbol, as printed.
         symbol: &'static str,
-        /// Whether `name(…)` is accepted too.
+        /// Whether `name(…)` is accepted as well.
         callable: bool,
     },
-    /// Never by a user: it arises from other notation or from simplification.
+    /// Not at all: it arises from other notation or from simplification.
     Internal,
 }
 
@@ -141,18 +140,18 @@ pub enum Domain {
     LastNonneg,
     /// Where the last operand is > 0.
     LastPositive,
-    /// From −1 to 1.
+    /// Where the operand is in [−1, 1].
     Unit,
-    /// From −1 to 1, without both.
+    /// Where the operand is in (−1, 1).
     UnitInside,
-    /// From 1 on.
+    /// Where the operand is ≥ 1.
     FromOne,
     /// Where the cosine of the operand is ≠ 0.
     CosineNonzero,
     /// Where not all operands are 0.
     AnyNonzero,
-    /// That of a power: all reals for an integer exponent ≥ 0, base ≠ 0 for a negative one;
-    /// otherwise base > 0, or base = 0 with exponent > 0.
+    /// The domain of a power: all bases for an integer exponent ≥ 0, base ≠ 0 for a negative
+    /// integer. Otherwise base > 0, or base = 0 with exponent > 0.
     Power,
 }
 
@@ -161,7 +160,7 @@ pub enum Domain {
 pub enum Continuity {
     /// Everywhere in its domain.
     Domain,
-    /// Everywhere but where it jumps: at integers, half integers, zero, multiples or a cut, as its
-    /// doc line says.
+    /// Everywhere but at its jumps: at integers, half integers, zero, multiples or a cut, as its
+    /// help line says.
     Jumps,
 }

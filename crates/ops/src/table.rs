@@ -6,12 +6,12 @@ use Class::Function;
 use Continuity::Jumps;
 use Parity::{Even, Odd};
 
-/// A callable function, continuous where defined; rows override what differs. What is left out is
-/// safe: a law not stated is not used, and bounds count as approximate.
+/// Defaults: a callable function that is continuous where it is defined. Omitting a property is
+/// safe: no law is used that a row does not state, and bounds count as approximate.
 ///
-/// The excess of functions of one `f32` is proven by trying all of them, the others are seeded
-/// searches for the worst over bounds that each text proves; the tests `exhaustive` and `tight`
-/// hold every row to its own.
+/// The `excess` of functions of one `f32` is proven by trying all operands. The others come from
+/// seeded searches for the worst case, within bounds that the rules prove. The tests `exhaustive`
+/// and `tight` check every row.
 const BASE: Row = Row {
     op: Op::Neg,
     name: "",
@@ -34,7 +34,7 @@ const BASE: Row = Row {
 /// A function that has a derivative wherever it is continuous.
 const SMOOTH: Row = Row { corners: Some(&[]), ..BASE };
 
-/// The same, with bounds that come of correctly rounded arithmetic alone.
+/// A smooth function whose bounds come from correctly rounded arithmetic alone.
 const EXACT: Row = Row { excess: None, ..SMOOTH };
 
 const fn infix(symbol: &'static str) -> Notation {
@@ -89,8 +89,8 @@ pub static TABLE: &[Row] = &[
     Row { op: Op::Log10, name: "log10", aliases: &["log_10"], domain: Domain::Positive,
         values: &[(1, 0)],
         derivative: "da/(a*ln(10))", doc: "logarithm to base 10; defined for a > 0", ..SMOOTH },
-    // Angles beyond 2^23 in `f32` and 2^33 in `f64` are not reduced: sine and cosine are within
-    // [-1, 1] there, the tangent anywhere.
+    // Angles beyond 2^23 in `f32` and 2^33 in `f64` are not reduced: there the bounds of sine and
+    // cosine are [-1, 1], and those of the tangent are infinite.
     Row { op: Op::Sin, name: "sin",
         parity: Odd, values: &[(0, 0)], twin: Some(Op::Cos),
         derivative: "cos(a)*da", doc: "sine of an angle in radians", ..SMOOTH },
@@ -150,8 +150,8 @@ pub static TABLE: &[Row] = &[
         class: Class::Power,
         derivative: "b*a^(b-1)*da+a^b*ln(a)*db",
         doc: "a to the power b; a >= 0 unless b is an integer constant",
-        // Of an exponent that is a float but no small integer. Integer powers multiply about
-        // 2 log2 |n| times, each time rounding by 1 ulp: |n| in all.
+        // For a real exponent. Integer powers take about 2 log2 |n| multiplications, each of which
+        // rounds by 1 ulp: |n| in all.
         excess: Some([2, 64]), ..SMOOTH },
     Row { op: Op::Mod, name: "mod", arity: 2, domain: Domain::LastNonzero, continuity: Jumps,
         class: Class::Remainder,
@@ -163,7 +163,7 @@ pub static TABLE: &[Row] = &[
         derivative: "(b*da-a*db)/(sqr(a)+sqr(b))",
         doc: "angle in (-pi, pi] of the point (b, a), given as atan2(a, b); \
             undefined at the origin, jumps where a = 0 and b < 0",
-        // Below 2^-799 in `f64`; 4 elsewhere.
+        // 4 except where the angle is below 2^-799 in `f64`.
         excess: Some([2, 6]), ..SMOOTH },
     Row { op: Op::Min, name: "min", aliases: &["union", "minimum", "fmin"], arity: 2,
         class: Class::Extremum,

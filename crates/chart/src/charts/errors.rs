@@ -7,7 +7,7 @@ use crate::pareto::front;
 use crate::plot::{Figure, Mark, Series, Shape};
 use crate::row::Row;
 
-/// An error that is charted.
+/// A kind of error that has charts of its own.
 #[derive(Clone, Copy)]
 struct Kind {
     name: &'static str,
@@ -38,7 +38,7 @@ const WRONG: Kind = Kind {
     title: "Time against wrong pixels",
     axis: "wrong pixels (missed, phantom, wrong root), share of all",
     of: |row| Some(row.wrong_share()),
-    // Where some are 0 and others are not, a geometric mean says nothing.
+    // Shares of 0 make a geometric mean meaningless.
     mean: |shares| {
         let sum: f64 = shares.iter().sum();
         (!shares.is_empty()).then(|| sum / shares.len() as f64)
@@ -47,14 +47,14 @@ const WRONG: Kind = Kind {
 };
 const KINDS: [Kind; 3] = [DISTANCE, MEDIAN, WRONG];
 
-/// Over all surfaces: means, with a thin line for each surface.
+/// The charts over all surfaces: means, with a thin line for each surface.
 pub fn over_all(rows: &Rows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let charts = KINDS.iter().map(|kind| chart(&rows, kind, None));
     charts.chain([claims(&rows)]).collect()
 }
 
-/// Surface by surface, with a thin line for each view.
+/// The charts of single surfaces, with a thin line for each view.
 pub fn by_surface(rows: &Rows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let of_surface = |surface: &str| {
@@ -64,7 +64,7 @@ pub fn by_surface(rows: &Rows<'_>) -> Vec<Figure> {
     rows.surfaces().into_iter().flat_map(of_surface).collect()
 }
 
-/// Of one surface, part by part is view by view; else surface by surface.
+/// A chart of one surface, whose parts are views, or of all surfaces, whose parts are surfaces.
 fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Figure {
     let part = |row: &Row| if surface.is_some() { row.view.clone() } else { row.surface.clone() };
     let parts = distinct(rows.0.iter().map(|(row, _)| part(row)));
@@ -115,7 +115,7 @@ fn of_family(parts: &[Rows<'_>], family: &[Configuration], kind: &Kind) -> Serie
     Series { marks, behind, ..series(&family[0]) }
 }
 
-/// What is claimed: from all that is undecided being right to all of it being wrong.
+/// The range of wrong claims: from all undecided pixels being right to all of them being wrong.
 fn claims(rows: &Rows<'_>) -> Figure {
     let (mut places, mut all) = (Vec::new(), Vec::new());
     let mut painted = Series { name: "as painted".to_owned(), color: 6, ..Series::default() };

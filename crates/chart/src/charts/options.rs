@@ -1,4 +1,4 @@
-//! What options cost: work by tolerance and depth, time by precision.
+//! The cost of options: work by tolerance and depth, time by precision.
 
 use super::{Rows, bar, color, families, mean, notes, series, shape};
 use crate::grid::{Configuration, meaning};
@@ -8,14 +8,14 @@ use crate::quantile::quantile;
 use crate::row::Row;
 use zeroset_trace::{MethodOption, Precision};
 
-/// Work against each option that is a number, and precisions beside each other.
+/// Charts of work against each numeric option, and one that compares precisions.
 pub fn charts(rows: &Rows<'_>) -> Vec<Figure> {
     let read = rows.0.iter().flat_map(|(_, one)| one.method.reads.iter().copied());
     let work = distinct(read).into_iter().filter_map(|option| work(rows, option));
     work.chain(precisions(rows)).collect()
 }
 
-/// Lanes of kernels, a pixel.
+/// Kernel lanes per pixel, without gradients.
 fn lanes(row: &Row) -> Option<f64> {
     let lanes = row
         .work()
@@ -29,12 +29,12 @@ fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Figure> {
     let mut numbers: Vec<f64> = rows.0.iter().filter_map(|(_, one)| one.number(option)).collect();
     numbers.sort_by(f64::total_cmp);
     numbers.dedup();
-    // What is counted has places rather than decades.
+    // Whole numbers are placed evenly, not on a logarithmic axis.
     let is_counted = numbers.iter().all(|number| number.fract() == 0.0);
     let mut all = Vec::new();
     for family in families(rows) {
         let mut line = series(&family[0]);
-        // Those of all precisions would hide one another.
+        // The bars of several precisions would cover one another.
         let has_bars = matches!(family[0].precision, None | Some(Precision::Auto));
         for one in &family {
             let Some(number) = one.number(option) else { continue };
@@ -72,7 +72,7 @@ fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Figure> {
     (!figure.series.is_empty()).then_some(figure)
 }
 
-/// Times in `f64` and `auto` over those in `f32`, surface by surface.
+/// Times in `f64` and `auto` relative to `f32`, surface by surface.
 fn precisions(rows: &Rows<'_>) -> Option<Figure> {
     let surfaces = rows.surfaces();
     let mut all: Vec<Series> = Vec::new();
@@ -92,7 +92,7 @@ fn precisions(rows: &Rows<'_>) -> Option<Figure> {
         };
         let marks = surfaces.iter().enumerate().filter_map(|(place, surface)| {
             let ratios = ratios(surface);
-            // Side by side, so that none hides another.
+            // Marks stand side by side, so that none covers another.
             let x = place as f64 + 0.12 * (all.len() as f64 - 1.5);
             Some(Mark { at: [x, mean(&ratios)?], bar: range(&ratios), label: String::new() })
         });
@@ -118,7 +118,7 @@ fn precisions(rows: &Rows<'_>) -> Option<Figure> {
     (!figure.series.is_empty()).then_some(figure)
 }
 
-/// From the least to the greatest.
+/// The least and the greatest value.
 fn range(values: &[f64]) -> Option<[f64; 2]> {
     Some([quantile(values, 0.0)?, quantile(values, 1.0)?])
 }

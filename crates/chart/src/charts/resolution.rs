@@ -4,7 +4,7 @@ use super::{Rows, bar, families, mean, notes, series};
 use crate::groups::distinct;
 use crate::plot::{Figure, Mark};
 
-/// If there are several sizes: time a pixel, each method in the middle of its configurations.
+/// Time per pixel against size, with the middle configuration of each method; `None` of one size.
 pub fn chart(rows: &Rows<'_>) -> Option<Figure> {
     let rows = rows.in_one_precision();
     let mut sizes = distinct(rows.0.iter().map(|(row, _)| row.size));
@@ -31,7 +31,7 @@ pub fn chart(rows: &Rows<'_>) -> Option<Figure> {
     }
     let lines = ["geometric mean over surfaces,", "bars from quartile to quartile"];
     let mut notes = notes(&rows, lines);
-    // The second is of one size.
+    // The second note names one size only.
     notes.remove(1);
     Some(Figure {
         name: "time-size".to_owned(),

@@ -4,7 +4,7 @@ use glam::DVec3;
 use std::sync::mpsc;
 use std::time::Duration;
 use zeroset_eval::{
-    Asked, ContractSegments, ContractTiles, Contractions, Enclose, Kernel, KernelError, Kernels,
+    KernelResult, ContractSegments, ContractTiles, Contractions, Enclose, Kernel, KernelError, Kernels,
     Planes, Real, Segments, SurfaceKernels, Tiles,
 };
 use zeroset_trace::{
@@ -30,11 +30,11 @@ impl<T: Real> Kernels<T> for Late {
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Ok(None)
     }
-    fn segments(&self) -> Asked<'_, ContractSegments, T> {
+    fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
         std::thread::sleep(Duration::from_millis(30));
         Ok(self)
     }
-    fn tiles(&self) -> Asked<'_, ContractTiles, T> {
+    fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
         std::thread::sleep(Duration::from_millis(10));
         Ok(self)
     }

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 use zeroset_eval::{
-    Asked, Boxes, ContractSegments, Contractions, FindZeros, Kernel, Kernels, Segments,
+    KernelResult, Boxes, ContractSegments, Contractions, FindZeros, Kernel, Kernels, Segments,
     SurfaceKernels, Zeros,
 };
 use zeroset_trace::{
@@ -54,10 +54,10 @@ impl Kernel<ContractSegments> for Stubborn {
 }
 
 impl Kernels<f32> for Stubborn {
-    fn zeros(&self) -> Asked<'_, FindZeros, f32> {
+    fn zeros(&self) -> KernelResult<'_, FindZeros, f32> {
         Ok(self)
     }
-    fn segments(&self) -> Asked<'_, ContractSegments, f32> {
+    fn segments(&self) -> KernelResult<'_, ContractSegments, f32> {
         Ok(self)
     }
 }
@@ -104,10 +104,10 @@ impl Kernel<ContractSegments> for Ball {
 }
 
 impl Kernels<f32> for Ball {
-    fn zeros(&self) -> Asked<'_, FindZeros, f32> {
+    fn zeros(&self) -> KernelResult<'_, FindZeros, f32> {
         Ok(self)
     }
-    fn segments(&self) -> Asked<'_, ContractSegments, f32> {
+    fn segments(&self) -> KernelResult<'_, ContractSegments, f32> {
         Ok(self)
     }
 }
