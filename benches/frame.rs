@@ -1,23 +1,22 @@
-//! Whole pictures by every method: trace, normals and colors of 512×512 pixels, or N×N, on one
-//! thread.
+//! Times of whole pictures by every method: tracing, normals and colors of 512×512 pixels, or N×N,
+//! on one thread.
 //!
 //! `cargo bench --bench frame [-- SURFACES… METHODS… FLAGS…]` prints, for each surface and method,
-//! median milliseconds of interleaved rounds, what was asked of kernels, and how many pixels are
-//! decided. The flags: `--no-contract`, `--no-tiles`, `--no-interval`, `--f32`, `--f64`,
-//! `--rounds=N`, `--size=N`, and `--cold`: caches hold nothing of the frame before, as if others
-//! had worked meanwhile. Under a profiler, what one round takes is the difference between runs with
-//! `--rounds=1` and `--rounds=2`.
+//! median milliseconds of interleaved rounds, the work of kernels, and the number of decided
+//! pixels. The flags are `--no-contract`, `--no-tiles`, `--no-interval`, `--f32`, `--f64`,
+//! `--rounds=N`, `--size=N`, and `--cold`, which evicts the previous frame from the caches. Under a
+//! profiler, runs with `--rounds=1` and `--rounds=2` differ by the cost of one round.
 
 use glam::DVec3;
 use include_dir::{Dir, include_dir};
 use std::time::Duration;
-use zeroset::model::Model;
-use zeroset::picture::{Picture, Settings};
-use zeroset::scene::{self, DomainChoice};
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, Ideas, METHODS, Method, Precision, Projection};
 
-/// Unless another number is given.
+/// Number of rounds, unless `--rounds` gives another.
 const ROUNDS: usize = 15;
 
 /// Function files, each with its domain: the surfaces of Knoll et al. 2007, and the gyroid.
@@ -45,9 +44,9 @@ fn main() {
     let rounds = std::env::args().find_map(|given| given.strip_prefix("--rounds=")?.parse().ok());
     let rounds = rounds.unwrap_or(ROUNDS).max(1);
     let size = std::env::args().find_map(|given| given.strip_prefix("--size=")?.parse().ok());
-    // More than caches hold.
+    // Memory larger than the caches, to be written before each picture.
     let mut others = vec![0_u8; if given("--cold") { 64 << 20 } else { 0 }];
-    // A name of both is the surface's, unless it is given twice.
+    // A name of both a surface and a method selects the surface, and given twice, both.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
     let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
     let named = |method: &&Method| times(method.name) > usize::from(is_surface(method.name));
@@ -76,7 +75,7 @@ fn main() {
     let any = surfaces.iter().any(|(name, _)| given(name));
     for (name, text) in surfaces.into_iter().filter(|(name, _)| !any || given(name)) {
         let document = read(text, &Options::default()).expect(name);
-        let (region, _) = scene::region(&document, DomainChoice::Document, None).expect(name);
+        let (region, _) = view::region(&document, DomainChoice::Document, None).expect(name);
         let eye = DVec3::new(2.0, 1.5, 3.0) * region.half_extent();
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);

@@ -1,4 +1,4 @@
-//! Interval kernels: native code, rigorous, against the same operations in intrinsics that round to
+//! Interval kernels: rigorous native code against the same operations in intrinsics that round to
 //! nearest.
 //!
 //! `cargo bench --bench kernels` prints a table; names are `kernel/case`.
@@ -15,12 +15,12 @@ use zeroset_ir::{rewrite, simplify};
 use zeroset_jit::Native;
 use zeroset_syntax::{Options, read};
 
-/// Batches per round: small enough for the first cache level.
+/// Batches per round, few enough for the first-level cache.
 const BATCHES: usize = 32;
 const CALLS: usize = 2_000;
 const ROUNDS: usize = 101;
 
-/// Boxes as a traverser asks for them: 1/16 of the domain wide, all over it.
+/// Boxes like those of a traverser: 1/16 of the domain wide, all over it.
 fn boxes(half: f64) -> Vec<Boxes> {
     let mut state = 1_u64;
     let mut random = || {
@@ -48,7 +48,7 @@ fn native<Q: Query>(formula: &str, half: f64) -> Native<Q> {
     Native::new(Tape::new(&graph, &roots, &assumptions), Binding::empty()).expect(formula)
 }
 
-/// Asks about each batch, over and over.
+/// Evaluates the kernel on all batches, `times` times.
 fn ask_often<Q: Query>(kernel: &dyn Kernel<Q>, inputs: &[Q::Input<f32>], times: usize) {
     let mut answers = Q::Output::<f32>::default();
     for input in (0..times).flat_map(|_| inputs) {
@@ -59,7 +59,7 @@ fn ask_often<Q: Query>(kernel: &dyn Kernel<Q>, inputs: &[Q::Input<f32>], times: 
 fn time(native: &dyn Kernel<Enclose>, rival: &dyn Kernel<Enclose>, half: f64) -> Comparison {
     let boxes = boxes(half);
     let (ours, theirs) = (native.eval_all(&boxes), rival.eval_all(&boxes));
-    // The same function: enclosures differ by rounding only.
+    // Both compute the same function, so their enclosures differ by rounding only.
     for (a, b) in ours.iter().zip(&theirs) {
         for lane in 0..LANES {
             let size = a.hi[lane].abs() + a.neg_lo[lane].abs() + 100.0;
@@ -94,7 +94,7 @@ fn main() {
     gyroid();
 }
 
-/// The gyroid has no rival here: what a call of its kernels costs.
+/// Times the gyroid's interval kernel against its point kernel, since it has no rival here.
 fn gyroid() {
     const HALF: f64 = std::f64::consts::TAU;
     const FEWER: usize = CALLS / 10;

@@ -1,4 +1,4 @@
-//! The paper's traverser: driven by native code against the same traverser over formulas in
+//! The paper's traverser with native kernels, against the same traverser with formulas in
 //! intrinsics.
 //!
 //! `cargo bench --bench knoll` traces 512×512 pixels at depth 10 on one thread, from the default
@@ -9,13 +9,14 @@ mod rival;
 use glam::DVec3;
 use rival::{Comparison, Rival, SURFACES, barth, compare, mitchell, sphere};
 use std::hint::black_box;
-use zeroset::program::Program;
 use zeroset_eval::SurfaceKernels;
 use zeroset_interval::Interval;
+use zeroset_scene::program::Program;
+use zeroset_space::Region;
+use zeroset_style::{FOV, VIEWS};
 use zeroset_syntax::read;
 use zeroset_trace::{
-    Camera, Driver, GBuffer, Method, Precision, Projection, RayGrid, Region, StandardView,
-    TraceOptions,
+    Camera, Driver, GBuffer, Method, Precision, Projection, RayGrid, TraceOptions,
 };
 
 const SIZE: usize = 512;
@@ -55,8 +56,8 @@ fn main() {
         let domain = [Interval { lo: -half, hi: half }; 3];
         let program = Program::new(&document, domain).expect(name);
         let region = Region::new(DVec3::splat(-half), DVec3::splat(half)).expect(name);
-        let (offset, up) = StandardView::Iso.offset_and_up();
-        let projection = Projection::Perspective { fov: StandardView::FOV };
+        let (offset, up) = (DVec3::from(VIEWS[0].offset), DVec3::from(VIEWS[0].up));
+        let projection = Projection::Perspective { fov: FOV };
         let camera = Camera::new(offset * half, DVec3::ZERO, up, projection).expect(name);
         let rays = camera.rays(SIZE, SIZE);
         let native = program.surface(0);

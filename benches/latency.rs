@@ -1,27 +1,27 @@
-//! From typed text to native code, warm: the first interval kernel, and all kernels of the default
-//! picture.
+//! Compile time after warm-up, from text to native code: to the first interval kernel, and to all
+//! kernels of the default picture.
 //!
-//! `cargo bench --bench latency` prints, for kernels of `f32` and then of `f64`, the median and the
-//! worst surface of the gallery against the targets of 2 ms and 8 ms, then the slowest surfaces
-//! with the time of each stage; `-- gyroid` at the end of the command looks only at surfaces with
-//! such a name. A surface's time is the median over rounds; each round goes through all surfaces,
-//! so that a disturbance falls on one round and not on one surface.
+//! `cargo bench --bench latency` measures kernels of `f32`, then of `f64`. It prints the median and
+//! the worst surface of the gallery against the targets of 2 ms and 8 ms. Then it prints the
+//! slowest surfaces with the time of each stage. `-- gyroid` at the end of the command selects
+//! surfaces whose name contains this. A surface's time is the median over rounds. Each round covers
+//! all surfaces, so that a disturbance affects many surfaces once rather than one always.
 
 use rayon::prelude::*;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
-use zeroset::gallery::{Example, examples};
-use zeroset::program::{KernelSource, Program};
-use zeroset::scene::{self, DomainChoice};
 use zeroset_eval::{Enclose, KernelFloat, SampleGradient};
 use zeroset_jit::Compiled;
+use zeroset_scene::gallery::{Example, examples};
+use zeroset_scene::program::{KernelSource, Program};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Document, Options, read};
 
 const WARM_UP: usize = 2;
 const ROUNDS: usize = 31;
 const SLOWEST: usize = 10;
 
-/// What is timed, in the order of the columns.
+/// Measured quantities, in the order of the columns.
 const NAMES: [&str; 9] =
     ["first", "all", "parse", "simplify", "tape", "code", "poles", "d tape", "d code"];
 const FIRST: usize = 0;
@@ -32,18 +32,19 @@ fn document(example: &Example) -> Document {
 }
 
 fn program(document: &Document) -> Program {
-    let (region, _) = scene::region(document, DomainChoice::Document, None).expect("a domain");
-    Program::new(document, scene::bounds(&region)).expect("a surface")
+    let (region, _) = view::region(document, DomainChoice::Document, None).expect("a domain");
+    Program::new(document, view::bounds(&region)).expect("a surface")
 }
 
-/// All that stands between a text and the first question a traverser asks.
+/// Everything from the text to the first query of a traverser.
 fn first<T: KernelFloat>(example: &Example) -> Program {
     let program = program(&document(example));
     program.kernels::<T>(0).bounds().expect(example.slug);
     program
 }
 
-/// All kernels that a picture with normals uses, compiled side by side as a picture does.
+/// Compiles all kernels of a picture with normals in parallel, as a picture does; returns their
+/// number.
 fn all<T: KernelFloat>(example: &Example) -> usize {
     let document = document(example);
     let program = program(&document);
@@ -57,14 +58,14 @@ fn all<T: KernelFloat>(example: &Example) -> usize {
     program.made().len()
 }
 
-/// The time that `run` takes; its result is dropped outside of it.
+/// The result of `run` and its duration, without the drop of the result.
 fn time<T>(run: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = black_box(run());
     (result, start.elapsed())
 }
 
-/// One round of one surface; the stages run one after the other, on one thread.
+/// Measures one surface once. The stages run one after another on one thread.
 fn round<T: KernelFloat>(example: &Example) -> [Duration; NAMES.len()] {
     let (_, first) = time(|| first::<T>(example));
     let (_, all) = time(|| all::<T>(example));
@@ -74,7 +75,7 @@ fn round<T: KernelFloat>(example: &Example) -> [Duration; NAMES.len()] {
     let (function, function_tape) = time(|| tape(KernelSource::Function));
     let (kernel, code) = time(|| Compiled::<Enclose, T>::new(function));
     kernel.expect(example.slug);
-    // The zero test compiles the function again; what the poles cost is the difference.
+    // The zero test compiles the function again, so the difference is the cost of poles.
     let zeros = time(|| _ = program.kernels::<T>(0).zeros().expect(example.slug)).1;
     let poles = zeros.saturating_sub(function_tape + code);
     let (derivatives, gradient_tape) = time(|| tape(KernelSource::Gradient));
@@ -154,7 +155,7 @@ fn report<T: KernelFloat>(examples: &[Example]) {
     }
 }
 
-/// The surfaces from the slowest in a column on.
+/// The surfaces in descending order of a column.
 fn slowest<const N: usize>(
     table: &[(Example, [f64; N])],
     column: usize,

@@ -1,55 +1,54 @@
-//! From a key to a picture, through the live pipeline and at the window's size of 512×512.
+//! Latency from a key to its picture, through the live pipeline at the window's size of 512×512.
 //!
-//! `cargo bench --bench live` first replays 200 edits: of the gallery's formulas, typed letter by
-//! letter, a fixed sample of the keys that leave valid text. Each is pressed 100 ms after the one
-//! before, as by a fast typist, so that the work for the older text often has to be broken off. It
-//! prints how long the first picture took, which may be a coarse one, and the full one, against
-//! targets at the 95th percentile, and which keys took longest. A full picture has all pixels; a
-//! few of them may still be undecided for lack of time, which is then followed to the end: how long
-//! that took is printed too. Then it prints, for each surface of the gallery, the median time to
-//! the first and to the full picture, and how many pictures a second follow a slider that moves its
-//! formula, with how many times fewer columns than the window has. `-- gyroid` at the end of the
-//! command looks only at surfaces with such a name.
+//! `cargo bench --bench live` first replays 200 edits: a fixed sample of the keys that leave valid
+//! text while the gallery's formulas are typed. Each follows the previous one after 100 ms, so work
+//! for the older text must often be cancelled. The output compares the first picture, which may be
+//! coarse, and the full one with targets at the 95th percentile, and lists the slowest keys. A full
+//! picture has all pixels, but a few may be undecided for lack of time. These are then refined, and
+//! the time until then is printed, too.
+//!
+//! The second part prints for each surface of the gallery the median times to the first and to the
+//! full picture. It also prints the pictures per second while a slider moves the formula, and by
+//! which factor they have fewer columns than the window. `-- gyroid` at the end of the command
+//! selects surfaces whose name contains this.
 
 use std::time::{Duration, Instant};
-use zeroset::gallery::{Example, examples};
-use zeroset::live::{DocumentSource, Live, Request};
+use zeroset_live::{DocumentSource, Live, Request};
+use zeroset_scene::gallery::{Example, examples};
 use zeroset_syntax::{Options, read};
 
 const EDITS: usize = 200;
 const SEED: u64 = 20_070_002;
-/// Between two keys.
+/// Time between two keys.
 const PACE: Duration = Duration::from_millis(100);
 const ROUNDS: usize = 5;
-/// Steps of a slider.
+/// Number of measured steps of a slider.
 const DRAGS: i32 = 40;
-/// So many pictures a second are seen as movement, if they have at least half of the window's
-/// columns.
+/// Pictures per second that look like motion, if they have at least half of the window's columns.
 const SMOOTH: f64 = 30.0;
 const LIMIT: Duration = Duration::from_mins(1);
-/// With what is wanted at the 95th percentile.
+/// Names of the pictures, with targets for the 95th percentile.
 const FIRST: &str = "first picture (target 30 ms)";
 const FULL: &str = "full picture (target 100 ms)";
-/// So many of the slowest full pictures are listed.
+/// Number of slowest full pictures to list.
 const SLOWEST: usize = 12;
 
 /// A key that leaves valid text.
 struct Edit {
     example: usize,
-    /// The line before the key, and after it.
+    /// The line before and after the key.
     lines: [String; 2],
 }
 
-/// All keys of all formulas that leave valid text, of which a sample is replayed.
+/// All keys of all formulas that leave valid text.
 fn edits(examples: &[Example]) -> Vec<Edit> {
     let mut edits = Vec::new();
     for (number, example) in examples.iter().enumerate() {
         let document = read(example.text, &Options::default()).expect(example.slug);
         let line = &document.surfaces[0].echo;
-        // Typing goes on in a document that has the formula already, and with it every name that it
-        // needs.
+        // The document already has the formula, and so every name that it needs.
         let valid = |line: &str| {
-            let text = zeroset::live::entered(example.text, line, false);
+            let text = zeroset_live::entered(example.text, line, false);
             read(&text, &Options::default()).is_ok()
         };
         let ends: Vec<usize> = line.char_indices().map(|(at, c)| at + c.len_utf8()).collect();
@@ -66,8 +65,8 @@ fn edits(examples: &[Example]) -> Vec<Edit> {
     edits
 }
 
-/// Presses the keys; returns the times from each to the first picture of it, to the full one, and
-/// until that is settled, in ms.
+/// Presses the keys. Returns the times in ms from each key to the first picture, to the full one,
+/// and to the settled one.
 fn replay(examples: &[Example], sample: &[Edit]) -> [Vec<f64>; 3] {
     let live = Live::new(Request::default());
     let [mut first, mut full, mut settled] = [const { Vec::new() }; 3];
@@ -85,7 +84,7 @@ fn replay(examples: &[Example], sample: &[Edit]) -> [Vec<f64>; 3] {
         live.type_line(&edit.lines[1]);
         assert!(live.wait_for_news(LIMIT, revision), "nothing comes of {:?}", edit.lines[1]);
         let taken = pressed.elapsed();
-        // What has no surface, a constant for example, gets no picture.
+        // A text without a surface, for example a constant, gets no picture.
         match live.snapshot().rendering {
             Some(frame) if frame.revision > revision => {
                 coarse += usize::from(frame.coarse);
@@ -122,7 +121,7 @@ fn pictures(example: &Example) -> [f64; 2] {
     let (mut first, mut full) = (Vec::new(), Vec::new());
     for round in 0..=ROUNDS {
         let revision = live.revision();
-        // Another text each time, so that nothing made before can be used again.
+        // A different text in each round prevents any reuse.
         let text = format!("{}\n# {round}", example.text);
         let pressed = Instant::now();
         live.load(DocumentSource::Gallery(*example), &text, true);
@@ -152,20 +151,20 @@ fn moved(formula: &str) -> String {
     text
 }
 
-/// What follows a slider that is dragged to and fro.
+/// Results of dragging a slider back and forth.
 struct Dragging {
-    /// Pictures a second.
+    /// Pictures per second.
     rate: f64,
-    /// How many times fewer columns they have than the full picture, in the median.
+    /// Median ratio of the full picture's columns to theirs.
     scale: f64,
-    /// Steps for which code was made.
+    /// Number of steps that compiled code.
     compiled: usize,
 }
 
 fn drag(example: &Example) -> Dragging {
     let document = read(example.text, &Options::default()).expect(example.slug);
-    let text = zeroset::live::entered(example.text, "s = 0 in [-1, 1]", false);
-    let text = zeroset::live::entered(&text, &moved(&document.surfaces[0].echo), false);
+    let text = zeroset_live::entered(example.text, "s = 0 in [-1, 1]", false);
+    let text = zeroset_live::entered(&text, &moved(&document.surfaces[0].echo), false);
     let live = Live::new(Request::default());
     live.load(DocumentSource::Gallery(*example), &text, false);
     assert!(live.wait(LIMIT), "{} does not settle", example.slug);
@@ -176,7 +175,7 @@ fn drag(example: &Example) -> Dragging {
     let full = live.settings().width as f64;
     let (mut scales, mut compiled) = (Vec::new(), 0);
     let mut spent = Duration::ZERO;
-    // The first steps find out what a picture costs.
+    // The first steps let the pipeline estimate the cost of a picture.
     for step in -5..DRAGS {
         let value = (f64::from(step) * 0.13).sin();
         let before = live.revision();

@@ -1,27 +1,30 @@
-//! What a picture costs apart from tracing and generated code: set-up of the G-buffer, normals,
-//! colors.
+//! Costs of a picture besides tracing and generated code: set-up of the G-buffer, normals, colors.
 //!
-//! `cargo bench --bench shade` takes 512×512 pixels on one thread and prints ns per drawn pixel, or
-//! per pixel of the background; names are `shade/case`. Surfaces are spheres whose distances are
-//! known, and the kernel asked for gradients hands its points on. The first columns are of one step
-//! after another over the whole picture: set-up in new memory, and in that of an empty picture,
-//! then the rest. The last two are of a frame, in which a few rows at a time go from nothing to
-//! colors, in the memory of the frame before.
+//! `cargo bench --bench shade` draws 512×512 pixels on one thread. It prints ns per drawn pixel, or
+//! per pixel of the background; names are `shade/case`. The surfaces are spheres with known
+//! distances, and the gradient kernel copies its points. The first columns time each step over the
+//! whole picture: set-up in new memory, set-up in an empty picture's memory, and the rest. The last
+//! two time a frame in the memory of the previous one, where a few rows at a time go from set-up to
+//! colors.
 
 use glam::DVec3;
 use std::hint::black_box;
 use std::time::Instant;
 use zeroset_eval::{Gradients, Kernel, Points, Real, SampleGradient};
+use zeroset_shade::{
+    Appearance, Light, NormalSource, Shader, hand_back_colors, normals, shade, unset_colors,
+};
+use zeroset_style::{FOV, VIEWS};
 use zeroset_trace::{
-    Appearance, BAND_ROWS, Band, Camera, Driver, GBuffer, Kept, KernelStats, Light, NormalSource,
-    Projection, RayGrid, RayResult, Segment, Shader, StandardView, Start, Status, Tracer,
-    hand_back_colors, normals, shade, unset_colors,
+    BAND_ROWS, Band, Camera, Driver, GBuffer, Kept, KernelStats, Projection, RayGrid, RayResult,
+    Segment, Start, Status, Tracer,
 };
 
 const SIZE: usize = 512;
 const ROUNDS: usize = 201;
 
-/// The gradient of half the squared distance from the origin: as little work as a kernel can have.
+/// The gradient of half the squared distance from the origin, which is the cheapest kernel
+/// possible.
 struct HandedOn;
 
 impl<T: Real> Kernel<SampleGradient, T> for HandedOn {
@@ -30,7 +33,7 @@ impl<T: Real> Kernel<SampleGradient, T> for HandedOn {
     }
 }
 
-/// Paints a sphere about the origin, from outside or from within.
+/// Paints a sphere about the origin, viewed from outside or inside.
 fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
     for pixel in 0..SIZE * SIZE {
@@ -47,7 +50,7 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
     buffer
 }
 
-/// Finds what is known, if anything is.
+/// A tracer that finds what is in the given buffer, if there is one.
 struct Known<'a>(Option<&'a GBuffer>);
 
 impl Tracer for Known<'_> {
@@ -68,7 +71,7 @@ impl Tracer for Known<'_> {
     }
 }
 
-/// What is measured, in the order of the columns.
+/// Measured stages, in the order of the columns.
 const STAGES: [&str; 8] = [
     "new",
     "handed back",
@@ -79,11 +82,11 @@ const STAGES: [&str; 8] = [
     "frame set up",
     "frame lit",
 ];
-/// Those that are the same for each pixel.
+/// Indices of stages whose cost is the same for each pixel.
 const OF_EACH: [usize; 3] = [0, 1, 6];
 
-/// Seconds that each stage takes: of interleaved rounds one in twenty was faster. A busy machine
-/// slows all others down, and there is no rival that it would slow down as much.
+/// Seconds of each stage: the 5th percentile of interleaved rounds. Other load slows most rounds
+/// down, and there is no rival here whose time would cancel it.
 fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     let far = Appearance::new(Default::default(), Light::above_left(rays));
     let near = Appearance::new(Default::default(), Light::Positional(DVec3::new(3.0, -3.0, 3.0)));
@@ -104,7 +107,7 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         written.reset(SIZE, SIZE, 0);
         written.hand_back();
         lap(&mut || black_box(GBuffer::new(SIZE, SIZE, 0)).hand_back());
-        // That was the last of it.
+        // Drop the memory that was handed back.
         drop(GBuffer::new(SIZE, SIZE, 0));
         buffer.normal.fill([0.0; 3]);
         lap(&mut || _ = black_box(normals(buffer, rays, gradients, 1e-3)));
@@ -113,13 +116,13 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         hand_back_colors(shade(buffer, rays, &far, &[]));
         lap(&mut || hand_back_colors(black_box(shade(buffer, rays, &far, &[]))));
         lap(&mut || hand_back_colors(black_box(shade(buffer, rays, &near, &[]))));
-        // The memory of each of these is of a picture that was painted.
+        // Each of these frames starts with the memory of a painted picture.
         let known = Some(&*buffer);
         for (known, is_lit) in [(None, false), (known, false), (known, true)] {
             frame(rays, Some(buffer), Some(&shader));
             lap(&mut || frame(rays, known, is_lit.then_some(&shader)));
         }
-        // The next round begins without memory of earlier pictures.
+        // Drop memory, so that the next round starts without any.
         drop([(); 2].map(|()| GBuffer::new(SIZE, SIZE, 0)));
     }
     let sorted = times.map(|mut times| {
@@ -134,7 +137,7 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     all
 }
 
-/// A frame of what is known, with normals and colors if there is a shader.
+/// Draws a frame of the known hits, with normals and colors if there is a shader.
 fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     let driver = Driver { rays, tracer: &Known(known), advance: &|_| true };
     let mut colors = unset_colors(SIZE * SIZE);
@@ -152,8 +155,8 @@ fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
 
 fn main() {
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("first use of the pool");
-    let (offset, up) = StandardView::Iso.offset_and_up();
-    let projection = Projection::Perspective { fov: StandardView::FOV };
+    let (offset, up) = (DVec3::from(VIEWS[0].offset), DVec3::from(VIEWS[0].up));
+    let projection = Projection::Perspective { fov: FOV };
     let camera = Camera::new(offset, DVec3::ZERO, up, projection).expect("valid");
     let rays = camera.rays(SIZE, SIZE);
     println!("{:20}{:>9}{}", "ns per pixel", "pixels", STAGES.map(|s| format!("{s:>13}")).concat());
@@ -167,7 +170,7 @@ fn main() {
     for (name, radius) in [("full", 10.0), ("sphere", 1.0)] {
         let mut buffer = paint(&rays, radius);
         let drawn = (0..all).filter(|&pixel| buffer.is_drawn(pixel)).count();
-        // Set-up is shared by all pixels; of the rest, what the background takes is not counted.
+        // Set-up is shared by all pixels. From the rest, the cost of the background is subtracted.
         let (share, mut times) = ((all - drawn) as f64 / all as f64, time(&rays, &mut buffer));
         for (stage, time) in times.iter_mut().enumerate() {
             *time = if OF_EACH.contains(&stage) {

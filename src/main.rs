@@ -1,9 +1,7 @@
-//! The command `zeroset`: everything that knows arguments, files and a terminal.
-
-mod cli;
+//! The command `zeroset`.
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::run()
+    zeroset_cli::run()
 }

@@ -1,10 +1,10 @@
-//! Sliders dragged thousands of times: no code is made, and no memory is kept.
+//! Thousands of slider drags: none compiles, and memory does not grow.
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release --test live_drags -- --nocapture`.
 
 use std::time::{Duration, Instant};
-use zeroset::live::{Live, Request};
-use zeroset::picture::Settings;
+use zeroset_live::{Live, Request};
+use zeroset_render::picture::Settings;
 use zeroset_testkit::Effort;
 
 const DRAGS: u64 = 2_000;
@@ -23,7 +23,7 @@ fn no_drag_compiles_or_keeps_memory() {
     let Effort { seed, cases: drags } = Effort::from_environment(SEED, DRAGS);
     let mut random = fastrand::Rng::with_seed(seed);
     let settings = Settings { width: 64, height: 64, ..Settings::default() };
-    // Its domain is searched for, and is another for every value.
+    // The domain is automatic, and differs for every value.
     let text = "r = 1 in [0.2, 5]; t = 0 in [0, 6]; (x-sin(t))^2+y^2+z^2 = r^2";
     let live = Live::new(Request { text: text.into(), settings, ..Request::default() });
     assert!(live.wait(LIMIT), "the first picture does not settle");
@@ -41,7 +41,7 @@ fn no_drag_compiles_or_keeps_memory() {
         assert!(seen.fault.is_none(), "{:?}", seen.fault.map(|fault| fault.message()));
         let model = &seen.rendering.expect("a picture").model;
         compiled += usize::from(!model.is_rebound());
-        // What is allocated once is no leak.
+        // Memory that is allocated once at the start is no leak.
         if number == drags / 4 {
             first = resident();
         }

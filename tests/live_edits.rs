@@ -1,5 +1,5 @@
-//! Thousands of random edits of the live picture: bounded in time and memory, and at the end the
-//! picture is that of the last text that can be drawn.
+//! Thousands of random edits of the live picture, bounded in time and memory. At the end the
+//! picture shows the last valid text.
 //!
 //! A long run: `ZEROSET_CASES=10000 cargo test --release --test live_edits -- --nocapture`.
 
@@ -7,8 +7,8 @@ mod edit_support;
 
 use edit_support::{beginnings, edit};
 use std::time::{Duration, Instant};
-use zeroset::live::{DocumentSource, Live, Request};
-use zeroset::picture::Settings;
+use zeroset_live::{DocumentSource, Live, Request};
+use zeroset_render::picture::Settings;
 use zeroset_testkit::Effort;
 
 const EDITS: u64 = 2_000;
@@ -43,14 +43,14 @@ fn no_edit_leaves_a_stale_picture() {
         if random.u8(0..64) == 0 {
             assert!(live.wait(LIMIT), "edit {number} does not settle");
         }
-        // What is allocated once, by the first edits, is no leak.
+        // Memory that the first edits allocate once is no leak.
         if number == EDITS / 4 {
             first = resident();
         }
     }
     live.enter(":domain 2").expect("valid");
     live.enter("x^2+y^2+z^2 = 1").expect("valid");
-    // There is a picture to turn, whatever came before.
+    // After the last edit there is a picture to turn.
     assert!(live.wait(LIMIT), "the last edit does not settle");
     live.turn(|orbit| orbit.turn(3.0, 1.0, 64));
     assert!(live.wait(LIMIT), "the last edit does not settle");
@@ -60,7 +60,7 @@ fn no_edit_leaves_a_stale_picture() {
     let frame = view.rendering.expect("a picture");
     assert_eq!(frame.document.surfaces[0].echo, "x^2 + y^2 + z^2 = 1");
     assert_eq!((frame.revision, frame.coarse), (view.settled, false));
-    // The same picture as one made afresh.
+    // A fresh start gives the same picture.
     let again =
         Live::new(Request { settings: frame.request.settings.clone(), ..Request::default() });
     again.load(DocumentSource::Typed, &live.text(), false);

@@ -1,26 +1,26 @@
-//! Compiling and dropping kernels leaves no memory behind. Alone in its file, hence in its process:
-//! what other tests hold would count too.
+//! Compiling and dropping kernels leaks no memory. The test has a process of its own, since other
+//! tests' memory would count too.
 
 #![cfg(target_os = "linux")]
 
 use std::fs;
-use zeroset::gallery::examples;
-use zeroset::program::Program;
 use zeroset_eval::Boxes;
 use zeroset_interval::Interval;
+use zeroset_scene::gallery::examples;
+use zeroset_scene::program::Program;
 use zeroset_syntax::{Document, Options, read};
 
 const CYCLES: usize = 1000;
 const ALLOWED_KILOBYTES: i64 = 512;
 
-/// Resident memory of this process.
+/// Resident memory of this process, in kilobytes.
 fn resident_kilobytes() -> i64 {
     let status = fs::read_to_string("/proc/self/status").expect("readable");
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a size");
     line.trim().trim_end_matches("kB").trim().parse().expect("a number")
 }
 
-/// Compiles every kind of kernel of a document, runs one, drops all; returns the bytes of code.
+/// Compiles every kind of kernel of a document, runs one and drops all; returns their code size.
 fn cycle(document: &Document) -> usize {
     let program = Program::new(document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("simplifies");
     let kernels = program.kernels::<f32>(0);
@@ -37,7 +37,7 @@ fn cycle(document: &Document) -> usize {
 fn a_thousand_cycles_leave_resident_memory_within_half_a_megabyte() {
     let read = |text: &str| read(text, &Options::default()).expect("reads");
     let documents: Vec<Document> = examples().iter().map(|example| read(example.text)).collect();
-    // First uses fill tables and the allocator's pools.
+    // A first pass fills tables and the allocator's pools.
     let warm: usize = documents.iter().map(cycle).sum();
     let before = resident_kilobytes();
     let code: usize = (0..CYCLES).map(|n| cycle(&documents[n % documents.len()])).sum();

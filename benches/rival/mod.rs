@@ -1,6 +1,6 @@
-//! Rivals and timing shared by the benches: three interval functions written by hand in 128-bit
-//! intrinsics (glam's `Vec4` is `__m128`, each operation below one instruction), rounding to
-//! nearest (so not rigorous), with the operations that the simplifier leaves.
+//! Hand-written rivals and timing for the benches. Three interval functions use 128-bit intrinsics
+//! and the operations that the simplifier leaves. glam's `Vec4` is `__m128`, and each of its
+//! operations below is one instruction. They round to nearest, so they are not rigorous.
 
 use glam::Vec4;
 use std::time::Instant;
@@ -9,7 +9,7 @@ use zeroset_eval::{
     Zeros,
 };
 
-/// Four intervals as (−lo, hi).
+/// Four intervals, stored as (−lo, hi).
 #[derive(Clone, Copy)]
 pub struct Four {
     neg_lo: Vec4,
@@ -17,7 +17,7 @@ pub struct Four {
 }
 
 impl Four {
-    /// The four lanes from this one on.
+    /// Loads four lanes, beginning with `lane`.
     #[inline]
     fn load(boxes: &Boxes, axis: usize, lane: usize) -> Self {
         Self {
@@ -38,7 +38,7 @@ impl Four {
         Self { neg_lo: self.neg_lo + Vec4::splat(-c), hi: self.hi + Vec4::splat(c) }
     }
 
-    /// Times a positive number.
+    /// The product with a positive number.
     fn times(self, c: f32) -> Self {
         Self { neg_lo: self.neg_lo * Vec4::splat(c), hi: self.hi * Vec4::splat(c) }
     }
@@ -54,7 +54,7 @@ impl Four {
         Self { neg_lo: -self.neg_lo * b.neg_lo, hi: self.hi * b.hi }
     }
 
-    /// Four products suffice where rounding does not depend on the sign.
+    /// The product of two intervals. Four products suffice, since rounding to nearest is symmetric.
     fn mul(self, b: Self) -> Self {
         let (p, q) = (self.hi * b.hi, self.neg_lo * b.neg_lo);
         let (r, s) = (self.neg_lo * b.hi, self.hi * b.neg_lo);
@@ -62,14 +62,14 @@ impl Four {
     }
 }
 
-/// A surface with its formula by hand.
+/// A surface with a hand-written formula.
 #[derive(Clone, Copy)]
 pub struct Rival<F>(pub F);
 
 impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<Enclose> for Rival<F> {
     #[inline]
     fn eval(&self, boxes: &Boxes, answers: &mut Enclosures) {
-        // What is in use, in whole registers, as a native kernel takes it.
+        // Like a native kernel, evaluates the lanes in use, rounded up to whole registers.
         for lane in (0..LANES).step_by(4).take_while(|lane| *lane < boxes.count as usize) {
             let value = self.0([0, 1, 2].map(|axis| Four::load(boxes, axis, lane)));
             value.neg_lo.write_to_slice(&mut answers.neg_lo[lane..lane + 4]);
@@ -140,8 +140,8 @@ pub const SURFACES: [(&str, &str, f64); 3] = [
     ),
 ];
 
-/// Times both closures in turn and returns the medians of the seconds that each took and of their
-/// ratio, with the quartiles of the ratio.
+/// Times both closures in turn. Returns the medians of their seconds and of the ratio, with the
+/// ratio's quartiles.
 pub fn compare(rounds: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) -> Comparison {
     let time = |f: &mut dyn FnMut()| {
         let start = Instant::now();
@@ -152,7 +152,7 @@ pub fn compare(rounds: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) 
     theirs();
     let mut samples: Vec<[f64; 3]> = (0..rounds)
         .map(|round| {
-            // Each goes first in half of the rounds.
+            // Each closure goes first in half of the rounds.
             let (a, b) = if round % 2 == 0 {
                 let a = time(&mut ours);
                 (a, time(&mut theirs))

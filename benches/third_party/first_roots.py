@@ -1,14 +1,14 @@
-"""Holds what `zeroset-chart rays` wrote against flint (its isolation of polynomials' roots) and mpmath.
+"""Checks the claims that `zeroset-chart rays` wrote with flint, which isolates roots of polynomials, and with mpmath.
 
     zeroset-chart rays barth-sextic-suse-95 --methods affine -o rays/barth-sextic-suse-95
     python3 first_roots.py ../../examples rays
 
-For each directory of rays that is called like a function file, the function is read by Python and put on each ray.
-If it is a polynomial there, its roots are isolated exactly: between where the ray enters the domain and the first root
-that is claimed there must be none, in the piece that is claimed at least one. Irrational constants are taken to 40
-digits. Any other function is sampled with 40 digits: its sign must change in the piece, and not before.
+Each directory of rays has the name of a function file. Python parses that function and substitutes each ray. If the
+result is a polynomial, its roots are isolated exactly. There must be no root from the ray's entry into the domain to
+the claimed interval, and at least one in that interval. Irrational constants are rounded to 40 digits. Any other
+function is sampled with 40 digits: its sign must change in the interval, and not before.
 
-Prints a line for each surface, and ends with status 1 if a claim is wrong.
+Prints a line for each surface, and exits with status 1 if a claim is wrong.
 """
 
 import ast
@@ -29,7 +29,7 @@ SAMPLES = 120
 
 
 class Polynomial:
-    """In t, with rational coefficients, the lowest first."""
+    """A polynomial in t with rational coefficients, the lowest first."""
 
     def __init__(self, *coefficients):
         self.c = list(coefficients)
@@ -76,7 +76,7 @@ def rational(number):
 
 
 class Exact:
-    """Values on a ray are polynomials."""
+    """Evaluation on a ray to a polynomial in t."""
 
     names = {"phi": mpmath.phi, "pi": mpmath.pi, "e": mpmath.e}
 
@@ -97,7 +97,7 @@ class Exact:
 
 
 class Sampled:
-    """Values are numbers of 40 digits."""
+    """Evaluation at a point to a number of 40 digits."""
 
     functions = {
         "sin": mpmath.sin, "cos": mpmath.cos, "tan": mpmath.tan, "exp": mpmath.exp, "log": mpmath.log,
@@ -144,7 +144,7 @@ def evaluate(node, names, kind):
 
 
 def statements(text):
-    """Names in order with their formulas, and the function's own formula last."""
+    """Pairs of name and formula in order; the function itself comes last, without a name."""
     lines = [line.split("#")[0].strip() for line in text.splitlines()]
     words = ("domain", "view", "color", "look", "light", "axes")
     lines = [line for line in lines if line and line.split()[0] not in words]
@@ -164,7 +164,7 @@ def function(parts, at, kind):
 
 
 def span(origin, way, domain):
-    """Where the ray is in the box, exactly; None if nowhere."""
+    """The exact parameters where the ray enters and leaves the box; None if it misses the box."""
     near, far = Fraction(0), None
     for o, d, low, high in zip(origin, way, domain[::2], domain[1::2]):
         if d == 0:
@@ -177,7 +177,7 @@ def span(origin, way, domain):
 
 
 def real_roots(p):
-    """Balls that hold one each, all there are."""
+    """All real roots, each as a ball that holds it."""
     scale = math.lcm(*(Fraction(c).denominator for c in p.c))
     roots = flint.fmpz_poly([int(c * scale) for c in p.c]).complex_roots()
     return [root.real for root, _ in roots if root.imag == 0]
@@ -200,7 +200,7 @@ def sampled_verdict(value, inside, claim):
             return None
 
     def is_crossing(a, b):
-        """Whether the sign changes over a zero rather than a pole, a jump or an end."""
+        """Whether the sign changes at a zero, not at a pole, a jump or the end of the domain of definition."""
         start, ends = sign(a), (a, b)
         for _ in range(140):
             middle = (a + b) / 2
@@ -223,11 +223,10 @@ def sampled_verdict(value, inside, claim):
     if claim is None:
         return True
     s, r = (sign(t) for t in claim)
-    # Where a piece ends outside the domain, or touches where the function has no value, signs say
-    # nothing.
+    # Signs prove nothing if the interval ends outside the domain or where the function is undefined.
     if s is None or r is None or s != r:
         return True
-    # Behind a zero the function may have jumped back.
+    # The function may have jumped back behind a zero.
     inner = (claim[0] + (claim[1] - claim[0]) * k / SAMPLES for k in range(SAMPLES))
     return any(sign(t) not in (s, None) for t in inner)
 

@@ -1,4 +1,4 @@
-//! Affine forms hold what the oracle knows, and no contraction loses a root.
+//! Affine forms hold the oracle's values, and no contraction loses a root.
 
 #![no_main]
 

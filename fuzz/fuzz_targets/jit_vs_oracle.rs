@@ -1,4 +1,4 @@
-//! Native intervals hold what the oracle knows of the function as typed.
+//! Native intervals hold the oracle's values of the function as typed.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Native code gives the bits of the reference evaluator.
+//! Native code equals the reference evaluator bit for bit.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Any bytes are read or refused, and what was read is printed so that it reads alike.
+//! Any bytes are read or refused, and a printed document reads as the same one.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! What small pictures claim of their rays is true.
+//! Claims of small pictures about their rays are true.
 
 #![no_main]
 

@@ -1,5 +1,5 @@
-//! What is spelled by forms, vectors, choices and sums reads as it prints, and is simplified and
-//! enclosed soundly.
+//! Generated texts of forms, vectors, piecewise definitions and sums: they read as they print, and
+//! are simplified and enclosed soundly.
 
 #![no_main]
 

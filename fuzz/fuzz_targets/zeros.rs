@@ -1,4 +1,4 @@
-//! No kernel denies a zero that is certain.
+//! No kernel excludes a certain zero.
 
 #![no_main]
 

@@ -1,13 +1,13 @@
-//! Random lines as somebody types them: whole, half typed, wrong.
+//! Random lines like those that a user types: complete, unfinished or wrong.
 
-/// What senseless lines are made of.
+/// Parts of meaningless lines.
 const PARTS: &[&str] = &[
     "x", "y", "z", "x^2", "y^2", "z^2", "+", "-", "*", "/", "^", "(", ")", "=", "1", "0.5", "sin(",
     "sqrt(", "abs(x)", "r", " ", "<", "and ", "max(x,", "{z>0}", "|", "é", "²", "foo", "2", ",",
     ";",
 ];
 
-/// Whole lines, among which senseless ones are strewn.
+/// Complete lines, to be mixed with meaningless ones.
 const LINES: &[&str] = &[
     "x^2+y^2+z^2 = 1",
     "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)",
@@ -24,14 +24,14 @@ const LINES: &[&str] = &[
     ":domain auto",
 ];
 
-/// A line, and how many of its bytes are typed; the rest is left away unless it is entered.
+/// A line, of which `typed` bytes are typed first; all of it is sent if it is `entered`.
 pub struct Edit {
     pub line: String,
     pub typed: usize,
     pub entered: bool,
 }
 
-/// The next of a series of random edits.
+/// Draws a random edit.
 pub fn edit(random: &mut fastrand::Rng) -> Edit {
     if random.bool() {
         let line = *random.choice(LINES).expect("some");
@@ -49,7 +49,7 @@ pub fn edit(random: &mut fastrand::Rng) -> Edit {
     }
 }
 
-/// The beginnings of a line that are seen while it is typed.
+/// The prefixes of a line that exist while it is typed.
 pub fn beginnings(line: &str, typed: usize) -> impl Iterator<Item = &str> {
     (0..=typed).filter(|end| line.is_char_boundary(*end)).map(|end| &line[..end])
 }

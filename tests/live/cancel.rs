@@ -1,20 +1,21 @@
-//! Work that is no longer wanted is left off where it is: between kernels, between tiles of a
-//! picture, between tiles of its shadows.
+//! Cancelled work stops soon: between kernels, between tiles of a picture, between tiles of its
+//! shadows.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use zeroset::model::Model;
-use zeroset::picture::{Picture, Settings};
-use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_space::Region;
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::{METHODS, UndecidedReason, Region, Status};
+use zeroset_trace::{METHODS, Status, UndecidedReason};
 
-/// Two surfaces, of which one throws a shadow on the other.
+/// Two surfaces, one of which casts a shadow on the other.
 const TEXT: &str = "domain 2\nz = -1\nx^2+y^2+z^2 = 1/2";
 
 fn document() -> (Document, Region) {
     let document = zeroset_syntax::read(TEXT, &Options::default()).expect("reads");
-    let (region, _) = scene::region(&document, DomainChoice::Document, None).expect("a region");
+    let (region, _) = view::region(&document, DomainChoice::Document, None).expect("a region");
     (document, region)
 }
 
@@ -34,10 +35,10 @@ fn a_compile_ends_between_kernels() {
     }
 }
 
-/// A picture that is wanted until it was asked about so often, and how often it was.
+/// A picture that is cancelled after `last` calls of `advance`, and the number of calls.
 fn picture(model: &Model, settings: &Settings, last: usize) -> (Picture, usize) {
     let (document, region) = document();
-    let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("valid");
+    let camera = view::camera(&document, &region, &CameraChoice::default()).expect("valid");
     let asked = AtomicUsize::new(0);
     let advance = |_| asked.fetch_add(1, Ordering::Relaxed) < last;
     let picture = model.trace(&camera, settings, &advance);
@@ -55,18 +56,18 @@ fn shadows_end_between_tiles() {
     let (_, before) = picture(&model, &plain, usize::MAX);
     let (whole, all) = picture(&model, &shadowed, usize::MAX);
     assert!(dark(&whole) > 100 && all > before + 16, "{} dark, {before} of {all}", dark(&whole));
-    // Some tiles have their shadows, and then it is over.
+    // Cancel after a quarter of the shadow tiles.
     let (some, _) = picture(&model, &shadowed, before + (all - before) / 4);
     assert_eq!(some.buffer.status, whole.buffer.status);
     assert!(dark(&some) < dark(&whole), "{} of {} are dark", dark(&some), dark(&whole));
-    // The picture itself is left off likewise.
+    // The picture itself is cancelled in the same way.
     let (part, _) = picture(&model, &plain, before / 4);
     let drawn =
         |picture: &Picture| (0..256 * 256).filter(|pixel| picture.buffer.is_drawn(*pixel)).count();
     assert!(drawn(&part) < drawn(&whole), "{} of {}", drawn(&part), drawn(&whole));
 }
 
-/// What was not reached is neither a miss nor a hit, whatever was found of other surfaces.
+/// A pixel that was not reached is neither a miss nor a hit, whatever other surfaces show there.
 #[test]
 fn what_is_left_off_claims_nothing() {
     let (document, region) = document();
@@ -81,18 +82,20 @@ fn what_is_left_off_claims_nothing() {
             let (part, whole) = (&part.buffer, &whole.buffer);
             let mut count = 0;
             for pixel in 0..256 * 64 {
-                if part.status[pixel] == Status::Undecided && part.reason(pixel) == UndecidedReason::Budget {
+                if part.status[pixel] == Status::Undecided
+                    && part.reason(pixel) == UndecidedReason::Budget
+                {
                     assert!(part.distance(pixel) == 0.0 && part.bracket[pixel][0].is_nan());
                     count += 1;
                 } else {
                     assert_eq!(part.status[pixel], whole.status[pixel], "{pixel}");
                 }
-                // The nearer surface may be the one that was not looked for.
+                // The nearer surface may be the one that was not traced.
                 assert!(part.drawn[pixel] >= whole.drawn[pixel]);
             }
             unreached.push(count);
         }
-        // Of both surfaces little is known until the second is looked for.
+        // Before the second surface is traced, little is known about both together.
         assert_eq!((unreached[0], unreached[4]), (256 * 64, 0), "{method:?}: {unreached:?}");
         assert!(unreached.is_sorted_by(|a, b| a >= b), "{method:?}: {unreached:?}");
         assert!(0 < unreached[3] && unreached[3] < 256 * 64, "{method:?}: {unreached:?}");

@@ -1,4 +1,4 @@
-//! The live picture without a window.
+//! Tests of the live picture without a window.
 
 mod cancel;
 mod live_support;

@@ -1,21 +1,21 @@
-//! Sliders and time change the picture without code being compiled again, and the picture is that
-//! of code compiled afresh.
+//! Sliders and time change the picture without another compilation, and the result equals that of a
+//! fresh compilation.
 
 use crate::live_support::{LIMIT, settled, start};
 use std::time::Duration;
-use zeroset::live::{DocumentSource, Rendering};
-use zeroset::model::render;
-use zeroset::scene;
+use zeroset_live::{DocumentSource, Rendering};
+use zeroset_render::model::render;
+use zeroset_scene::view;
 use zeroset_syntax::Options;
 
-/// Asserts that the picture is the one that compiling afresh gives, pixel by pixel and status by
-/// status.
+/// Asserts that a fresh compilation gives the same picture, including each pixel's status and
+/// distance.
 fn assert_as_compiled_afresh(frame: &Rendering) {
     let request = &frame.request;
     let options = Options { time: request.time, ..Options::default() };
     let document = zeroset_syntax::read(&request.text, &options).expect("reads");
-    let (region, _) = scene::region(&document, request.domain, None).expect("a region");
-    // A slider moves within the domain that was found before, as long as there is room.
+    let (region, _) = view::region(&document, request.domain, None).expect("a region");
+    // A slider keeps the domain found before, as long as the surface fits into it.
     let before = *frame.model.region();
     let inside = before.low().cmple(region.low()).all() && region.high().cmple(before.high()).all();
     assert!(region == before || frame.searched.is_some() && inside, "{}", request.text);
@@ -27,7 +27,7 @@ fn assert_as_compiled_afresh(frame: &Rendering) {
     assert!(fresh.buffer.drawn == frame.picture.buffer.drawn, "{}: elsewhere", request.text);
 }
 
-/// Enters each line in turn, and tells whether the code stayed as it was.
+/// Enters each line in turn; returns for each whether the code was reused.
 fn kept(text: &str, lines: &[&str]) -> Vec<bool> {
     let live = start(text, 28);
     let mut last = settled(&live);
@@ -57,10 +57,11 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
         ),
         ("t = 0.5 in [0, 1]\nx^2+y^2+z^2 = 1+t", &[":time 0.75", ":time 0.1"]),
         ("domain 2\nsin(x+t)+y = z", &[":time 1", ":time -2.5"]),
-        // There is room in the domain that was found, also for what is beyond what outgrew one.
+        // These values fit into a domain found earlier.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 1", ":set r = 1.9", ":set r = 0.6"]),
         ("r = 1 in [1, 4]\nx^2+y^2+z^2 <= 1+0*r", &[":set r = 4", ":set r = 2"]),
-        // Other domains, since there is no room in that of the value before, or far too much.
+        // These values need another domain, since that of the value before is too small or far too
+        // large.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 0.1", ":set r = 3", ":set r = 5"]),
     ] {
         assert_eq!(kept(text, lines), vec![true; lines.len()], "{text}");
@@ -70,10 +71,10 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
 #[test]
 fn what_other_code_is_needed_for_is_compiled() {
     for (text, line) in [
-        // Out of its range, which is extended, and without one.
+        // A value outside its range, which is extended, and a value without a range.
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", ":set r = 7"),
         ("domain 2\nr = 2\nx^2+y^2+z^2 = r^2", ":set r = 1"),
-        // Which function is meant depends on the exponent.
+        // The exponent selects the operation.
         ("domain 2\nn = 2 in [1, 5]\nx^n+y^2+z^2 = 1", ":set n = 3"),
         ("x^2+y^2+z^2 = 1+t", ":time 3"),
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", "domain 3"),
@@ -97,7 +98,7 @@ fn a_slider_changes_the_picture_and_the_status_tells_that_nothing_was_compiled()
     assert!(after.summary().contains("not compiled again"), "{}", after.summary());
     let times = after.picture.statistics.times;
     assert_eq!((times.simplify, times.compile), (Duration::ZERO, Duration::ZERO));
-    // What has no surface for one value has one for another.
+    // A document without a surface at one value may have one at another.
     live.enter("r = 2 in [-4, 4]").expect("valid");
     live.load(DocumentSource::Typed, "r = 2 in [-4, 4]\ndomain 2\nsqrt(-r - x^2) + y", false);
     assert!(live.wait(LIMIT));

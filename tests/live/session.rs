@@ -1,16 +1,17 @@
-//! The live picture without a window: typing, mistakes, commands, the view.
+//! Tests of typing, errors, commands and the view of the live picture.
 
 use crate::live_support::{LIMIT, settled, start};
 use std::sync::Arc;
 use std::time::Instant;
-use zeroset::gallery;
-use zeroset::live::{DocumentSource, Live, Rendering, Reply, Request};
-use zeroset::model::render;
-use zeroset::picture::{Precision, Settings};
-use zeroset::scene;
-use zeroset_trace::{Ideas, Pattern};
+use zeroset_live::{DocumentSource, Live, Rendering, Reply, Request};
+use zeroset_render::model::render;
+use zeroset_render::picture::{Precision, Settings};
+use zeroset_scene::gallery;
+use zeroset_scene::view;
+use zeroset_shade::Pattern;
+use zeroset_trace::Ideas;
 
-/// The picture that `zeroset render` would make of the same text from the same camera.
+/// The picture that `zeroset render` draws from the same text and camera.
 fn rendered(frame: &Rendering) -> Vec<u8> {
     let request = &frame.request;
     let options = zeroset_syntax::Options {
@@ -19,7 +20,7 @@ fn rendered(frame: &Rendering) -> Vec<u8> {
         ..zeroset_syntax::Options::default()
     };
     let document = zeroset_syntax::read(&request.text, &options).expect("reads");
-    let (region, _) = scene::region(&document, frame.request.domain, None).expect("a region");
+    let (region, _) = view::region(&document, frame.request.domain, None).expect("a region");
     let settings = &frame.request.settings;
     render(&document, &region, &frame.camera, settings, &|_, _| {}).expect("renders").rgb
 }
@@ -37,7 +38,7 @@ fn what_is_typed_is_seen_and_what_is_entered_stays() {
     live.enter("r = 0.5").expect("valid");
     live.enter(":add x^2+y^2 = r^2").expect("valid");
     assert_eq!(settled(&live).document.surfaces.len(), 2);
-    // A definition that is changed changes what depends on it.
+    // Changing a definition changes everything that depends on it.
     let before = settled(&live).picture.rgb.clone();
     live.enter(":set r = 0.9").expect("valid");
     assert_ne!(settled(&live).picture.rgb, before);
@@ -62,7 +63,7 @@ fn other_light_traces_nothing() {
     assert!(night.picture.rgb == rendered(&night) && night.picture.rgb != plain.picture.rgb);
     assert!(night.command("out.png").contains(" --look night "));
     assert!(night.revision > plain.revision && night.picture.buffer == plain.picture.buffer);
-    // Shadows ask for rays, but for none from the eye.
+    // Shadows trace rays to the lights, but none from the eye.
     live.enter(":shadows on").expect("valid");
     let shadowed = settled(&live);
     assert_eq!(shadowed.picture.statistics.times.trace, after.times.trace);
@@ -94,7 +95,7 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
     }
     let refusal = live.enter("x^2+y^2+foo = 1").expect_err("wrong");
     assert!(refusal.render(false).contains('^'), "no caret: {}", refusal.render(false));
-    // What has no surface is refused too.
+    // A formula without a surface is refused, too.
     for (line, expected) in [("3", "is constant: it is 3"), ("sqrt(-1)", "defined nowhere")] {
         let refusal = live.enter(line).expect_err(line).render(false);
         assert!(refusal.contains(expected), "{line}: {refusal}");
@@ -107,7 +108,7 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
 
 #[test]
 fn while_a_line_is_wrong_the_picture_before_is_finished_and_turned() {
-    // Slow enough that the full picture is not there yet.
+    // Slow enough that the full picture is not finished at once.
     let live = start("(x^2+y^2+z^2-1)^2", 200);
     while live.snapshot().rendering.is_none() {
         std::thread::sleep(std::time::Duration::from_millis(1));
@@ -123,7 +124,7 @@ fn while_a_line_is_wrong_the_picture_before_is_finished_and_turned() {
     let seen = live.snapshot();
     let turned = seen.rendering.expect("a picture");
     assert!(turned.camera != finished.camera && !turned.coarse);
-    // What is wrong is still said, and nothing is saved as if it were what was typed.
+    // The error is still reported, and the picture is not saved as if it showed the typed line.
     assert!(seen.fault.is_some_and(|fault| fault.revision == turned.revision));
     assert!(live.finished(turned.revision, LIMIT).is_none());
     live.type_line("");
@@ -136,7 +137,7 @@ fn while_a_line_is_wrong_the_picture_before_is_finished_and_turned() {
 fn typing_goes_on_from_the_last_text_that_could_be_read() {
     let live = start("r = 0.5\nx^2+y^2+z^2 = r", 32);
     settled(&live);
-    // As a file that was saved half written.
+    // The text of a file that was saved half written.
     live.load(DocumentSource::Typed, "r = 0.5\nx^2+(", true);
     assert!(live.wait(LIMIT) && live.snapshot().fault.is_some());
     live.type_line("z = r");
@@ -144,7 +145,7 @@ fn typing_goes_on_from_the_last_text_that_could_be_read() {
     live.enter("r = 0.7").expect("valid");
     settled(&live);
     assert_eq!(live.text(), "r = 0.7\nx^2+y^2+z^2 = r");
-    // A new document that is wrong is not the old one.
+    // A new document with an error replaces the old one all the same.
     live.load(DocumentSource::Typed, "y^2+(", false);
     live.enter("x = y").expect("valid");
     assert_eq!(live.text(), "x = y");
@@ -152,7 +153,7 @@ fn typing_goes_on_from_the_last_text_that_could_be_read() {
 
 #[test]
 fn the_latest_edit_ends_the_work_for_those_before() {
-    // A picture that takes seconds, at least.
+    // A picture that takes at least seconds.
     let heavy = gallery::example("barth-decic").expect("there").text;
     let settings = Settings { width: 3000, height: 3000, max_depth: 16, ..Settings::default() };
     let live = Live::new(Request { text: heavy.into(), settings, ..Request::default() });
@@ -176,7 +177,7 @@ fn large_pictures_come_coarse_first_and_are_then_refined() {
     assert_eq!(first.picture.rgb.len(), 3 * 150 * 150);
     let last = settled(&live);
     assert_eq!((last.coarse, last.picture.buffer.width), (false, 1200));
-    // The code is compiled once, and freed with the last frame that used it.
+    // The code is compiled once, and freed with the last frame that uses it.
     assert!(Arc::ptr_eq(&first.model, &last.model));
     let model = Arc::downgrade(&last.model);
     live.enter("x+y+z").expect("valid");
@@ -196,13 +197,13 @@ fn the_view_survives_edits_until_it_is_reset() {
     assert_eq!(settled(&live).camera, turned);
     live.load(DocumentSource::Typed, "domain 2\nx^4+y^4+z^4 = 1", true);
     assert_eq!(settled(&live).camera, turned);
-    // What nobody chose is fitted to what is seen.
+    // Without a chosen camera, the view is fitted to the visible part.
     let fresh = |text: &str| settled(&start(text, 32)).camera;
     live.reset_view();
     assert_eq!(settled(&live).camera, fresh("domain 2\nx^4+y^4+z^4 = 1"));
     live.enter(":view top").expect("valid");
     assert!(settled(&live).camera.rays(1, 1).forward().z < -0.99);
-    // A new document starts anew.
+    // A new document resets the view.
     live.load(DocumentSource::Typed, "domain 2\nx+y+z", false);
     assert_eq!(settled(&live).camera, fresh("domain 2\nx+y+z"));
 }
@@ -239,7 +240,7 @@ fn commands_are_answered() {
     let coarse = settled(&live);
     assert!(coarse.command("out.png").contains(" --method knoll --max-depth 12 --precision f32"));
     assert!(say(":status").contains("undecided   this method proves misses"));
-    // Doubles are finer, and what is too fine for floats goes with them.
+    // Doubles allow a greater depth, which is reduced when floats return.
     assert!(say(":precision").starts_with("f32: depth"));
     assert!(say(":precision f64").starts_with("f64: depth"));
     assert!(say(":depth 33").contains("depth 33"));
@@ -304,7 +305,7 @@ fn ideas_that_are_left_out_are_told_and_repeated() {
     let alone = settled(&live);
     assert!(alone.summary().contains(" · affine auto no-tiles · "), "{}", alone.summary());
     assert!(alone.command("a.png").contains(" --no-tiles -o"), "{}", alone.command("a.png"));
-    // It reads none of these.
+    // The method `knoll` reads none of these options.
     live.enter(":method knoll").expect("a method");
     assert!(!settled(&live).command("a.png").contains("--no-"));
 }
@@ -328,7 +329,7 @@ fn a_refused_value_leaves_the_one_from_the_command_line() {
     assert!(settled(&live).request.overrides.is_empty());
 }
 
-/// What one thread enters is not undone by another whose line is refused, whenever that comes.
+/// A refused line of one thread does not undo what another thread enters, whatever the order.
 #[test]
 fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
     let text: Arc<str> = "r = 1\nq = 1\nx^2+y^2+z^2 = r^2+q".into();
@@ -354,7 +355,7 @@ fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
     }
 }
 
-/// Nobody who drags or looks waits while a long formula is simplified.
+/// The picture's lock is free while a long formula is simplified, so dragging and reading go on.
 #[test]
 fn a_long_formula_is_simplified_without_the_lock() {
     let live = start("x+y+z", 16);

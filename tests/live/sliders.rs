@@ -1,10 +1,10 @@
-//! Values that are dragged, and time: one truth, whoever says it, and no code for it.
+//! Dragged values, and time: they are stored in the text only, and need no compilation.
 
 use crate::live_support::{LIMIT, settled, start};
-use zeroset::live::{DocumentSource, Live, Rendering, Request, Slider};
-use zeroset::picture::Settings;
+use zeroset_live::{DocumentSource, Live, Rendering, Request, Slider};
+use zeroset_render::picture::Settings;
 
-/// The slider of this name in what is seen.
+/// The slider of this name in the final picture.
 fn slider(live: &Live, name: &str) -> Slider {
     let all = settled(live).sliders();
     all.into_iter().find(|one| one.name == name).unwrap_or_else(|| panic!("no slider {name}"))
@@ -15,12 +15,12 @@ fn drag(live: &Live, name: &str, value: f64) {
     live.drag(&slider, value);
 }
 
-/// The kernels that were made for what is seen, and those it shares.
+/// Number of kernels of a picture, shared ones included.
 fn made(seen: &Rendering) -> usize {
     seen.model.program().made().len()
 }
 
-/// The same of kernels in singles alone.
+/// Number of kernels of a picture in single precision.
 fn singles(seen: &Rendering) -> usize {
     let made = seen.model.program().made();
     made.iter().filter(|one| format!("{one:?}").contains("F32")).count()
@@ -99,7 +99,7 @@ fn a_reload_keeps_a_dragged_value_unless_the_file_gives_it_another() {
     assert_eq!(live.text(), given);
     settled(&live);
     assert!(!live.restore(&slider(&live, "r")) && live.restore(&slider(&live, "s")));
-    // What is set, typed or saved is what the document says from then on.
+    // After a value is set, typed or saved, the document's own value is that one.
     drag(&live, "r", 1.5);
     live.enter(":set r = 0.75").expect("valid");
     assert!(!live.restore(&slider(&live, "r")));
@@ -141,7 +141,7 @@ fn the_time_has_a_slider_where_it_is_drawn_only() {
     assert_eq!(names("domain 2\nx = y"), Vec::<String>::new());
 }
 
-/// Time plays around its loop: one compilation, whatever the time, and no steps to take back.
+/// Time runs through its loop with one compilation, and leaves no steps to undo.
 #[test]
 fn time_passes_without_code_and_without_steps() {
     let live = start("domain 3\nx^2+y^2+z^2 = 2 + sin(t)", 24);
@@ -157,7 +157,7 @@ fn time_passes_without_code_and_without_steps() {
     }
     assert!(live.text().ends_with("t = 5.85 in [0, 2pi]"), "{}", live.text());
     assert!(start.ends_with("t = 0 in [0, 2pi]"));
-    // The view that is turned meanwhile is a step, and the time is none.
+    // Turning the view during that is an undo step, but the passing of time is not.
     live.hold(true);
     for frame in 1..4 {
         live.turn(|orbit| orbit.turn(3.0, 0.0, 100));
@@ -170,7 +170,7 @@ fn time_passes_without_code_and_without_steps() {
     assert_eq!(live.text(), "domain 3\nx^2+y^2+z^2 = 2 + sin(t)");
 }
 
-/// What is typed and not yet entered goes on while a value is dragged.
+/// An unentered line stays while a value is dragged.
 #[test]
 fn a_line_that_is_typed_stays_while_a_value_is_dragged() {
     let live = start("domain 2\nr = 1 in [0, 2]\nx = r", 16);
@@ -201,14 +201,14 @@ fn a_letter_that_lacks_a_value_is_named() {
         let refusal = live.enter(line).expect_err(line);
         assert_eq!(refusal.missing_letter(), letter, "{line}");
     }
-    // The name of a file that has no mistake is not in what is said of one that is typed.
+    // An error in a typed line must not name the file, which has no error.
     live.type_line("x^2+y^2 = r");
     assert!(live.wait(LIMIT));
     let said = live.snapshot().fault.expect("wrong").render(false);
     assert!(said.contains("formula:") && !said.contains("test:"), "{said}");
 }
 
-/// However many values there are, the text stays as long as it is, and no code is made.
+/// The number of dragged values affects neither the text's length nor the number of kernels.
 #[test]
 fn thousands_of_values_leave_nothing_behind() {
     let live = start("domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2", 16);
@@ -223,14 +223,14 @@ fn thousands_of_values_leave_nothing_behind() {
     println!("a value takes {:?}", started.elapsed() / 2000);
     let seen = settled(&live);
     assert!(seen.model.is_rebound(), "it was compiled again");
-    // A small sphere may have asked for doubles, which is once and for all.
+    // A small sphere may need kernels in doubles, which are compiled once.
     assert_eq!(singles(&seen), kernels);
     assert_eq!(live.text(), "domain 4\nr = 3 in [0, 3]\nx^2+y^2+z^2 = r^2");
     assert!(live.undo() && !live.undo());
     assert_eq!(live.text(), "domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2");
 }
 
-/// Whatever a slider is said to be, nothing is wrong with what it leads to.
+/// A slider accepts any float: the value stays within its range.
 #[test]
 fn a_drag_beyond_everything_stays_within_the_range() {
     let live = start("domain 4\nr = 1 in [0.5, 3]\nx^2+y^2+z^2 = r^2", 16);
@@ -268,7 +268,7 @@ fn a_view_that_was_turned_stays_while_a_surface_outgrows_its_domain() {
     let grown = settled(&live);
     assert!(grown.model.region().half_extent() > 2.0 * before.model.region().half_extent());
     assert_eq!(grown.camera, before.camera);
-    // All of it is shown when that is asked for, and turned about its middle then.
+    // On request the whole surface is fitted, and the view turns about its middle from then on.
     live.fit();
     let far = settled(&live).camera;
     assert!((far.eye() - far.target()).length() > 8.0, "{far:?}");

@@ -1,10 +1,10 @@
-//! Surfaces that are hidden, seen through, moved and taken away: edits of the text, for which no
-//! code is made; and what a hidden surface is where a document says so.
+//! Surfaces are hidden, made translucent, moved and deleted. These are edits of the text that
+//! compile no kernel. A document may also say that a surface is hidden.
 
 use crate::live_support::{settled, start};
-use zeroset::live::{Axes, Live, Rendering};
-use zeroset::model::{Model, render};
-use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_live::{Axes, Live, Rendering};
+use zeroset_render::model::{Model, render};
+use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::{Document, Options};
 
 const THREE: &str = "domain 2\ncolor red\nx^2+y^2+z^2 = 1\ncolor green\nz = 1.2\ncolor blue\n\
@@ -35,7 +35,7 @@ fn hiding_and_showing_changes_the_picture_and_the_text_and_makes_no_kernel() {
     let hid: Vec<bool> = listed.iter().map(|surface| surface.hidden).collect();
     assert_eq!(hid, [false, true, false]);
     assert_eq!(listed[0].colors, [[255, 0, 0]]);
-    // The plane hides nothing and throws no light back.
+    // The hidden plane occludes nothing and reflects no light.
     let buffer = &hidden.picture.buffer;
     let is_plane = |pixel: usize| buffer.is_drawn(pixel) && buffer.surface[pixel] == 1;
     assert!(!(0..buffer.status.len()).any(is_plane));
@@ -113,7 +113,7 @@ fn document(text: &str) -> Document {
     zeroset_syntax::read(text, &Options::default()).expect("reads")
 }
 
-/// In a file `hidden` means what leaving the formula away does, but for the domain.
+/// In a file, `hidden` acts like leaving out the formula, except for the domain.
 #[test]
 fn a_picture_of_a_file_lacks_what_is_hidden() {
     let settings = start(THREE, 64).settings();
@@ -121,8 +121,8 @@ fn a_picture_of_a_file_lacks_what_is_hidden() {
         let hidden = format!("domain 2\n{extra}x^2+y^2+z^2 = 1\nhidden\nz = 1.2");
         let (hidden, alone) =
             (document(&hidden), document(&format!("domain 2\n{extra}x^2+y^2+z^2 = 1")));
-        let (region, _) = scene::region(&alone, DomainChoice::Document, None).expect("a region");
-        let camera = scene::camera(&alone, &region, &CameraChoice::default()).expect("a camera");
+        let (region, _) = view::region(&alone, DomainChoice::Document, None).expect("a region");
+        let camera = view::camera(&alone, &region, &CameraChoice::default()).expect("a camera");
         let picture = |document: &Document| {
             render(document, &region, &camera, &settings, &|_, _| {}).expect("renders")
         };
@@ -145,12 +145,12 @@ fn axes_have_room_unless_the_document_wants_none() {
     assert!(settled(&live).camera == plain.camera);
     live.set_axes(Axes::On);
     assert!(settled(&live).camera == around.camera);
-    // What is seen around the picture is no step.
+    // Axes are not part of the document, so they are no undo step.
     assert!(live.undo());
     assert_eq!(live.text(), "x^2+y^2+z^2 = 1");
 }
 
-/// A view that nobody chose stays while a hand moves a value, and then glides to where all is seen.
+/// An automatic view is still while a value is dragged, and then glides until the surface fits.
 #[test]
 fn a_view_does_not_jump_while_a_value_moves() {
     let live = start("r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", 64);
@@ -176,14 +176,14 @@ fn a_view_does_not_jump_while_a_value_moves() {
     let last = settled(&live);
     assert!(far(&last) > 3.0 * far(&first), "{} is not farther away", far(&last));
     assert!(way.len() > 4 && way.is_sorted(), "it jumped: {way:?}");
-    // As it would be seen if it had been so from the beginning.
+    // The final view equals that of a fresh start with this text.
     let fresh = settled(&start(&live.text(), 64));
     let share = |seen: &Rendering| {
         seen.picture.statistics.pixels.hit as f64 / seen.picture.buffer.drawn.len() as f64
     };
     let larger = (share(&last) / share(&fresh)).sqrt();
     assert!((0.95..1.05).contains(&larger), "{larger} times as large");
-    // A value that is set at once is glided to, too.
+    // The view also glides after a value is set directly.
     live.enter(":set r = 1").expect("a value");
     let near = settled(&live);
     assert!(far(&near) < 0.5 * far(&last));

@@ -1,11 +1,11 @@
-//! Everything that is said can be taken back and said again; surfaces and the whole document can be
-//! taken away, and what faces the eye cut off.
+//! Every edit can be undone and redone. Surfaces and the whole document can be removed, and the
+//! part that faces the eye cut off.
 
 use crate::live_support::{LIMIT, settled, start};
 use glam::DVec3;
-use zeroset::live::{DocumentSource, Live, Reply};
-use zeroset::scene::ClipChoice;
-use zeroset_trace::HalfSpace;
+use zeroset_live::{DocumentSource, Live, Reply};
+use zeroset_scene::view::ClipChoice;
+use zeroset_space::HalfSpace;
 
 fn enter(live: &Live, line: &str) {
     live.enter(line).unwrap_or_else(|refusal| panic!("{line}: {refusal}"));
@@ -111,7 +111,7 @@ fn what_faces_the_eye_is_cut_off_moved_and_given_back() {
     assert!((normal - DVec3::X).length() < 1e-12 && offset.abs() < 1e-12);
     let cut = settled(&live);
     assert!(cut.picture.rgb != whole.picture.rgb, "the same picture");
-    // What is in front is gone: no painted point is on the eye's side of the plane.
+    // The front is gone: no painted point is on the eye's side of the plane.
     let nearest = cut.picture.buffer.drawn.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(nearest >= 6.0 - 1e-6, "{nearest}");
     live.move_cut(5.0);
@@ -119,7 +119,7 @@ fn what_faces_the_eye_is_cut_off_moved_and_given_back() {
     settled(&live);
     live.move_cut(-1.0);
     assert!((plane(&live).offset - 0.16).abs() < 1e-9, "{:?}", plane(&live));
-    // Moving it is one step.
+    // Several moves of the plane are one undo step.
     assert!(live.undo());
     assert_eq!(plane(&live).offset, offset);
     assert!(!live.toggle_cut() && settled(&live).picture.rgb == whole.picture.rgb);
@@ -146,7 +146,7 @@ fn a_plane_of_the_document_is_told_taken_away_and_given_back() {
     assert_eq!(kept(), "nothing is cut away");
     assert!(settled(&live).picture.rgb != cut.picture.rgb, "the same picture");
     assert!(settled(&live).command("a.png").contains(" --clip off"));
-    // The key takes away what is cut, whoever said it.
+    // The key removes any clip plane, even the document's.
     assert!(live.undo());
     settled(&live);
     assert!(!live.toggle_cut());
@@ -155,7 +155,7 @@ fn a_plane_of_the_document_is_told_taken_away_and_given_back() {
 
 #[test]
 fn what_replaces_a_surface_of_the_gallery_is_not_seen_through_its_window() {
-    let example = zeroset::gallery::example("gyroid").expect("there");
+    let example = zeroset_scene::gallery::example("gyroid").expect("there");
     let text = example.text;
     let live = start("", 16);
     live.load(DocumentSource::Gallery(example), text, false);
@@ -166,12 +166,12 @@ fn what_replaces_a_surface_of_the_gallery_is_not_seen_through_its_window() {
     enter(&live, "x^2+y^2+z^2 = 400");
     assert_eq!(live.text().trim(), "q = 3\nx^2+y^2+z^2 = 400");
     assert!(live.request().source == DocumentSource::Typed && live.is_changed());
-    // A value may come before the formula that needs it.
+    // A value may be entered before the formula that needs it.
     live.load(DocumentSource::Gallery(example), text, false);
     enter(&live, "q = 4");
     enter(&live, "x^2+y^2+z^2 = q");
     assert_eq!(live.text().trim(), "q = 4\nx^2+y^2+z^2 = q");
-    // What the user says stays, and what is only added goes along.
+    // Lines that the user enters stay, and `:add` keeps the example's lines, too.
     live.load(DocumentSource::Gallery(example), text, false);
     enter(&live, "domain 4");
     enter(&live, "x = y");

@@ -1,11 +1,12 @@
-//! What becomes of a pixel hangs on no other.
+//! A pixel does not depend on which other pixels are traced.
 
 use glam::DVec3;
-use zeroset::program::Program;
-use zeroset::scene::{DomainChoice, bounds, region};
+use zeroset_scene::program::Program;
+use zeroset_scene::view::{DomainChoice, bounds, region};
+use zeroset_shade::{Light, turn};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, KernelStats, Light, METHODS, Projection, Status, TraceOptions,
+    Camera, Driver, GBuffer, KernelStats, METHODS, Projection, Status, TraceOptions,
 };
 
 const SIZE: [usize; 2] = [96, 80];
@@ -14,9 +15,9 @@ const SIZE: [usize; 2] = [96, 80];
 fn a_pixel_is_the_same_whichever_others_are_followed() {
     let affine = METHODS.iter().find(|method| method.name == "affine").expect("there is one");
     let mut compared = 0;
-    // Rays of the second are followed one by one: a zero of its numerator may be none of its own.
-    // So are those that the edge of a ball cuts. Seen from so near, pixels are as narrow as f32 can
-    // tell on some rays of a tile, and not on others.
+    // The methods trace some rays one by one: for a rational form, whose numerator may vanish where
+    // the function does not, and at the edge of a ball. The near eye makes pixels as narrow as the
+    // resolution of f32 on some rays of a tile only.
     let [inside, near, far] = [[1.02, 0.3, 0.4], [1.3, 0.3, 0.2], [2.4, 1.8, 3.6]];
     for (text, is_ball, eyes, tolerance) in [
         ("x^2+y^2+z^2=1", false, [inside, far], 0.02),
@@ -48,7 +49,7 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
                 buffer
             };
             let whole = picture(&[]);
-            // All of a tile, some, few, one.
+            // Fractions of a tile's pixels, from half to few.
             for step in [2, 3, 7, 41] {
                 let only: Vec<bool> = (0..SIZE[0] * SIZE[1]).map(|n| n % step == 0).collect();
                 let part = picture(&only);
@@ -66,7 +67,7 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
     assert!(compared > 10_000, "{compared}");
 }
 
-/// Two balls above a floor: where one hides the light, nobody asks whether the other does, too.
+/// Two balls above a floor: no shadow ray is traced to one if the other already blocks the light.
 #[test]
 fn what_is_dark_already_is_followed_to_the_light_no_more() {
     let text = "x^2+y^2+(z-1)^2=0.3; x^2+y^2+(z-1.9)^2=0.2; z=-0.9";
@@ -96,7 +97,11 @@ fn what_is_dark_already_is_followed_to_the_light_no_more() {
             seen.merge(&layer);
         }
         let shadows = |buffer: &mut GBuffer, surface: usize| -> KernelStats {
-            drivers[surface].shadows(buffer, &lights, 0.02)
+            drivers[surface].shadows(
+                buffer,
+                |pixel, point| lights[turn(pixel)].towards(point),
+                0.02,
+            )
         };
         let alone = [0, 1].map(|surface| {
             let mut buffer = seen.clone();

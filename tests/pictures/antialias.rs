@@ -1,18 +1,19 @@
-//! Colors along edges, and that nothing else depends on them.
+//! Smoothing changes the colors along edges, and nothing else.
 
 use glam::Vec3;
-use zeroset::gallery::example;
-use zeroset::model::Model;
-use zeroset::picture::{Normals, Picture, Settings};
-use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Normals, Picture, Settings};
+use zeroset_scene::gallery::example;
+use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_shade::{LinearRgb, Pattern, edges};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, LinearRgb, METHODS, Pattern, Precision, edges};
+use zeroset_trace::{Camera, METHODS, Precision};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let text = example(text).map_or(text, |example| example.text);
     let document = read(text, &Options::default()).expect("reads");
-    let (region, _) = scene::region(&document, DomainChoice::Document, None).expect("a region");
-    let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+    let (region, _) = view::region(&document, DomainChoice::Document, None).expect("a region");
+    let camera = view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
     (Model::new(&document, &region, settings).expect("compiles"), camera)
 }
 
@@ -25,7 +26,7 @@ fn picture(model: &Model, camera: &Camera, settings: &Settings) -> Picture {
     model.trace(camera, settings, &|_| true).expect("compiled")
 }
 
-/// Mean distance of colors in light, over the pixels for which `only` says so.
+/// Mean distance between colors in linear light, over the pixels that `only` selects.
 fn off(one: &Picture, other: &Picture, only: &[bool]) -> f64 {
     let light = |picture: &Picture, pixel: usize| {
         Vec3::from_array(LinearRgb::from_srgb(picture.rgb.as_chunks().0[pixel]).0)
@@ -66,7 +67,7 @@ fn more_rays_bring_edges_nearer_to_what_they_are() {
     }
 }
 
-/// Pixels whose colors are far apart.
+/// Number of pixels whose colors differ strongly.
 fn apart(one: &Picture, other: &Picture) -> usize {
     let [one, other] = [one, other].map(|picture| picture.rgb.as_chunks::<3>().0);
     let is_apart = |(a, b): (&[u8; 3], &[u8; 3])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 60);
@@ -119,7 +120,7 @@ fn colors_do_not_depend_on_threads_or_on_when_they_are_made() {
 
 #[test]
 fn rows_that_are_colored_at_once_are_as_those_that_are_colored_later() {
-    // No multiple of anything, and more than sixteen tiles of 16×16 in a row.
+    // A width that is no multiple of a tile, and more than sixteen tiles of 16×16 in a row.
     let settings = Settings { width: 277, height: 37, ..Settings::default() };
     let hatched = "(x^2+y^2+z^2-1)^2=0";
     for text in ["tangle", "gyroid", "x^2+y^2+z^2<=1 where x<=0.3", hatched] {
@@ -136,7 +137,7 @@ fn rows_that_are_colored_at_once_are_as_those_that_are_colored_later() {
 fn normals_that_are_not_kept_are_found_for_colors() {
     let settings = Settings { width: 93, height: 70, ..Settings::default() };
     let central = Settings { normals: Some(Normals::Central), ..settings.clone() };
-    // Gradients that there are, those that there are not everywhere, and none.
+    // A surface with gradients everywhere, one without some, and a solid with a cap.
     let (smooth, creased, halved) =
         ("tangle", "abs(x)+abs(y)+abs(z)=1", "x^2+y^2+z^2<=1 where x<=0.3");
     for (text, kept) in
@@ -147,9 +148,9 @@ fn normals_that_are_not_kept_are_found_for_colors() {
         let kept = picture(&model, &camera, kept);
         let picture = picture(&model, &camera, &settings);
         assert!(picture.rgb == kept.rgb, "{text}");
-        // A cap's normal is there before the others.
+        // A cap sets its normals when it is traced, so these are kept.
         assert_eq!(picture.buffer.normal.is_empty(), text != halved, "{text}");
-        // What needs them has them.
+        // Passes that need normals compute them again.
         let lit = model.relight(&picture, &camera, &settings, &|_| true).expect("compiled");
         assert!(lit.rgb == kept.rgb, "{text}, in the same light");
         let settled = model.settle(&picture, &camera, &settings, &|_| true).expect("compiled");

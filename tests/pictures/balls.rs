@@ -1,23 +1,23 @@
-//! Domains that are clipped to a ball: what is claimed there is what is claimed of the box, cut by
-//! the ball.
+//! Domains that are clipped to a ball: their claims equal those of the box, restricted to the ball.
 
 use glam::DVec3;
-use zeroset::kernels::Evaluator;
-use zeroset::model::render;
-use zeroset::picture::Settings;
-use zeroset::program::Program;
-use zeroset::scene::bounds;
+use zeroset_render::model::render;
+use zeroset_render::picture::Settings;
+use zeroset_scene::kernels::Evaluator;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::bounds;
+use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, METHODS, Projection, Proves, RayGrid, Region, Status, TraceOptions,
+    Camera, Driver, GBuffer, METHODS, Projection, Proves, RayGrid, Status, TraceOptions,
 };
 
-/// Tiles of both sizes, and such as stick out.
+/// Size that covers tiles of both sizes, and incomplete ones.
 const SIZE: [usize; 2] = [46, 38];
 
 type Function = fn(DVec3) -> f64;
 
-/// Surfaces that go on beyond the ball, and their functions in plain floats.
+/// Surfaces that extend beyond the ball, with their functions in plain floats.
 const SURFACES: [(&str, Function); 4] = [
     ("x^2+y^2-z^2=1", |p| p.x * p.x + p.y * p.y - p.z * p.z - 1.0),
     ("x*y*z=1", |p| p.x * p.y * p.z - 1.0),
@@ -41,8 +41,7 @@ fn camera(number: usize) -> Camera {
     Camera::new(eye[number], DVec3::new(0.1, 0.2, -0.3), DVec3::Z, projection).expect("a camera")
 }
 
-/// The part of a ray in the ball and the box, by samples: the outermost that are in both, as values
-/// of t.
+/// The segment of a ray inside both ball and box, as two values of t, or `None`.
 fn chord(rays: &RayGrid, pixel: usize, region: &Region) -> Option<[f64; 2]> {
     let ray = rays.ray_of(pixel);
     let ball = region.ball().expect("one");
@@ -104,7 +103,7 @@ fn what_is_claimed_is_true_of_the_ball() {
                     let reach = 0.05 + slack;
                     assert!(near - reach <= t && t <= far + reach, "{what:?}");
                 }
-                // A change of sign well inside is no miss.
+                // A ray with a change of sign well inside is no miss.
                 let at = |n: usize| {
                     near + slack + (far - near - 2.0 * slack) * n as f64 / SAMPLES as f64
                 };
@@ -114,7 +113,7 @@ fn what_is_claimed_is_true_of_the_ball() {
                 if crosses && method.proves != Proves::Nothing {
                     assert_ne!(status, Status::Miss, "{what:?}");
                 }
-                // What is empty in the box is so in the ball.
+                // A miss in the box is no hit in the ball.
                 if whole.status[pixel] == Status::Miss {
                     assert_ne!(status, Status::Hit, "{what:?}");
                 }

@@ -1,12 +1,13 @@
-//! The methods that others are compared with: each finds what is there within its tolerance, proves
-//! what it says it proves, and fails where its idea fails.
+//! The baseline methods. Each finds roots within its tolerance, proves what its row in the table of
+//! methods says, and fails where its idea fails.
 
 use glam::DVec3;
-use zeroset::model::render;
-use zeroset::picture::{Picture, Settings};
+use zeroset_render::model::render;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{
-    Camera, METHODS, Method, Projection, Proves, RayGrid, Region, Status, UndecidedReason,
+    Camera, METHODS, Method, Projection, Proves, RayGrid, Status, UndecidedReason,
 };
 
 const SIDE: usize = 48;
@@ -16,7 +17,7 @@ fn region(half: f64) -> Region {
     Region::new(DVec3::splat(-half), DVec3::splat(half)).expect("a cube")
 }
 
-/// A formula within ±2 as seen along x, from 8 units before the origin, with parallel rays.
+/// A formula within ±2, viewed along x by parallel rays from 8 units before the origin.
 fn picture(formula: &str, method: &str, change: impl Fn(&mut Settings)) -> (RayGrid, Picture) {
     picture_from(DVec3::NEG_X * 8.0, formula, method, change)
 }
@@ -49,7 +50,7 @@ fn every_method_draws_the_sphere_within_its_tolerance() {
             let (frame, picture) = picture(SPHERE, method.name, |settings| {
                 settings.tolerance = tolerance;
                 if double {
-                    settings.precision = zeroset::picture::Precision::F64;
+                    settings.precision = zeroset_render::picture::Precision::F64;
                 }
             });
             let mut seen = 0;
@@ -62,7 +63,7 @@ fn every_method_draws_the_sphere_within_its_tolerance() {
                     assert_eq!(found, f64::INFINITY, "{method:?}, through {foot}");
                 } else if square > 0.02 {
                     let off = (found - (8.0 - square.sqrt())).abs();
-                    // What samples in 32 bits can tell, where the tolerance is finer.
+                    // A tolerance finer than this is limited by samples in 32 bits.
                     let room = tolerance * frame.footprint(found) + 1e-5;
                     assert!(off <= room, "{method:?}, {tolerance}: off by {off}, through {foot}");
                     seen += 1;
@@ -83,7 +84,8 @@ fn a_method_claims_no_more_than_its_row_says() {
                 let meets = region(2.0).span(&frame.ray_of(pixel)).is_some();
                 let allowed = match (method.proves, status) {
                     (Proves::Nothing, Status::Miss) => !meets,
-                    // Where the domain cuts a solid, that it is a hit is no finding of the method.
+                    // A hit on the face where the domain cuts a solid is not proven by the method
+                    // itself.
                     (Proves::Nothing | Proves::Misses, Status::Hit) => {
                         cut && picture.buffer.is_cap(pixel)
                     }
@@ -95,7 +97,7 @@ fn a_method_claims_no_more_than_its_row_says() {
     }
 }
 
-/// Two spheres a thousandth of a unit apart, between which the function is below 0.
+/// Two spheres a thousandth of a unit apart, with negative values between them.
 const SHELL: &str = "(x^2+y^2+z^2-1)*(x^2+y^2+z^2-1.002)";
 
 #[test]
@@ -105,7 +107,7 @@ fn march_passes_over_what_is_thinner_than_its_steps() {
     assert!(there > 700, "{there}");
     assert!(coarse(32) < there / 10, "{} of {there}", coarse(32));
     assert!(coarse(16384) > there * 9 / 10, "{} of {there}", coarse(16384));
-    // What is not seen is not denied.
+    // Rays without a sampled change of sign are undecided, not misses.
     let (_, picture) = picture(SHELL, "march", |settings| settings.steps = 32);
     assert_eq!(picture.buffer.reasons()[UndecidedReason::Unproven as usize], SIDE * SIDE);
     assert!(picture.why_undecided().expect("all").contains("proves nothing"));
@@ -122,7 +124,7 @@ fn march_draws_a_pole_as_a_wall() {
 
 #[test]
 fn mitchell_proves_a_torus() {
-    // Seen along its plane: up to four roots on a ray.
+    // Viewed along the torus' plane, a ray has up to four roots.
     let torus = "(x^2+y^2+z^2+0.8^2-0.3^2)^2-4*0.8^2*(x^2+y^2)";
     let (frame, picture) = picture(torus, "mitchell", |settings| settings.brackets = true);
     let counts = picture.buffer.counts();
@@ -143,7 +145,7 @@ fn mitchell_proves_a_torus() {
 
 #[test]
 fn mitchell_leaves_open_what_only_touches() {
-    // Nowhere below 0, and without a simpler function for a factor.
+    // The function is nowhere negative, and has no simpler factor with the same zeros.
     let touching = "sqrt(1 + (x^2+y^2+z^2-1)^2) = 1";
     let (_, picture) = picture(touching, "mitchell", |_| {});
     let (counts, buffer) = (picture.buffer.counts(), &picture.buffer);
@@ -155,11 +157,11 @@ fn mitchell_leaves_open_what_only_touches() {
 
 #[test]
 fn sphere_says_where_it_has_no_bound() {
-    // Its slope is infinite at z = 0, and the cone's is bounded everywhere.
+    // The slope is infinite at z = 0.
     let (frame, picture) = picture("cbrt(z)+x", "sphere", |_| {});
     let steep = |pixel: usize| picture.buffer.reason(pixel) == UndecidedReason::Steep;
     assert!((0..SIDE * SIDE).all(|pixel| steep(pixel) != picture.buffer.is_drawn(pixel)));
-    // Of each ray past it a bound is found, if its parts are short enough.
+    // Rays past that place have a bound, once their segments are short enough.
     for pixel in (0..SIDE * SIDE).filter(|&pixel| steep(pixel)) {
         assert!(frame.ray_of(pixel).origin.z.abs() < 1e-5);
     }
@@ -167,7 +169,7 @@ fn sphere_says_where_it_has_no_bound() {
     assert!(along.why_undecided().expect("some").contains("no bound of f's slope"));
 }
 
-/// Steps of sphere tracing are as many as are allowed.
+/// The setting `steps` limits the number of sphere tracing steps.
 #[test]
 fn sphere_takes_no_more_steps_than_it_may() {
     let (_, few) = picture(SPHERE, "sphere", |settings| settings.steps = 3);
@@ -175,7 +177,8 @@ fn sphere_takes_no_more_steps_than_it_may() {
     assert_eq!(few.buffer.counts().hit, 0);
 }
 
-/// Along rays that are parallel to no axis, terms of boxes cancel; those of forms do not.
+/// On rays parallel to no axis, intervals lose how coordinates depend on each other. Affine forms
+/// keep it.
 #[test]
 fn raa_is_tighter_than_knoll_across_the_axes() {
     let by = |method: &str| picture_from(DVec3::new(4.0, 3.0, 6.0), SPHERE, method, |_| {}).1;

@@ -1,24 +1,24 @@
-//! What pictures of the gallery claim, from random places: far, close, grazing and inside; against
-//! the certified tracer.
+//! Claims of gallery pictures from random cameras, far, close, grazing and inside, are compared
+//! with the certified tracer.
 //!
 //! The full run: `ZEROSET_CASES=200 cargo test --release --test pictures cameras -- --nocapture`.
 
 use crate::property_support::{claims, picture};
 use std::collections::BTreeMap;
 use std::fmt::{Display, Formatter};
-use zeroset::gallery::examples;
-use zeroset::scene::{DomainChoice, region};
+use zeroset_scene::gallery::examples;
+use zeroset_scene::view::{DomainChoice, region};
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene, picture as hold};
 use zeroset_testkit::{Adversarial, Effort, Rng};
 use zeroset_trace::METHODS;
 
-/// Pixels in a row, and rows: some tiles of every size, and some that stick out.
+/// Width and height of a picture. They give tiles of every size, and incomplete ones.
 const SIZE: [usize; 2] = [84, 60];
-/// Rays of each picture that are followed by the certified tracer.
+/// Rays per picture and method that the certified tracer checks.
 const RAYS: u32 = 48;
 
-/// The files of the gallery.
+/// The gallery's formulas within their domains, with their names.
 fn formulas() -> Vec<(&'static str, Formula)> {
     let mut formulas = Vec::new();
     for example in examples() {
@@ -35,7 +35,7 @@ fn vector(f: impl Fn(usize) -> f64) -> [f64; 3] {
     [f(0), f(1), f(2)]
 }
 
-/// A direction, not of length 1.
+/// A random direction of any length.
 fn direction(rng: &mut Rng) -> [f64; 3] {
     loop {
         let way = [(); 3].map(|()| 2.0 * f64::uniform(rng) - 1.0);
@@ -68,7 +68,7 @@ fn from_afar(formula: &Formula, rng: &mut Rng) -> Scene {
     }
 }
 
-/// A point that a picture paints, and the normal there.
+/// A random painted point of a picture, with its normal.
 fn painted(scene: &Scene, rng: &mut Rng) -> Option<([f64; 3], [f64; 3])> {
     let (camera, picture) = picture(scene, &METHODS[0])?;
     let buffer = &picture.buffer;
@@ -79,7 +79,7 @@ fn painted(scene: &Scene, rng: &mut Rng) -> Option<([f64; 3], [f64; 3])> {
     Some((point.to_array(), buffer.normal[pixel].map(f64::from)))
 }
 
-/// One of four kinds of cameras: far, close to the surface, along it, or within the domain.
+/// A scene with one of four kinds of camera: far, close to the surface, along it, or in the domain.
 pub fn scene(formula: &Formula, kind: u64, rng: &mut Rng) -> Option<Scene> {
     let far = from_afar(formula, rng);
     let half = formula.region.map(|[low, high]| 0.5 * (high - low));
@@ -115,19 +115,19 @@ pub fn scene(formula: &Formula, kind: u64, rng: &mut Rng) -> Option<Scene> {
     }
 }
 
-/// What pictures of scenes say of some of their rays, held against the certified tracer.
+/// Comparison of pictures' claims with the certified tracer.
 #[derive(Default)]
 pub struct Survey {
-    /// Rays compared, by method.
+    /// Number of rays compared, by method.
     counts: BTreeMap<&'static str, u64>,
-    /// Rays with a certain crossing.
+    /// Number of rays with a certain crossing.
     pub crossings: u64,
-    /// Hits of each surface of a scene.
+    /// Number of hits on each surface of a scene.
     pub hits: [u64; 3],
 }
 
 impl Survey {
-    /// What some pixels say: half of them undecided ones, where there are.
+    /// Some pixels of each method's picture. Half of them are undecided ones, if there are any.
     fn chosen(&mut self, scene: &Scene, rng: &mut Rng) -> Vec<Pixel> {
         let mut chosen = Vec::new();
         for method in &METHODS {
@@ -152,10 +152,10 @@ impl Survey {
         chosen
     }
 
-    /// Adds a scene.
+    /// Compares a scene's claims, and counts them.
     ///
     /// # Panics
-    /// If a claim is false: says which, and how to see it again.
+    /// If a claim is false. The message names it and how to repeat the case.
     pub fn add(&mut self, scene: &Scene, case: u64, rng: &mut Rng) {
         let pixels = self.chosen(scene, rng);
         let tally = hold(scene, &|_| Some(pixels.clone()))
@@ -163,7 +163,7 @@ impl Survey {
         self.crossings += tally.defined;
     }
 
-    /// Rays compared.
+    /// Number of rays compared.
     pub fn compared(&self) -> u64 {
         self.counts.values().sum()
     }
@@ -183,7 +183,7 @@ fn pictures_of_the_gallery_claim_nothing_false_from_anywhere() {
     let (mut survey, mut none) = (Survey::default(), 0);
     for case in effort.seed..effort.seed + effort.cases {
         let rng = &mut Rng::with_seed(case);
-        // Neighbouring cases are other surfaces by other kinds of cameras.
+        // The factor gives neighboring cases different surfaces and cameras.
         let (slug, formula) = &formulas[(case * 29 % formulas.len() as u64) as usize];
         let Some(scene) = scene(formula, case % 4, rng) else {
             println!("case {case:#x}: nothing of {slug} is seen");

@@ -1,5 +1,5 @@
-//! The certified tracer against the exact first roots of the gallery, and of formulas on which
-//! other methods fail: both were found without this project's kernels, by different methods.
+//! Comparison of the certified tracer with the exact first roots of the gallery and of difficult
+//! formulas. The exact roots were found by different methods, without this project's kernels.
 //!
 //! All rays: `ZEROSET_STRIDE=1 cargo test --release --test pictures certified -- --nocapture`.
 
@@ -8,21 +8,21 @@ use rayon::prelude::*;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::fs::File;
-use zeroset::gallery::example;
+use zeroset_scene::gallery::example;
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_testkit::certified::{BUDGET, Certificate, Function, Line, Reason};
 
-/// The rays of the reference were rounded in another way; where a ray grazes a surface, that moves
-/// a root by more than the rounding itself.
+/// Tolerance of distances. The reference rounded its rays in another way, which moves the root of a
+/// grazing ray by more than the rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// Every so many-th ray is traced.
+/// Step between traced rays.
 fn stride() -> usize {
     let text = std::env::var("ZEROSET_STRIDE").unwrap_or_else(|_| "61".to_owned());
     text.parse().expect("ZEROSET_STRIDE is a number")
 }
 
-/// The function of a text that draws one surface.
+/// The function of a text with a single surface.
 fn function(slug: &str, text: &str) -> Function {
     let document = read_document(text, &Options::default())
         .unwrap_or_else(|errors| panic!("{slug}: {errors}"));
@@ -60,22 +60,21 @@ fn line(view: &View, index: usize) -> Line {
     Line { eye: view.eye, direction: normalised(direction) }
 }
 
-/// What a certificate is worth beside the reference.
+/// Result of comparing a certificate with the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Outcome {
-    /// The reference itself does not know.
+    /// The reference leaves the ray open.
     Open,
-    /// The same first root, or none.
+    /// Both have the same first root, or none.
     Agrees,
-    /// The certificate leaves it open whether there is a root before the crossing, for this reason
-    /// first.
+    /// The certificate leaves open whether there is an earlier root. This is its first reason.
     CannotKnow(Reason),
-    /// One of them is wrong.
+    /// The two contradict each other.
     Differs,
 }
 
-/// Every claim of the certificate is held against the reference, those about what lies behind an
-/// unresolved piece too.
+/// Compares every claim of the certificate with the reference, including claims about the ray
+/// behind an unresolved piece.
 fn judge(certificate: &Certificate, pixel: &Pixel) -> Outcome {
     if pixel.open {
         return Outcome::Open;
@@ -88,7 +87,7 @@ fn judge(certificate: &Certificate, pixel: &Pixel) -> Outcome {
     let crosses = |d: f64| certificate.crossing.is_some_and(|c| within(c.near, c.far, d));
     let known = |d: f64| d.is_infinite() || open(d) || crosses(d);
     let crossing = match certificate.crossing {
-        // A certain crossing is one for the reference, or there is one before it.
+        // The reference has the certain crossing, too, or one before it.
         Some(crossing) => pixel.crossing <= crossing.far + ROUNDING * (1.0 + crossing.far),
         None => true,
     };
@@ -101,7 +100,7 @@ fn judge(certificate: &Certificate, pixel: &Pixel) -> Outcome {
         .map_or(Outcome::Agrees, |piece| Outcome::CannotKnow(piece.reason))
 }
 
-/// How many rays have each outcome, those that differ in words, and the evaluations per ray.
+/// Number of rays by outcome, descriptions of those that differ, and evaluations per ray.
 fn survey(function: &Function, truth: &Truth) -> (BTreeMap<Outcome, usize>, Vec<String>, f64) {
     let stride = stride();
     let [x0, x1, y0, y1, z0, z1] = truth.view.domain;
@@ -129,7 +128,7 @@ fn survey(function: &Function, truth: &Truth) -> (BTreeMap<Outcome, usize>, Vec<
     (counts, differ, evaluations / outcomes.len() as f64)
 }
 
-/// Surveys all, and expects none to differ and at least this share to agree, in percent.
+/// Compares all functions. Expects no ray to differ, and at least `share` percent to agree.
 fn expect_agreement(suite: impl Iterator<Item = (Function, Truth)>, share: usize) {
     println!("ZEROSET_STRIDE={}", stride());
     let mut differ = Vec::new();

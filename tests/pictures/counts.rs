@@ -1,9 +1,9 @@
-//! How many pixels are said to be decided is how many are.
+//! The pixel counts of a picture equal those of its buffer.
 
 use glam::DVec3;
-use zeroset::model::Model;
-use zeroset::picture::Settings;
-use zeroset::scene::{self, DomainChoice};
+use zeroset_render::model::Model;
+use zeroset_render::picture::Settings;
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, METHODS, Projection};
 
@@ -14,7 +14,7 @@ fn pixels_are_counted_as_they_are() {
     let sphere = "x^2+y^2+z^2=1";
     let two = "x^2+y^2+z^2=1/2\nx+y+z=1/3";
     let tangents = "tan(3e6*x+y)+tan(5e6*x+2y)=z";
-    // Of so many calls of `advance` the last ends the work.
+    // The work is cancelled after this many calls of `advance`.
     for (text, hidden, calls) in [
         (sphere, None, usize::MAX),
         ("x^2+y^2+z^2<=2", None, usize::MAX),
@@ -34,7 +34,7 @@ fn pixels_are_counted_as_they_are() {
             surface.hidden = hidden == Some(number);
         }
         let bounds = DomainChoice::Bounds([-1.2, 1.2, -1.2, 1.2, -1.2, 1.2]);
-        let (region, _) = scene::region(&document, bounds, None).expect(text);
+        let (region, _) = view::region(&document, bounds, None).expect(text);
         let projection = Projection::Perspective { fov: 45.0 };
         let camera = Camera::new(DVec3::new(2.0, 1.5, 3.0), DVec3::ZERO, DVec3::Y, projection);
         let camera = camera.expect(text);

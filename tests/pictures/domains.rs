@@ -1,23 +1,23 @@
 //! The automatic domain against the one that a mathematician would choose, for a hundred typed
 //! equations.
 //!
-//! All rows, with what was found: `cargo test --release --test pictures domains -- --nocapture`.
+//! All rows with their results: `cargo test --release --test pictures domains -- --nocapture`.
 
 use fastrand::Rng;
 use std::fmt::Write as _;
 use std::time::Instant;
-use zeroset::domain::AutoDomain;
-use zeroset::scene;
+use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::view;
 use zeroset_syntax::{Options, read};
 
-/// The rows, and what they mean.
+/// The rows, and the description of their format.
 const ROWS: &str = include_str!("../data/domains.txt");
 
-/// A box agrees with another if each, made larger by so much about its own centre, holds the other.
+/// Two boxes agree if each, grown by this factor about its center, holds the other.
 const TOLERANCE: f64 = 1.3;
 
-/// Extents that were counted on a grid, or typed with few digits, may be off by this share of the
-/// largest.
+/// Tolerance of extents that were counted on a grid or typed with few digits, as a share of the
+/// largest extent.
 const COUNTED: f64 = 0.01;
 
 pub struct Row {
@@ -40,14 +40,14 @@ pub fn rows() -> Vec<Row> {
     lines.map(row).collect()
 }
 
-/// Whether the interval, grown by [`TOLERANCE`] about its middle, holds the other; `spare` is
-/// allowed on each side.
+/// Whether the interval, grown by [`TOLERANCE`] about its middle and by `spare` on each side, holds
+/// the other.
 fn holds([low, high]: [f64; 2], other: [f64; 2], spare: f64) -> bool {
     let (middle, half) = (low.midpoint(high), TOLERANCE * (high - low) / 2.0 + spare);
     middle - half <= other[0] && other[1] <= middle + half
 }
 
-/// What is wrong with a found domain, if something is.
+/// The difference between a found domain and the wanted one, if there is one.
 fn miss(row: &Row, found: &AutoDomain) -> Option<&'static str> {
     let ranges = [0, 1, 2].map(|axis| [found.low[axis], found.high[axis]]);
     if found.finding.is_bounded() != row.bounded {
@@ -72,10 +72,10 @@ fn miss(row: &Row, found: &AutoDomain) -> Option<&'static str> {
     None
 }
 
-/// The rows of which the automatic domain is another one.
+/// Known rows whose automatic domain differs.
 const MISSES: &[&str] = &[];
 
-/// At least so many of a hundred agree.
+/// Least number of rows, of a hundred, that must agree.
 const LEAST: usize = 90;
 
 #[test]
@@ -86,13 +86,13 @@ fn domains_are_those_that_a_mathematician_would_choose() {
     for row in &rows {
         let document = read(&row.text, &Options::default()).expect(&row.text);
         let started = Instant::now();
-        let found = scene::search(&document).expect(&row.text);
+        let found = view::search(&document).expect(&row.text);
         times.push(started.elapsed().as_secs_f64() * 1e3);
         let ms = times.last().copied().unwrap_or_default();
         let why = miss(row, &found);
         let name = row.text.lines().last().unwrap_or_default();
         let _ = writeln!(report, "{:18} {ms:6.2} ms {name}: {found:?}", why.unwrap_or("agrees"));
-        // What is wrong with a bounded surface is never a matter of judgement.
+        // Other differences are a matter of judgment, but a bounded surface must not be cut.
         assert!(!(row.bounded && why == Some("cut")), "{report}");
         missed.extend(why.map(|_| name.to_owned()));
     }
@@ -104,7 +104,7 @@ fn domains_are_those_that_a_mathematician_would_choose() {
     assert!(rows.len() - missed.len() >= LEAST);
 }
 
-/// Surfaces without end, each with something particular: what a move takes along.
+/// Unbounded surfaces, each with something particular that moving it must preserve.
 const UNBOUNDED: &[&str] = &[
     // Quadrics.
     "x^2+y^2-z^2=1",
@@ -127,7 +127,7 @@ const UNBOUNDED: &[&str] = &[
     "x*y*z=1+3x",
     "4(phi^2*x^2-y^2)*(phi^2*y^2-z^2)*(phi^2*z^2-x^2)=(1+2phi)*(x^2+y^2+z^2-1)^2",
     "(x^2+y^2+z^2-1.3^2)^2=4.07/1.31*(1-z-sqrt(2)*x)*(1-z+sqrt(2)*x)*(1+z+sqrt(2)*y)*(1+z-sqrt(2)*y)",
-    // Necks and nodes that are not on a line through the middle along an axis.
+    // Necks and nodes off the axes through the middle.
     "((x-2)^2+(y-1)^2-z^2-0.1)*((x+2)^2+(y+1)^2-z^2-0.1)=1",
     "(x^2-1)^2+(y^2-1)^2=z^2",
     "z*((x^2-25)^2+(y^2-25)^2+z^2-4)=0.05",
@@ -140,7 +140,7 @@ const UNBOUNDED: &[&str] = &[
     "z=exp(-x^2-y^2)",
     "z=sin(sqrt(x^2+y^2))/sqrt(x^2+y^2)",
     "z=1/(x^2+y^2)",
-    // Others.
+    // Other functions.
     "sin(x*y*z)=0",
     "x^2+y^2=cosh(z)^2",
     "1/(x^2+y^2)+1/(y^2+z^2)=1",
@@ -148,11 +148,11 @@ const UNBOUNDED: &[&str] = &[
     "|x|+|y|-|z|=1",
 ];
 
-/// Where they are moved to.
+/// Vectors that the surfaces are moved by.
 const MOVES: &[[f64; 3]] =
     &[[2.0, 3.0, 4.0], [-7.5, 5.0, -10.0], [10.0, -0.5, 3.25], [0.3, -0.1, 0.2]];
 
-/// The text with x, y and z measured from another place.
+/// The text with x, y and z replaced by their differences from `place`.
 fn moved(text: &str, place: [f64; 3]) -> String {
     let mut moved = String::new();
     let mut rest = text;
@@ -182,8 +182,8 @@ fn what_is_moved_has_its_domain_moved() {
     assert!(report.is_empty(), "{report}of {count}");
 }
 
-/// A power of each axis and some other terms; terms of one axis alone are not repeated, so that
-/// none is taken away.
+/// A power of each axis, and some mixed terms. Terms of a single axis are not repeated, so that
+/// none cancels.
 fn polynomial(rng: &mut Rng) -> String {
     let factor = |rng: &mut Rng| {
         let sign = if rng.bool() { '+' } else { '-' };
@@ -220,12 +220,12 @@ fn random_polynomials_that_are_moved_have_their_domains_moved() {
     assert!(report.is_empty(), "{report}of {unbounded}, seed {seed}");
 }
 
-/// Reports where a surface that is moved has another domain than the one that is moved alike;
-/// `false` if it is bounded.
+/// Checks that moving an unbounded surface moves its domain alike, and reports differences. Returns
+/// `false` if the surface is bounded.
 fn check_move(text: &str, place: [f64; 3], report: &mut String) -> bool {
     let find = |text: &str| {
         let document = read(text, &Options::default()).expect(text);
-        scene::search(&document).expect(text)
+        view::search(&document).expect(text)
     };
     let here = find(text);
     if here.finding.is_bounded() || here.finding.is_empty() {
@@ -233,7 +233,7 @@ fn check_move(text: &str, place: [f64; 3], report: &mut String) -> bool {
     }
     let there = find(&moved(text, place));
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        // Where nothing changes along an axis, a move is none.
+        // A move along an axis that the text does not depend on changes nothing.
         let depends = text != moved_along(text, axis);
         let by = if depends { place[axis] } else { 0.0 };
         let wanted = [here.low[axis] + by, here.high[axis] + by];
@@ -253,7 +253,7 @@ fn check_move(text: &str, place: [f64; 3], report: &mut String) -> bool {
     true
 }
 
-/// The text moved along one axis.
+/// The text moved by 1 along one axis.
 fn moved_along(text: &str, axis: usize) -> String {
     let mut place = [0.0; 3];
     place[axis] = 1.0;

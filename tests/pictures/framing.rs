@@ -1,30 +1,30 @@
-//! How much of the picture is taken by what is visible, where nobody chose a camera: over the
-//! gallery and the hundred typed equations.
+//! The share of the picture that the visible part takes with the automatic camera, over the gallery
+//! and the hundred typed equations.
 //!
 //! All rows: `cargo test --release --test pictures framing -- --nocapture`.
 
 use crate::domains::rows;
 use std::fmt::Write as _;
 use std::time::Instant;
-use zeroset::framing;
-use zeroset::gallery::examples;
-use zeroset::model::Model;
-use zeroset::picture::Settings;
-use zeroset::scene::{CameraChoice, DomainChoice, region};
+use zeroset_render::framing;
+use zeroset_render::model::Model;
+use zeroset_render::picture::Settings;
+use zeroset_scene::gallery::examples;
+use zeroset_scene::view::{CameraChoice, DomainChoice, region};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, Projection};
 
 /// Pixels of the picture's shorter side.
 const SIDE: usize = 96;
 
-/// What is visible should take as much of it.
+/// Range of shares that the visible part should take.
 const SHARES: [f64; 2] = [0.55, 0.95];
 
-/// So many of all pictures do.
+/// Share of all pictures that must be in the range.
 const LEAST: f64 = 0.95;
 
-/// The larger extent of what is painted, as a share of the picture's shorter side, and whether it
-/// touches the border.
+/// The larger extent of the painted part, as a share of the picture's shorter side, and whether the
+/// part touches the border.
 fn share(model: &Model, camera: &Camera, width: usize, height: usize) -> (f64, bool) {
     let settings = Settings { width, height, normals: None, ..Settings::default() };
     let buffer = model.trace(camera, &settings, &|_| true).expect("kernels").buffer;
@@ -98,7 +98,7 @@ fn what_was_chosen_stays() {
         ("view fov 20", usual),
         ("", CameraChoice { projection: height, ..usual }),
         ("", CameraChoice { projection: perspective(10.0), ..usual }),
-        ("", CameraChoice { view: zeroset_trace::StandardView::named("front"), ..usual }),
+        ("", CameraChoice { view: zeroset_style::StandardView::named("front"), ..usual }),
         ("", CameraChoice { eye, ..usual }),
         ("", CameraChoice { target: eye, ..usual }),
     ] {
@@ -108,7 +108,7 @@ fn what_was_chosen_stays() {
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("compiles");
         let framed = framing::camera(&model, &document, &choice, &settings).expect("valid");
-        let given = zeroset::scene::camera(&document, &region, &choice).expect("valid");
+        let given = zeroset_scene::view::camera(&document, &region, &choice).expect("valid");
         assert_eq!(framed, given, "{text} {choice:?}");
     }
 }

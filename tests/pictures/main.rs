@@ -1,5 +1,5 @@
-//! Pictures and the kernels behind them against what is known by other means: exact roots,
-//! certified ones, an oracle.
+//! Tests of pictures and their kernels against independent results: exact roots, certified roots
+//! and an oracle.
 
 mod alone;
 mod antialias;

@@ -1,15 +1,16 @@
-//! Normals where `f32` has none to give: far from the origin, and where gradients or points are
-//! beyond its range.
+//! Normals that `f32` cannot compute: far from the origin, or with gradients or points beyond its
+//! range.
 
 use glam::DVec3;
-use zeroset::model::render;
-use zeroset::picture::Settings;
+use zeroset_render::model::render;
+use zeroset_render::picture::Settings;
+use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection, Region};
+use zeroset_trace::{Camera, Projection};
 
 const SIDE: usize = 48;
 
-/// The largest angle, in degrees, between a kept normal and the outward one of a sphere.
+/// The largest angle, in degrees, between a stored normal and the outward one of a sphere.
 fn worst(formula: &str, centre: DVec3, radius: f64) -> f64 {
     let document = read(formula, &Options::default()).expect(formula);
     let eye = centre + radius * DVec3::new(2.0, -3.0, 2.0);

@@ -1,30 +1,30 @@
-//! Surfaces before and behind one another: what is hidden is not looked for, and nothing else
+//! Surfaces in front of and behind one another: hidden parts are not traced, and nothing else
 //! changes.
 
 use glam::DVec3;
-use zeroset::model::Model;
-use zeroset::picture::{Picture, Settings};
-use zeroset::scene::{self, DomainChoice};
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, GBuffer, Projection, Status};
 
 const SIZE: usize = 128;
 
-/// Of all surfaces, or of one of them.
+/// A picture of all surfaces, or of one of them.
 fn picture(text: &str, only: Option<usize>, eye: DVec3, projection: Projection) -> Picture {
     let mut document = read(text, &Options::default()).expect(text);
     for (number, surface) in document.surfaces.iter_mut().enumerate() {
         surface.hidden = only.is_some_and(|only| only != number);
     }
     let bounds = DomainChoice::Bounds([-1.5, 1.5, -1.5, 1.5, -1.5, 1.5]);
-    let (region, _) = scene::region(&document, bounds, None).expect(text);
+    let (region, _) = view::region(&document, bounds, None).expect(text);
     let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(text);
     let settings = Settings { width: SIZE, height: SIZE, brackets: true, ..Settings::default() };
     let model = Model::new(&document, &region, &settings).expect(text);
     model.trace(&camera, &settings, &|_| true).expect(text)
 }
 
-/// What is claimed of a pixel, and where it is painted.
+/// Status, painted distance and bracket of a pixel.
 fn of(buffer: &GBuffer, pixel: usize) -> (Status, u64, [u64; 2]) {
     let bracket = buffer.bracket[pixel].map(f64::to_bits);
     (buffer.status[pixel], buffer.drawn[pixel].to_bits(), bracket)

@@ -1,12 +1,15 @@
-//! What documents say of colors, light and what can be seen through, against the same said
-//! otherwise.
+//! Colors, light and opacity from lines of a document, compared with the same picture made in other
+//! ways.
 
 use glam::DVec3;
-use zeroset::model::render;
-use zeroset::picture::{Picture, Settings};
-use zeroset::scene::{self, DomainChoice};
+use zeroset_render::model::render;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::view::{self, DomainChoice};
+use zeroset_shade::{LinearRgb, Pattern};
+use zeroset_space::{HalfSpace, Region};
+use zeroset_style::ColorMap;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, ColorMap, HalfSpace, LinearRgb, Pattern, Projection, RayGrid, Region};
+use zeroset_trace::{Camera, Projection, RayGrid};
 
 const SIDE: usize = 48;
 
@@ -14,7 +17,7 @@ fn settings() -> Settings {
     Settings { width: SIDE, height: SIDE, tolerance: 0.01, ..Settings::default() }
 }
 
-/// As seen along x, from 8 units before the origin, with parallel rays.
+/// A camera that looks along x from 8 units before the origin, with parallel rays.
 fn camera() -> Camera {
     let projection = Projection::Orthographic { height: 3.0 };
     Camera::new(DVec3::NEG_X * 8.0, DVec3::ZERO, DVec3::Z, projection).expect("a camera")
@@ -28,7 +31,7 @@ fn picture_of(text: &str, clip: Option<HalfSpace>, settings: &Settings) -> Pictu
     let document = read(text, &Options::default()).expect(text);
     let domain = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
     let (region, _) =
-        scene::region(&document, domain, clip.map(scene::ClipChoice::Plane)).expect(text);
+        view::region(&document, domain, clip.map(view::ClipChoice::Plane)).expect(text);
     render(&document, &region, &camera(), settings, &|_, _| {}).expect(text)
 }
 
@@ -40,7 +43,7 @@ fn pixel(picture: &Picture, n: usize) -> [u8; 3] {
     picture.rgb.as_chunks().0[n]
 }
 
-/// The light of a pixel as it would be behind so much of others.
+/// Mixture of colors in linear light, each with its share.
 fn mixed(parts: &[([u8; 3], f32)]) -> [u8; 3] {
     let mut sum = [0.0; 3];
     for (rgb, share) in parts {
@@ -55,7 +58,7 @@ fn assert_near(one: [u8; 3], other: [u8; 3], what: &str) {
     assert!(off <= Some(2), "{what}: {one:?} and {other:?}");
 }
 
-/// Keeps what is behind the plane through this x.
+/// Keeps the half-space behind the plane through this x.
 fn behind(x: f64) -> HalfSpace {
     HalfSpace { normal: DVec3::NEG_X, offset: -x }
 }
@@ -66,7 +69,7 @@ fn translucent_surfaces_are_mixed_from_front_to_back() {
     let (first, second) = ("(x+0.5)^2+y^2+z^2=1", "(x-0.5)^2+y^2+z^2=1");
     let alone =
         |color: &str, text: &str, clip| picture_of(&format!("{color}\n{text}"), clip, &settings());
-    // In the order in which rays meet them, whatever the order of lines.
+    // Layers in the order in which rays meet them, whatever the order of lines.
     let layers = [
         alone(one, first, None),
         alone(other, second, None),
@@ -82,7 +85,7 @@ fn translucent_surfaces_are_mixed_from_front_to_back() {
         let mut checked = 0;
         for n in 0..SIDE * SIDE {
             let foot = rays().ray_of(n).origin;
-            // Farther out one is left before the other is met.
+            // Rays farther out leave one sphere before they enter the other.
             if foot.y.hypot(foot.z) > 0.84 {
                 continue;
             }
@@ -127,7 +130,7 @@ fn an_opaque_surface_hides_what_is_behind_it() {
         }
     }
     assert!(checked > 100, "{checked}");
-    // Where edges are smoothed it is the same but for edges.
+    // Smoothing changes pixels along edges only.
     let smooth = Settings { antialias: Pattern::of(16).expect("a pattern"), ..settings() };
     let smooth = picture_of(&format!("color tomato 25%\nx^2+y^2+z^2=1\n{inner}"), None, &smooth);
     let middle = SIDE * SIDE / 2 + SIDE / 2;
@@ -160,17 +163,17 @@ fn colors_are_those_of_values() {
             assert_near(pixel(&colored, n), pixel(&plain, n), &format!("{text} at {at}"));
         }
     }
-    // Without a range the least and the greatest that is seen have the ends.
+    // Without a range, the scale runs from the least to the greatest visible value.
     let colored = picture(&format!("color viridis(2z)\n{sphere}"));
     let [legend] = &colored.legends[..] else { panic!("one scale") };
     assert!(legend.low < -1.9 && legend.high > 1.9 && legend.high <= 2.0, "{legend:?}");
     assert!(legend.value == "2*z" && legend.step.is_none(), "{legend:?}");
     assert!(picture(sphere).legends.is_empty());
-    // A value that is the same but for where points are found has the middle color.
+    // A value that is constant up to the error of painted points has the middle color.
     let flat = picture("color viridis(x)\nx = y/1e9 + 0.3");
     let [one] = &flat.legends[..] else { panic!("one scale") };
     assert!(one.low == one.high && (one.low - 0.3).abs() < 0.01, "{one:?}");
-    // Where it has no value, the surface has its own color.
+    // A surface has its own color where the value is undefined.
     let [nowhere, own] =
         ["color viridis(sqrt(z-5))\n", ""].map(|line| picture(&format!("{line}{sphere}")));
     assert_eq!(nowhere.rgb, own.rgb);
@@ -218,7 +221,7 @@ fn lines_of_a_document_are_as_the_settings() {
     for changed in [set(&light), set(&shadows), clipped] {
         assert_ne!(changed, plain);
     }
-    // What the caller says comes first.
+    // Arguments of the caller override the document.
     let both = picture_of(&format!("clip 1, 0, 0, 0\n{text}"), Some(plane), &settings()).rgb;
     assert_eq!(both, said("clip 0, 1, 1/2, 0.25"));
 }

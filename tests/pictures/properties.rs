@@ -1,4 +1,4 @@
-//! The properties of whole pictures that fuzz targets attack, over random bytes and over the
+//! The properties of whole pictures that fuzz targets attack, checked on random bytes and on the
 //! fuzzers' seeds.
 //!
 //! A long run of one:

@@ -1,16 +1,16 @@
-//! Pictures by the reference evaluator are those by native code, bit for bit.
+//! Pictures by the reference evaluator equal those by native code bit for bit.
 
 use glam::DVec3;
-use zeroset::gallery::examples;
-use zeroset::kernels::Evaluator;
-use zeroset::picture::Precision;
-use zeroset::program::Program;
-use zeroset::scene::{DomainChoice, bounds, region};
 use zeroset_jit::vector_widths;
+use zeroset_render::picture::Precision;
+use zeroset_scene::gallery::examples;
+use zeroset_scene::kernels::Evaluator;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Projection, TraceOptions};
 
-/// Tiles of both sizes, and such as stick out.
+/// Size that covers tiles of both sizes, and incomplete ones.
 const SIZE: [usize; 2] = [22, 18];
 
 #[test]
@@ -25,7 +25,7 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, region.centre(), DVec3::Y, projection).expect(example.slug);
         let rays = camera.rays(SIZE[0], SIZE[1]);
-        // The default method in all precisions, others in one of them in turn.
+        // The default method runs in all precisions, the others in one of them in turn.
         let precisions = [Precision::Auto, Precision::F32, Precision::F64];
         let runs = METHODS.iter().flat_map(|method| {
             let all = if method.name == "affine" { 0..3 } else { number % 3..number % 3 + 1 };
@@ -54,7 +54,7 @@ fn the_reference_evaluator_draws_the_same_pictures() {
                 (buffer, work)
             });
             hits += native.0.counts().hit;
-            // What is no number is no bracket; its bits may differ.
+            // Distances that are NaN make no bracket, and their bits may differ.
             let brackets = |buffer: &GBuffer| -> Vec<[u64; 2]> {
                 buffer
                     .bracket

@@ -1,9 +1,9 @@
-//! A preview whose open pixels are followed to the end is the picture that one pass takes.
+//! A preview whose open pixels are refined equals the picture of a single pass.
 
 use glam::DVec3;
-use zeroset::model::Model;
-use zeroset::picture::Settings;
-use zeroset::scene::{self, DomainChoice};
+use zeroset_render::model::Model;
+use zeroset_render::picture::Settings;
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, Projection};
 
@@ -22,7 +22,7 @@ fn a_settled_preview_is_the_picture_of_one_pass() {
     ] {
         let document = read(text, &Options::default()).expect(text);
         let bounds = DomainChoice::Bounds([-1.2, 1.2, -1.2, 1.2, -1.2, 1.2]);
-        let (region, _) = scene::region(&document, bounds, None).expect(text);
+        let (region, _) = view::region(&document, bounds, None).expect(text);
         let eye = DVec3::new(2.0, 1.5, 3.0) * 1.2;
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(text);
@@ -35,7 +35,7 @@ fn a_settled_preview_is_the_picture_of_one_pass() {
         let twice = model.settle(&preview, &camera, &settings, &|_| true).expect(text);
         let twice = twice.expect("wanted");
         for pixel in 0..160 * 160 {
-            let of = |picture: &zeroset::picture::Picture| {
+            let of = |picture: &zeroset_render::picture::Picture| {
                 let buffer = &picture.buffer;
                 let bracket = buffer.bracket[pixel].map(f64::to_bits);
                 (buffer.status[pixel], buffer.drawn[pixel], bracket)

@@ -1,5 +1,6 @@
-//! What pictures of several surfaces claim, against the nearest of what the certified tracer finds
-//! of each: surfaces that hide, meet and touch one another, are the same or next to it, and solids.
+//! Claims of pictures of several surfaces, compared with the nearest root that the certified tracer
+//! finds. The surfaces hide, meet and touch one another, coincide or nearly do, and some are
+//! solids.
 //!
 //! A long run: `ZEROSET_CASES=2000 cargo test --release --test pictures several -- --nocapture`.
 
@@ -12,7 +13,7 @@ use zeroset_trace::{GBuffer, METHODS};
 /// Half the side of the region.
 const EXTENT: f64 = 2.0;
 
-/// A multiple of an eighth from `low` to `high` eighths, as it is typed: exact in all floats.
+/// A random multiple of 1/8 between `low` and `high` eighths as text, exact in all floats.
 fn eighths(rng: &mut Rng, low: i32, high: i32) -> String {
     format!("({:?})", f64::from(rng.i32(low..=high)) / 8.0)
 }
@@ -34,8 +35,8 @@ fn function(rng: &mut Rng) -> String {
     }
 }
 
-/// A function beside another: whose zeros are the same, or next to them, touch them along a curve,
-/// or are anywhere.
+/// A second function, whose zeros coincide with those of `other`, lie next to them, touch them
+/// along a curve, or are anywhere.
 fn beside(other: &str, rng: &mut Rng) -> String {
     match rng.u32(0..5) {
         0 => other.to_owned(),
@@ -61,7 +62,7 @@ fn formula(rng: &mut Rng) -> Formula {
     Formula::given(&text, [[-EXTENT, EXTENT]; 3]).expect(&text)
 }
 
-/// A random scene; `None` if its camera sees nothing.
+/// A random scene; `None` if its camera shows nothing.
 fn random_scene(case: u64, rng: &mut Rng) -> Option<Scene> {
     let formula = formula(rng);
     let scene = scene(&formula, case % 4, rng)?;
@@ -82,7 +83,7 @@ fn pictures_of_several_surfaces_claim_nothing_false() {
         }
     }
     println!("{survey}; {none} cameras see nothing");
-    // One case that is looked at again need not have all that many have.
+    // A single case that is repeated need not reach the averages of many.
     if effort.cases > 1 {
         let each = effort.cases / 2;
         assert!(survey.crossings > survey.compared() / 3 && none < effort.cases / 4);
@@ -92,15 +93,15 @@ fn pictures_of_several_surfaces_claim_nothing_false() {
 
 #[test]
 fn a_zero_may_lie_before_an_undecided_segment_that_its_bracket_reaches_beyond() {
-    // In one pixel a sphere's zero lies before an undecided segment of a solid, which begins before
-    // the middle of the zero's bracket.
+    // In one pixel, a sphere's zero lies before an undecided segment of a solid. The segment begins
+    // before the middle of the zero's bracket.
     const CASE: u64 = 0x5eed_a2a3;
     let rng = &mut Rng::with_seed(CASE);
     let scene = random_scene(CASE, rng).expect("a view");
     let mut survey = Survey::default();
     survey.add(&scene, CASE, rng);
     assert!(survey.crossings > 100, "{survey}");
-    // What is claimed does not hang on whether brackets are asked for.
+    // Claims do not depend on whether brackets are stored.
     let [(_, kept), (_, plain)] =
         [true, false].map(|kept| picture_with(&scene, &METHODS[0], kept).expect("a picture"));
     assert!(plain.buffer.bracket.is_empty());

@@ -1,16 +1,16 @@
-//! From random text to native enclosures, by the steps of a picture: they hold what the oracle
-//! knows of the graph that the text was printed from. Parameters become sliders of the document.
+//! Random text is compiled to native enclosures like that of a picture. They must hold the oracle's
+//! values of the graph that the text was printed from. Parameters become sliders of the document.
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release --test pictures soundness`.
 
-use zeroset::program::Program;
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel};
 use zeroset_ops::{Notation, TABLE};
+use zeroset_scene::program::Program;
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::suite::check_interval_cases;
 use zeroset_testkit::{Case, Effort, GraphOptions, typed};
 
-/// A program's first surface.
+/// The first surface of a program, as a kernel.
 struct First(Program);
 
 impl Kernel<Enclose> for First {

@@ -1,22 +1,23 @@
-//! Formulas on which methods for implicit surfaces are known to fail: what is claimed of them is
-//! true, and what is painted without a root is counted.
+//! Formulas on which methods for implicit surfaces are known to fail. Claims about them must be
+//! true, and points painted without a root are counted.
 
 use crate::truth_support::{Pixel, SIDE, Truth, compare, path, read, rounding};
 use glam::DVec3;
 use serde::Deserialize;
 use std::fmt::Write;
 use std::fs::File;
-use zeroset::model::render;
-use zeroset::picture::{Picture, Precision, Settings};
+use zeroset_render::model::render;
+use zeroset_render::picture::{Picture, Precision, Settings};
+use zeroset_space::Region;
 use zeroset_syntax::{Document, Options};
 use zeroset_trace::{
-    Camera, METHODS, Method, Projection, Proves, RayGrid, Region, Status, UndecidedReason,
+    Camera, METHODS, Method, Projection, Proves, RayGrid, Status, UndecidedReason,
 };
 
-/// The depth of the table.
+/// The depth that the table is computed with.
 const DEPTH: u32 = 12;
 
-/// A formula, and what a correct picture of it shows.
+/// A formula, and a description of its correct picture.
 #[derive(Deserialize)]
 pub struct Case {
     pub slug: String,
@@ -26,7 +27,7 @@ pub struct Case {
     /// The largest share of pixels that may be undecided.
     #[serde(default)]
     pub max_undecided: f64,
-    /// For a formula whose roots are not known.
+    /// Expected result for a formula whose roots are not known.
     #[serde(default)]
     pub expect: String,
 }
@@ -57,7 +58,7 @@ fn settings() -> Settings {
     }
 }
 
-/// The formula as seen by the reference's camera.
+/// A picture of the formula from the reference's camera.
 fn picture(case: &Case, truth: &Truth) -> Picture {
     picture_with(case, truth, &settings())
 }
@@ -71,7 +72,7 @@ pub fn picture_with(case: &Case, truth: &Truth, settings: &Settings) -> Picture 
     picture.unwrap_or_else(|error| panic!("{}: {error}", case.slug))
 }
 
-/// What became of the rays that the reference decided.
+/// Counts of results on rays that the reference decides.
 #[derive(Default)]
 struct Tally {
     open: usize,
@@ -81,7 +82,7 @@ struct Tally {
     painted: usize,
     walls: usize,
     blank: usize,
-    /// Claims that a root contradicts, or the lack of one.
+    /// Claims that contradict a root, or the lack of one.
     false_claims: Vec<String>,
 }
 
@@ -123,8 +124,8 @@ impl Tally {
     }
 }
 
-/// What is claimed of a ray, if its roots contradict it: a miss that there is none, a distance that
-/// there is none before it, a hit that there is one there.
+/// A description of the ray's claim, if its roots contradict it. A miss claims that there is no
+/// root, a distance that there is none before it, and a hit that there is one at it.
 fn contradiction(
     pixel: &Pixel,
     status: Status,
@@ -140,7 +141,7 @@ fn contradiction(
     is_false.then(|| format!("{status:?} at {distance}, but"))
 }
 
-/// Cases in which more is painted without a root than wanted; each with the reason.
+/// Cases that paint more without a root than wanted, each with the reason.
 const TOO_MUCH: [(&str, &str); 2] = [
     ("chebyshev-12", "the last slabs are too thick for its large coefficients"),
     ("endpoint-extremum", "the domain is some thousand f32 steps wide"),
@@ -198,12 +199,13 @@ The test `stability` compares this table; ZEROSET_BLESS=1 cargo test --test pict
                      open  roots   miss    hit  paint  walls  blank   share   want
 ";
 
-/// Where f is 0 throughout a solid: a ray that meets it is undecided from its first point.
+/// Checks a function that is 0 throughout a solid: rays that meet the solid are undecided from
+/// their first point in it.
 pub fn check_zero_throughout(case: &Case, frame: &RayGrid, picture: &Picture) {
     let region = region(case);
     let is_inside = |point: DVec3| match case.slug.as_str() {
         "zero-times-inf" => true,
-        // Less the last digits.
+        // The radius is 9, less a margin for rounding.
         "solid-zero" => point.x.hypot(point.y) < 8.999,
         other => panic!("what is the solid of {other}?"),
     };
@@ -230,8 +232,8 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
     for case in cases("stability/others.json") {
         let region = region(&case);
         let document = document(&case);
-        let choice = zeroset::scene::CameraChoice::default();
-        let camera = zeroset::scene::camera(&document, &region, &choice).expect("a camera");
+        let choice = zeroset_scene::view::CameraChoice::default();
+        let camera = zeroset_scene::view::camera(&document, &region, &choice).expect("a camera");
         let picture = match render(&document, &region, &camera, &settings(), &|_, _| {}) {
             Ok(picture) => picture,
             Err(error) => {
@@ -256,7 +258,7 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
     }
 }
 
-/// Where a gradient is infinite, undefined or 0, a painted point has a normal all the same.
+/// A painted point has a normal even where the gradient is infinite, undefined or 0.
 #[test]
 fn every_painted_point_has_a_normal() {
     let unit = DVec3::splat(2.0);
@@ -284,7 +286,7 @@ fn every_painted_point_has_a_normal() {
         "y/x - z",
     ] {
         let document = zeroset_syntax::read(formula, &Options::default()).expect("reads");
-        // From the front, rays meet kinks and edges exactly.
+        // From the front, some rays meet kinks and edges exactly.
         let eyes = [DVec3::new(4.0, -6.0, 3.0), DVec3::new(0.0, -8.0, 0.0)];
         for (method, eye) in METHODS.iter().flat_map(|method| eyes.map(|eye| (method, eye))) {
             let projection = Projection::Perspective { fov: 40.0 };
@@ -299,8 +301,8 @@ fn every_painted_point_has_a_normal() {
                 assert!((normal.length() - 1.0).abs() < 1e-5, "{formula}, {method:?}: {normal}");
                 painted += 1;
             }
-            // Samples see no root without a change of sign, and where no bound of the slope is
-            // known nothing is drawn.
+            // Sampling misses roots without a change of sign, and nothing is drawn where the slope
+            // has no bound.
             let touches = formula.contains("z^2-1)");
             let is_blind = touches && method.proves == Proves::Nothing
                 || buffer.reasons()[UndecidedReason::Steep as usize] > 0;
@@ -309,8 +311,7 @@ fn every_painted_point_has_a_normal() {
     }
 }
 
-/// In `f64` no claim is false either, and less is painted where only rounding keeps `f32` from
-/// proving a miss.
+/// No claim in `f64` is false, and fewer misses are left unproven by rounding than in `f32`.
 #[test]
 fn no_claim_in_double_precision_is_false() {
     let mut false_claims = Vec::new();
@@ -330,7 +331,7 @@ fn no_claim_in_double_precision_is_false() {
     assert!(walls[1] < walls[0], "{walls:?}");
 }
 
-/// Where `f32` cannot tell slabs apart, each halving still halves the error of a painted point.
+/// Each halving halves the error of a painted point, even where slabs are too thin for `f32`.
 #[test]
 fn finer_slabs_in_double_precision_are_nearer_to_the_root() {
     for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {
@@ -351,7 +352,7 @@ fn finer_slabs_in_double_precision_are_nearer_to_the_root() {
                 case.slug,
                 errors.len()
             );
-            // Along a ray a slab is at most four times as long as along its axis.
+            // A slab is at most four times as long along a ray as along its axis.
             let slab = 4.0 * extent * 0.5_f64.powi(max_depth as i32);
             assert!(!errors.is_empty() && worst <= slab + 1e-9, "{worst:e} against {slab:e}");
         }

@@ -1,27 +1,27 @@
-//! The default method on the formulas of `stability`: no proof is false, and no more is undecided
-//! than wanted.
+//! The default method on the formulas of `stability`: no proof is false, and no more pixels are
+//! undecided than wanted.
 
 use crate::property_support::claims;
 use crate::stability::{Case, cases, check_zero_throughout, document, picture_with, region};
 use crate::truth_support::{Pixel, SIDE, read};
-use zeroset::model::render;
-use zeroset::picture::{Picture, Settings};
-use zeroset::scene::{self, CameraChoice};
+use zeroset_render::model::render;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::view::{self, CameraChoice};
 use zeroset_testkit::property::{Formula, Scene, picture as hold};
 use zeroset_trace::{Camera, Projection, Status, UndecidedReason};
 
-/// As small as the reference is exact.
+/// Settings with a tolerance near the reference's accuracy.
 fn settings() -> Settings {
     let (width, height) = (SIDE, SIDE);
     Settings { width, height, tolerance: 5e-4, brackets: true, ..Settings::default() }
 }
 
-/// What is claimed of a ray, if its roots contradict it.
+/// A description of the ray's claim, if its roots contradict it.
 fn contradiction(pixel: &Pixel, picture: &Picture, index: usize) -> Option<String> {
     let buffer = &picture.buffer;
     let (status, distance, drawn) =
         (buffer.status[index], buffer.distance(index), buffer.drawn[index]);
-    // For the last digits of the reference's own rays.
+    // Tolerance for the rounding of the reference's rays.
     let room = 1e-9 * (1.0 + pixel.zero.min(1e9));
     let is_false = match status {
         Status::Miss => pixel.zero.is_finite(),
@@ -38,7 +38,7 @@ fn contradiction(pixel: &Pixel, picture: &Picture, index: usize) -> Option<Strin
     })
 }
 
-/// Cases in which more is undecided than wanted; each with the reason.
+/// Cases with more undecided pixels than wanted, each with the reason.
 const TOO_MUCH: [(&str, &str); 1] =
     [("steps", "surfaces lie in faces of the domain: no sign is known beyond")];
 
@@ -82,7 +82,7 @@ fn proofs_are_true_and_little_is_undecided() {
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
-/// Nothing that a picture claims of some of its rays is false, by the certified tracer.
+/// Compares claims of a picture with the certified tracer.
 fn hold_against_certified(case: &Case, camera: &Camera, picture: &Picture) {
     let [x0, x1, y0, y1, z0, z1] = case.domain;
     let formula = Formula::given(&case.formula, [[x0, x1], [y0, y1], [z0, z1]]).expect("reads");
@@ -108,7 +108,7 @@ fn hold_against_certified(case: &Case, camera: &Camera, picture: &Picture) {
 fn what_has_no_single_roots_is_refused_or_undecided() {
     for case in cases("stability/others.json") {
         let (region, document) = (region(&case), document(&case));
-        let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+        let camera = view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
         let picture = match render(&document, &region, &camera, &settings(), &|_, _| {}) {
             Ok(picture) => picture,
             Err(error) => {

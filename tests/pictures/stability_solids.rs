@@ -1,15 +1,15 @@
-//! Solids with parts that have no value, with jumps and with poles: where they are, and that they
-//! have faces there.
+//! Solids with undefined parts, jumps and poles: their location, and the faces at these places.
 
 use glam::DVec3;
-use zeroset::model::render;
-use zeroset::picture::{Picture, Settings};
+use zeroset_render::model::render;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, Region, UndecidedReason};
+use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, UndecidedReason};
 
 const SIDE: usize = 41;
 
-/// A picture of the cube ±2 by parallel rays towards +x, or along another axis.
+/// A picture of the cube ±2 by parallel rays in the direction `along`.
 fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Picture) {
     let document = read(formula, &Options::default()).expect("reads");
     let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a cube");
@@ -23,8 +23,9 @@ fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Pi
     (camera.rays(SIDE, SIDE), picture)
 }
 
-/// Checks each ray along `along`: `expected` says, from where it passes the plane through the
-/// origin, how far along the axis the first face lies, `None` for no face; NaN for either.
+/// Checks each ray in the direction `along` by all methods. `expected` maps the point where the ray
+/// passes the plane through the origin to the axis coordinate of the first face. `None` means no
+/// face, and NaN either.
 fn check(formula: &str, along: DVec3, expected: impl Fn(DVec3) -> Option<f64>) {
     for method in &METHODS {
         check_with(method, formula, along, &expected);
@@ -41,7 +42,7 @@ fn check_with(
     let formula = format!("{method:?}: {formula}");
     let (mut seen, mut steep) = (0, 0);
     for pixel in 0..SIDE * SIDE {
-        // A method that needs bounds of the slope says so at a jump.
+        // A method that needs bounds of the slope reports their lack at a jump.
         if picture.buffer.reason(pixel) == UndecidedReason::Steep {
             assert!(method.name == "sphere" && !picture.buffer.is_drawn(pixel), "{formula}");
             steep += 1;
@@ -68,7 +69,7 @@ fn check_with(
     assert!(is_seen || steep > 0, "{formula}: {seen} faces seen");
 }
 
-/// Where a ray along x enters the unit ball; NaN near its rim.
+/// Axis coordinate where a ray along x enters the unit ball; NaN near the rim.
 fn ball(foot: DVec3) -> Option<f64> {
     let square = 1.0 - foot.y * foot.y - foot.z * foot.z;
     if square.abs() < 0.02 { Some(f64::NAN) } else { (square > 0.0).then(|| -square.sqrt()) }
@@ -77,12 +78,12 @@ fn ball(foot: DVec3) -> Option<f64> {
 #[test]
 fn a_part_without_a_value_hides_no_other() {
     check("sqrt(x-1) > y+1/8 or x^2+y^2+z^2 < 1", DVec3::X, |foot| {
-        // From y = −1/8 on the root reaches that height at (y + 1/8)² + 1, else from its edge on.
+        // For y ≥ −1/8 the root reaches that height at x = (y + 1/8)² + 1, otherwise at its edge.
         let height = (foot.y + 0.125).max(0.0);
         let root = 1.0 + height * height;
         ball(foot).or((root < 2.0).then_some(root))
     });
-    // From the edge of the logarithm's domain on, or from where the ray leaves the ball.
+    // The face is the edge of the logarithm's domain, or where the ray leaves the ball.
     check("ln(x) < 8 and not (x^2+y^2+z^2 < 1) and y > -1", DVec3::X, |foot| {
         (foot.y > -1.0).then(|| ball(foot).map_or(0.0, |enters| -enters))
     });
@@ -99,14 +100,14 @@ fn neither_a_comparison_nor_its_opposite_holds_where_there_is_no_value() {
 fn a_solid_has_faces_where_it_jumps() {
     check("floor(x) > 1/2 and y < 1/3", DVec3::X, |foot| (foot.y < 1.0 / 3.0).then_some(1.0));
     check("z < floor(x) and y < 1/3", DVec3::X, |foot| {
-        // Risers at each integer; what happens along a tread and on the last face of the box is
-        // left open.
+        // Risers are at the integers. Rays along a tread or to the last face of the box may do
+        // either.
         let height = foot.z.ceil();
         let riser = if height < 2.0 && height > foot.z { height } else { f64::NAN };
         (foot.y < 1.0 / 3.0).then_some(riser)
     });
     check("1/x > y and z < 1/3", DVec3::X, |foot| {
-        // From x = −2 on where 1/x is above y there, else from the pole on.
+        // For y < −1/2 the solid begins at x = −2, otherwise at the pole.
         let face = if foot.y < -0.5 { -2.0 } else { 0.0 };
         (foot.z < 1.0 / 3.0).then_some(face)
     });

@@ -1,20 +1,21 @@
-//! Pictures that are made strip by strip show what whole ones do.
+//! Pictures drawn strip by strip equal whole ones.
 
-use zeroset::model::{Model, Strip};
-use zeroset::picture::{Picture, Precision, Settings};
-use zeroset::program::ProgramError;
-use zeroset::scene::{self, CameraChoice, DomainChoice};
+use zeroset_render::model::{Model, Strip};
+use zeroset_render::picture::{Picture, Precision, Settings};
+use zeroset_scene::program::ProgramError;
+use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_shade::{Pattern, UndecidedStyle};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, GBuffer, Pattern, RayResult, UndecidedStyle};
+use zeroset_trace::{Camera, GBuffer, RayResult};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let document = read(text, &Options::default()).expect("reads");
-    let (region, _) = scene::region(&document, DomainChoice::Document, None).expect("a region");
-    let camera = scene::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+    let (region, _) = view::region(&document, DomainChoice::Document, None).expect("a region");
+    let camera = view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
     (Model::new(&document, &region, settings).expect("compiles"), camera)
 }
 
-/// One picture above another.
+/// Joins two pictures vertically.
 fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
     fn both<T: Clone>(parts: [&Vec<T>; 2]) -> Vec<T> {
         parts.map(Vec::as_slice).concat()
@@ -38,7 +39,7 @@ fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
     all
 }
 
-/// All strips of so many rows together, and what is told of all of them.
+/// A picture joined from strips of `rows` rows, and the picture's common results.
 fn together(
     model: &Model,
     camera: &Camera,
@@ -62,7 +63,7 @@ fn together(
     (all.expect("a strip"), told)
 }
 
-/// How many pixels differ in each quantity, bit for bit.
+/// Number of pixels that differ bit for bit, per quantity.
 fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
     fn count<T>(one: &[T], other: &[T], is_same: impl Fn(&T, &T) -> bool) -> usize {
         assert_eq!(one.len(), other.len());
@@ -85,8 +86,7 @@ fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
     ]
 }
 
-/// Several surfaces, seen through each other; colors and lines by values; cut solids; what stays
-/// undecided.
+/// Several translucent surfaces; colors and contour lines of values; cut solids; undecided pixels.
 const TEXTS: [&str; 5] = [
     "domain 1.3\nx^2+y^2+z^2=1",
     "domain 2\nx^4-5x^2+y^4-5y^2+z^4-5z^2+11.8; color steelblue 50%\nz=0.4; (x-1)^2+y^2<=0.1",

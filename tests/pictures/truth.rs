@@ -1,29 +1,29 @@
-//! Pictures of the whole gallery against exact first roots: no claim is false, and how far off the
-//! paint is.
+//! Pictures of the whole gallery against exact first roots: no claim is false, and the errors of
+//! painted points are bounded.
 
 use crate::truth_support::table::{Row, Table};
 use crate::truth_support::{Pixel, SIDE, Truth, compare, read, rounding};
 use glam::DVec3;
 use std::fmt;
-use zeroset::gallery::example;
-use zeroset::model::render;
-use zeroset::picture::{Precision, Settings};
-use zeroset::program::Program;
-use zeroset::scene::{DomainChoice, bounds, region};
+use zeroset_render::model::render;
+use zeroset_render::picture::{Precision, Settings};
+use zeroset_scene::gallery::example;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status};
 
-/// The depth of the table.
+/// The depth that the table is computed with.
 const DEPTH: u32 = 12;
 
-/// Rays with a crossing which the reference decided, over all surfaces.
+/// Number of rays with a crossing that the reference decides, over all surfaces.
 const CROSSINGS: usize = 95_746;
 
-/// What is varied of the method `knoll`.
+/// Depth and precision of the method `knoll`.
 #[derive(Clone, Copy, Debug)]
 struct Slabs(u32, Precision);
 
-/// That of the table.
+/// Depth and precision of the table.
 const TABLE: Slabs = Slabs(DEPTH, Precision::F32);
 
 impl Slabs {
@@ -34,7 +34,7 @@ impl Slabs {
     }
 }
 
-/// The surface as seen by the reference's camera.
+/// A picture of the surface from the reference's camera.
 fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     let view = &truth.view;
     let example = example(&view.slug).unwrap_or_else(|| panic!("no example {}", view.slug));
@@ -53,8 +53,8 @@ fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     (camera.rays(SIDE, SIDE), picture.buffer)
 }
 
-/// Whether what is drawn is a function with the same zeros, none of them multiple because of a
-/// square: then all are crossings.
+/// Whether the drawn function was simplified to one with the same zeros. It has no multiple zeros
+/// from squares, so all its zeros are crossings.
 fn is_simple(truth: &Truth) -> bool {
     let document =
         read_document(example(&truth.view.slug).expect("there").text, &Options::default());
@@ -65,9 +65,9 @@ fn is_simple(truth: &Truth) -> bool {
 
 /// Every claim about a ray that its first root contradicts.
 ///
-/// A miss claims that there is no root, a distance that there is none before it. Both must hold for
-/// roots of any multiplicity, hence for crossings. The painted point claims nothing, but lies
-/// nowhere that is proven empty.
+/// A miss claims that there is no root, and a distance that there is none before it. Both must hold
+/// for roots of any multiplicity, including crossings. A painted point claims nothing, but must not
+/// lie where the picture proves that there is no root.
 fn contradictions(
     truth: &Truth,
     precision: Precision,
@@ -113,7 +113,7 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     compare("truth_table.txt", &Table(&rows).to_string());
 }
 
-/// At the greatest depth, slabs are as thin as the floats can tell apart.
+/// At the greatest depth, slabs are as thin as the floats can resolve.
 #[test]
 fn no_claim_of_thinner_slabs_contradicts_an_exact_root() {
     let methods = [
@@ -157,11 +157,11 @@ fn false_claims_are_noticed() {
     assert_eq!(noticed(&early), right.counts().undecided);
 }
 
-/// At which precisions and tolerances in pixels the method `affine` is held against the truth: a
-/// fine one, the default, and `f32` alone, which leaves more open.
+/// Precisions and tolerances, in pixels, that the method `affine` is tested with: a fine tolerance,
+/// the default, and `f32` alone, which leaves more undecided.
 const CLAIMS: [(Precision, f64); 3] =
     [(Precision::Auto, 5e-4), (Precision::Auto, 0.5), (Precision::F32, 0.5)];
-/// How many undecided rays are painted before their first root; each with the cause.
+/// Number of undecided rays painted before their first root, each with the cause.
 const EARLY: [(&str, Precision, usize, &str); 5] = [
     ("floor-steps", Precision::Auto, 71, FACE),
     ("floor-steps", Precision::F32, 71, FACE),
@@ -172,25 +172,24 @@ const EARLY: [(&str, Precision, usize, &str); 5] = [
 const FACE: &str =
     "at the face of the domain in which a step lies; the reference counts no root there";
 const NODE: &str = "beside a node, where f32 does not tell the function from 0";
-/// How far a hit that is proven to the fine tolerance may be from its root, as a share of the
-/// domain's diagonal.
+/// Distance from the root above which a hit counts as far, as a share of the domain's diagonal.
 const DISTANCE: f64 = 1e-5;
 
-/// Undecided rays with a root at which the function changes sign.
+/// Counts of undecided rays with a root at which the function changes sign.
 #[derive(Clone, Copy, Debug, Default)]
 struct Open {
-    /// All.
+    /// All such rays.
     rays: usize,
-    /// On which nothing is painted: the undecided part hides the root.
+    /// Rays on which nothing is painted.
     blank: usize,
-    /// Painted before the first root by more than the tolerance.
+    /// Rays painted before the first root by more than the tolerance.
     early: usize,
-    /// Painted behind it by more than that.
+    /// Rays painted behind it by more than the tolerance.
     late: usize,
 }
 
 impl Open {
-    /// Adds a ray on which a point is painted that may be so far from the first root.
+    /// Adds a ray painted at `drawn`, with the tolerance `reach` in world units.
     fn add(&mut self, pixel: &Pixel, drawn: f64, reach: f64) {
         self.rays += 1;
         self.blank += usize::from(drawn == f64::INFINITY);
@@ -199,25 +198,25 @@ impl Open {
     }
 }
 
-/// What the method `affine` made of one surface, or of all.
+/// Results of the method `affine` for one surface or all of them.
 #[derive(Clone, Copy, Default)]
 struct Proofs {
     hits: usize,
     misses: usize,
     undecided: usize,
-    /// Undecided rays whose first root is a crossing, or that have none.
+    /// Undecided rays whose first root is a crossing, or that have no root.
     needless: usize,
-    /// Hits that are not within [`DISTANCE`] of their root.
+    /// Hits farther than [`DISTANCE`] from their root.
     far: usize,
     /// Painted pixels without a root.
     phantoms: usize,
-    /// Where undecided rays with a crossing are painted.
+    /// Painted distances of undecided rays with a crossing.
     open: Open,
     reasons: [usize; 5],
 }
 
 impl Proofs {
-    /// What a picture proves, and what of it the truth contradicts.
+    /// Counts of a picture's claims, and descriptions of those that the truth contradicts.
     fn new(
         truth: &Truth,
         frame: &RayGrid,
@@ -320,8 +319,8 @@ fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
                 wrong.push(format!("{slug}, {precision}: {:?}, {known:?}", proofs.open));
             }
             wrong.extend(found);
-            // Half a percent, but for surfaces in faces of the domain, beyond which no sign is
-            // known.
+            // At most half a percent may be needlessly undecided. Exempt are surfaces in faces of
+            // the domain, where the sign beyond the face is unknown.
             if proofs.needless > SIDE * SIDE / 200 && slug != "floor-steps" {
                 wrong.push(format!("{slug}: {} undecided", proofs.needless));
             }

@@ -1,18 +1,19 @@
-//! What choices, coordinates, sums and vectors draw: a jump is no wall, a gap stays a gap, and what
-//! is drawn is where the function typed has a zero.
+//! Pictures of piecewise functions, coordinates, sums and vectors. A jump is no wall, a gap stays a
+//! gap, and every painted point is a zero of the typed function.
 
 use glam::DVec3;
-use zeroset::model::render;
-use zeroset::picture::Settings;
+use zeroset_render::model::render;
+use zeroset_render::picture::Settings;
+use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, GBuffer, Projection, RayGrid, Region, Status};
+use zeroset_trace::{Camera, GBuffer, Projection, RayGrid, Status};
 
 const SIDE: usize = 64;
 
-/// The height of a surface over x and y.
+/// The height of a surface as a function of x and y.
 type Height = Box<dyn Fn(f64, f64) -> f64>;
 
-/// A formula within ±2, seen from above a corner.
+/// A picture of a formula within ±2, viewed from above a corner.
 fn picture(formula: &str) -> (RayGrid, GBuffer) {
     let document = read(formula, &Options::default()).expect(formula);
     let projection = Projection::Orthographic { height: 6.0 };
@@ -24,7 +25,7 @@ fn picture(formula: &str) -> (RayGrid, GBuffer) {
     (camera.rays(SIDE, SIDE), picture.buffer)
 }
 
-/// Points drawn, and how many pixels are undecided.
+/// The painted points, and the number of undecided pixels.
 fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
     let (rays, buffer) = picture(formula);
     let hits = (0..SIDE * SIDE).filter(|&pixel| buffer.is_drawn(pixel));
@@ -32,7 +33,7 @@ fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
     (points, buffer.counts().undecided)
 }
 
-/// Surfaces of functions with gaps, and how far a place is from the nearest of these.
+/// Surfaces of functions with gaps: formula, height, and distance from the nearest gap.
 fn with_gaps() -> [(&'static str, Height, Height); 4] {
     [
         ("z = sin(x)/x", Box::new(|x, _| x.sin() / x), Box::new(|x, _| x.abs())),
@@ -46,7 +47,7 @@ fn with_gaps() -> [(&'static str, Height, Height); 4] {
     ]
 }
 
-/// A gap leaves rays undecided on which a root lies behind it: that is painted where it is.
+/// A gap leaves rays undecided. If such a ray has a root behind the gap, the root is painted.
 #[test]
 fn what_is_undecided_hides_no_root_behind_it() {
     for (formula, height, gap) in with_gaps() {
@@ -63,26 +64,27 @@ fn what_is_undecided_hides_no_root_behind_it() {
             let mut inside = inside.peekable();
             let Some(start) = inside.peek().map(|t| is_above(*t)) else { continue };
             let Some(root) = inside.find(|t| is_above(*t) != start) else { continue };
-            // In a gap there is none.
+            // There is no root inside a gap.
             let point = ray.at(root);
             if gap(point.x, point.y) < 0.05 {
                 continue;
             }
             behind += 1;
-            // Half a pixel is 0.047.
+            // Half a pixel is 0.047 wide.
             let drawn = buffer.drawn[pixel];
             assert!(drawn < root + 0.05, "{formula}, pixel {pixel}: {drawn} for {root}");
             early += usize::from(drawn < root - 0.05);
         }
         println!("{formula}: {behind} roots behind gaps, {early} hidden by a gap that is painted");
-        // A part beside a gap whose signs are soon certain is not always told from a zero.
+        // Where signs become certain soon, a part beside a gap is not always distinguished from a
+        // zero.
         let most = if formula.contains("x^2") || formula.contains("e^x") { 8 } else { 0 };
         assert!(behind > 50 && early <= most, "{formula}: {early} of {behind}");
     }
 }
 
-/// Where numerator and denominator vanish together the function is undefined and stays what it was:
-/// nothing is there.
+/// A function is undefined where numerator and denominator vanish together, and nothing is painted
+/// there.
 #[test]
 fn a_gap_in_a_function_is_no_wall() {
     for (formula, height, _) in with_gaps() {
@@ -126,8 +128,8 @@ fn what_is_drawn_is_a_zero_and_no_wall() {
         assert!(points.len() > 100, "{formula}: {}", points.len());
         assert_eq!(undecided, 0, "{formula}");
         for point in points {
-            // Painted points are within half a pixel of the root: both sides of a jump may be
-            // there.
+            // Painted points are within half a pixel of the root, perhaps on the other side of a
+            // jump.
             let near = [-0.05, -0.02, 0.0, 0.02, 0.05];
             let heights = near.iter().flat_map(|a| near.iter().map(move |b| (a, b)));
             let is_near =

@@ -1,14 +1,15 @@
-//! Close views: what is drawn of a part far smaller than its distance from the origin.
+//! Close views of parts far smaller than their distance from the origin.
 
 use crate::property_support::{claims, picture as picture_of};
 use glam::DVec3;
 use std::cell::Cell;
-use zeroset::model::{Model, render};
-use zeroset::picture::{Picture, Settings};
-use zeroset::scene::{DomainChoice, region};
+use zeroset_render::model::{Model, render};
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::view::{DomainChoice, region};
+use zeroset_space::Region;
 use zeroset_syntax::{Document, Options, read};
 use zeroset_testkit::property::{Formula, Scene, picture as hold};
-use zeroset_trace::{Camera, METHODS, Precision, Projection, Region, Status};
+use zeroset_trace::{Camera, METHODS, Precision, Projection, Status};
 
 const SURFACES: [&str; 5] = [
     "domain 2\nx^2+y^2+z^2 = 1",
@@ -18,7 +19,7 @@ const SURFACES: [&str; 5] = [
     "domain 3\nx^4-5*x^2+y^4-5*y^2+z^4-5*z^2+11.8",
 ];
 
-/// A close view takes at most so many times the segments of the whole one.
+/// Greatest ratio of segments evaluated for a close view to those for the whole view.
 const MOST: u64 = 4;
 
 fn picture(document: &Document, region: &Region) -> (Model, Picture) {
@@ -35,7 +36,7 @@ fn segments(picture: &Picture) -> u64 {
     picture.statistics.work.tiles.lanes + picture.statistics.work.segments.lanes
 }
 
-/// A zero of the first surface, as close as doubles allow.
+/// A zero of the first surface, to the accuracy of doubles.
 fn zero(model: &Model) -> DVec3 {
     let half = model.region().half_extent();
     let at =
@@ -64,7 +65,7 @@ fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
             let (_, close) = picture(&document, &part);
             let pixels = close.statistics.pixels;
             println!("{text:?} {half:e}: {pixels:?}, {} of {}", segments(&close), segments(&whole));
-            // Within 2^-49 of the coordinates rays are not known themselves.
+            // Within 2^-49 of the coordinates, the rays themselves are not accurate enough.
             if half > 1e-11 {
                 assert!(segments(&close) <= MOST * segments(&whole), "{text:?} {half:e}");
                 assert!(pixels.hit > 1000, "{text:?} {half:e}: {pixels:?}");
@@ -76,8 +77,7 @@ fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
     }
 }
 
-/// A tile that is a billion times as deep as wide is not cut along its depth until its parts are as
-/// long as wide.
+/// A tile a billion times as deep as wide need not be cut until its parts are as deep as wide.
 #[test]
 fn pixels_far_smaller_than_the_domain_take_no_longer() {
     for (formula, extent) in [("asinh(y) > 0", 1e14), ("y^10 < ceil(y)", 1e18), ("z^x = y", 1e6)] {
@@ -96,7 +96,7 @@ fn pixels_far_smaller_than_the_domain_take_no_longer() {
     }
 }
 
-/// A reciprocal of so small a derivative is no float.
+/// The reciprocal of the derivative is too large for a float.
 #[test]
 fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
     let text = "1e-39*(x^2 + y^2 + z^2 - 1)";
@@ -124,7 +124,7 @@ fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
 
 #[test]
 fn no_zero_behind_the_eye_is_hit() {
-    // Sheets as close together as `f32` tells places apart near the eye, which is among them.
+    // The eye is among sheets whose distance is near the resolution of `f32`.
     for text in ["sin(1e8*x)", "sin(3e7*x)-y/8", "tan(1e8*x)=y", "sin(1e8*x)<=0"] {
         for fov in [Ok(60.0), Err(1.0)] {
             let formula = Formula::given(text, [[-2.0, 2.0]; 3]).expect(text);

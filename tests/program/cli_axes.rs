@@ -1,4 +1,4 @@
-//! What is drawn over pictures: axes and legends, by flags and by lines of the document.
+//! Axes and legends drawn over pictures, by flags and by lines of the document.
 
 use crate::cli_support::Place;
 
@@ -20,15 +20,15 @@ fn axes_and_legends_are_drawn_where_they_are_asked_for() {
     let plain = render(DOCUMENT, &[]);
     let (axes, legend) = (render(DOCUMENT, &["--axes"]), render(DOCUMENT, &["--legend"]));
     assert!(axes.0 != plain.0 && legend.0 != plain.0 && axes.0 != legend.0);
-    // Over the same picture; only axes need room.
+    // The picture below is the same, but axes shrink it to make room.
     assert!(legend.1 == plain.1 && axes.1 != plain.1);
     assert_eq!(render(&format!("axes\n{DOCUMENT}"), &[]), axes);
     assert_eq!(render(&format!("legend on\n{DOCUMENT}"), &[]), legend);
     assert_eq!(render(&format!("axes off\n{DOCUMENT}"), &[]), plain);
-    // With axes there is a legend unless that is off.
+    // Axes add the legend, unless it is off.
     let without = render(&format!("legend off\n{DOCUMENT}"), &["--axes"]);
     assert!(without.0 != axes.0 && without.1 == axes.1);
-    // Without colors of values there is nothing to tell.
+    // Without values shown as colors, there is no legend.
     let sphere = "x^2+y^2+z^2 = 1";
     assert_eq!(render(sphere, &["--legend"]), render(sphere, &[]));
 }
@@ -67,7 +67,7 @@ fn a_saved_picture_has_what_its_document_draws_around_it() {
     let pixels = |name: &str| image::open(place.path(name)).expect("a picture").to_rgb8();
     let (seen, again) = (pixels("seen.png"), pixels("again.png"));
     assert!(seen == again, "{options}");
-    // Far right there is nothing but the legend.
+    // The right margin holds the legend only.
     let column = seen.width() - 48;
     let colors: std::collections::BTreeSet<_> =
         (0..seen.height()).map(|row| seen.get_pixel(column, row).0).collect();

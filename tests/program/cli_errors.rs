@@ -1,19 +1,19 @@
-//! Bad input on the command line: one clear message, exit code 2, no panic, nothing half-written,
-//! in bounded time.
+//! Invalid input on the command line gives one clear message and exit code 2. There is no panic and
+//! no partial file, and the time is bounded.
 
 use crate::cli_support::{Place, Run};
 
-/// The picture asked for by every run here.
+/// File name of the picture in every run here.
 const PICTURE: &str = "picture.png";
 
-/// Asserts that a run ended as an error of the user's, with `expected` in its one message.
+/// Asserts that a run ended with a user error whose only message contains `expected`.
 fn assert_refused(place: &Place, run: &Run, expected: &str, case: &str) {
     let stderr = &run.stderr;
     assert_eq!(run.code, Some(2), "{case}: {stderr}");
     assert!(stderr.contains(expected), "{case}: {expected:?} is not in {stderr}");
     assert_eq!(stderr.matches("error: ").count(), 1, "{case}: {stderr}");
     assert!(!stderr.contains("panicked") && !stderr.contains("internal error"), "{case}: {stderr}");
-    // A message is for reading: no megabyte of input comes back.
+    // A message must be readable, so it must not repeat a megabyte of input.
     assert!(stderr.len() < 4000, "{case}: {} bytes of message", stderr.len());
     assert!(run.stdout.is_empty(), "{case}: output {:?}", run.text());
     let written = place.files();
@@ -54,7 +54,7 @@ fn texts_that_are_no_formula() {
     }
 }
 
-/// Every bound on what one document may ask for is reached by a text within all others.
+/// Each text exceeds one limit on documents, and respects all others.
 #[test]
 fn each_limit_says_which_it_is() {
     let sum = |count: usize, term: &dyn Fn(usize) -> String| {
@@ -99,7 +99,7 @@ fn texts_made_to_break_a_parser() {
     let signs = format!("{}x", "-".repeat(100_000));
     refused(&signs, &[], "error: ");
     let pasted = Place::new();
-    // Longer than an argument may be: by standard input and by file.
+    // This is longer than an argument may be, so it is read from standard input and from a file.
     let line = format!("x{}", "+x".repeat(512 * 1024));
     let run = pasted.run_with(&["render", "-", "-o", PICTURE], line.as_bytes());
     assert_refused(&pasted, &run, "bytes long", "a line of a megabyte");
@@ -166,12 +166,12 @@ fn files_that_may_not_be_read_and_names_that_are_no_text() {
     let place = Place::new();
     let secret = place.write("secret.zset", "x");
     std::fs::set_permissions(&secret, std::fs::Permissions::from_mode(0o000)).expect("set");
-    // The superuser may read everything.
+    // The superuser can read the file all the same.
     if std::fs::File::open(&secret).is_err() {
         let run = place.run(&["render", "secret.zset", "-o", PICTURE]);
         assert_refused(&place, &run, "cannot read 'secret.zset'", "an unreadable file");
     }
-    // Readable for nobody: the process's own memory at address 0.
+    // Nobody can read the process's own memory at address 0.
     if cfg!(target_os = "linux") {
         let run = place.run(&["render", "/proc/self/mem", "-o", PICTURE]);
         assert_refused(&place, &run, "cannot read '/proc/self/mem'", "an unreadable file");
@@ -208,7 +208,7 @@ fn outputs_that_cannot_be_written() {
     }
 }
 
-/// What is written through a link goes to where it leads, whole or not at all; the link stays.
+/// Writing through a symbolic link replaces its target atomically and keeps the link.
 #[cfg(unix)]
 #[test]
 fn links_stay_links() {
@@ -230,12 +230,12 @@ fn links_stay_links() {
         let written = std::fs::read(place.path(target)).expect("there");
         assert!(written.starts_with(b"\x89PNG"), "{target} is no picture");
     }
-    // An error leaves what the link leads to as it was.
+    // After an error the target is unchanged.
     place.write("folder/old.png", "old");
     let run = place.run(&["render", "x+", "-o", "link.png"]);
     assert_eq!(run.code, Some(2), "{}", run.stderr);
     assert_eq!(std::fs::read(place.path("folder/old.png")).expect("there"), b"old");
-    // Two names of one file.
+    // Two paths to one file.
     let both = ["render", "x", "-o", "link.png", "--status", "folder/../folder/old.png"];
     let run = place.run(&both);
     assert_refused(&place, &run, "is given for two outputs", "a link and its target");
@@ -418,7 +418,7 @@ fn whoever_has_read_enough_ends_the_output_without_an_error() {
             .stderr(Stdio::piped())
             .spawn()
             .expect("starts");
-        // Closed before there is anything to write.
+        // Standard output is closed before anything is written to it.
         drop(child.stdout.take());
         let mut said = String::new();
         child.stderr.take().expect("piped").read_to_string(&mut said).expect("UTF-8");

@@ -1,4 +1,4 @@
-//! Pictures that are made strip by strip.
+//! Pictures that are rendered strip by strip.
 
 use crate::cli_support::Place;
 use image::RgbImage;
@@ -9,8 +9,7 @@ fn picture(place: &Place, name: &str) -> RgbImage {
     image::open(place.path(name)).expect("a picture").to_rgb8()
 }
 
-/// Just above what is held whole: files are as those of a smaller picture, and tell the same
-/// numbers.
+/// A picture just too large for one strip looks like a smaller one. Its counts match its arrays.
 #[test]
 fn a_large_picture_is_written_in_strips() {
     let place = Place::new();
@@ -33,8 +32,8 @@ fn a_large_picture_is_written_in_strips() {
     }
     let bytes = std::fs::read(place.path("normal.npy")).expect("written");
     assert_eq!(npyz::NpyFile::new(&bytes[..]).expect("an array").shape(), [2560, 1680, 3]);
-    // Scaled down it is the small picture: surface, legend and axes are in their places, no strip
-    // is off.
+    // Scaled down it equals the small picture: surface, legend and axes are in their places, and no
+    // strip is displaced.
     let (large, small) = (picture(&place, "large.png"), picture(&place, "small.png"));
     assert_eq!(large.dimensions(), (1680, 2560));
     let mean = |x: u32, y: u32, part: usize| {

@@ -1,11 +1,11 @@
-//! `zeroset render`, `gallery` and `explain` as a user meets them.
+//! End-to-end tests of `zeroset render`, `gallery` and `explain`.
 
 use crate::cli_support::Place;
 use serde_json::Value;
 
 const SPHERE: &str = "x^2+y^2+z^2 = 1";
 
-/// A power-8 Mandelbulb of two rounds, by angles.
+/// A power-8 Mandelbulb of two iterations, in polar form.
 pub const BULB: &str = "\
     r = sqrt(x^2+y^2+z^2); a = 8 acos(z/r); b = 8 atan2(y, x)\n\
     u = r^8 sin(a) cos(b) + x; v = r^8 sin(a) sin(b) + y; w = r^8 cos(a) + z\n\
@@ -36,8 +36,8 @@ fn a_formula_becomes_a_picture() {
     assert_eq!(sphere.get_pixel(0, 0).0, [244, 244, 246]);
 }
 
-/// Cameras at the ends of what floats hold: what their rays certainly meet is not called a miss, or
-/// they are refused.
+/// Cameras near the limits of floats. A ray that certainly meets the surface is no miss, unless the
+/// camera is refused.
 #[test]
 fn no_extreme_camera_hides_what_its_rays_meet() {
     let place = Place::new();
@@ -55,7 +55,7 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
         assert_ne!(by("affine"), 0, "{camera}");
         by("knoll")
     };
-    // Along an axis even the farthest rays are exact: 101 of them meet the ball.
+    // Along an axis even rays from very far are exact, and 101 of them meet the ball.
     for eye in ["3e38", "4e38", "1e100"] {
         for precision in ["f32", "f64"] {
             let camera = format!(
@@ -70,8 +70,7 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
             }
         }
     }
-    // The middle ray passes through the origin exactly, from where the way's numbers overflow in
-    // f32.
+    // The middle ray passes through the origin exactly. Its numbers overflow in f32.
     for eye in ["1e60,1e60,1e60", "-9e99,9e99,-9e99"] {
         let camera = format!("--eye={eye} --target 0,0,0 --up 0,0,1 --fov 40 --size 17");
         assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");
@@ -80,11 +79,11 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
         assert_eq!(refused.code, Some(2), "{parallel}");
         assert!(refused.stderr.contains("can tell the rays apart"), "{}", refused.stderr);
     }
-    // The squares of the view's numbers are subnormal.
+    // The squares of the camera's numbers are subnormal.
     let ball = "(x-1)^2+(y-0.9)^2+(z-0.8)^2=0.01";
     let close = "--eye 0,0,0 --target 2.6e-162,1.4e-162,4e-163 --up 0,0,1 --fov 90 --size 65";
     assert_eq!(status(ball, close, [25, 16]), 2);
-    // Forward × up loses ten digits to cancellation.
+    // The product forward × up loses ten digits to cancellation.
     let speck = "(x+0.13391258274386464)^2+(y-0.77058820789075788)^2+(z-0.65331571406091693)^2\
                  -(2e-12)^2";
     let upright = "--eye 3,2,9 --target 0,0,0 --up 3.00007,1.99997,9.00011 --fov 20 --size 64 \
@@ -140,18 +139,19 @@ fn arrays_hold_what_the_picture_shows() {
             assert!(near <= distance[pixel] && distance[pixel] <= far && far - near < 0.01);
         }
     }
-    // Just off the middle: row 4, column 10. The ray leaves (0, 0, 5) with slopes 0.05·s and 0.1·s.
+    // The pixel at row 4, column 10 is just off the middle. Its ray leaves (0, 0, 5) with slopes
+    // 0.05·s and 0.1·s.
     let s = 20.0_f64.to_radians().tan();
     let (a, b) = (0.1 * s, 0.1 * s);
     let direction = [a, b, -1.0].map(|c: f64| c / (a * a + b * b + 1.0).sqrt());
     let along = -5.0 * direction[2];
     let exact = along - (along * along - 24.0).sqrt();
     let found = distance[4 * 20 + 10];
-    // A hundredth of a pixel.
+    // The tolerance is a hundredth of a pixel.
     assert!((found - exact).abs() < 0.003, "{found} is not {exact}");
     let [near, far] = [0, 1].map(|end| bracket[2 * (4 * 20 + 10) + end]);
     assert!(near <= exact && exact <= far, "{exact} is not from {near} to {far}");
-    // There x and y are about 4 · 0.1 · s.
+    // At the hit, x and y are about 4 · 0.1 · s.
     assert!((normal[3 * (4 * 20 + 10) + 2] - 0.978).abs() < 0.005);
 }
 
@@ -176,7 +176,7 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
         assert_eq!(object["undecided"][reason], 0, "{reason}");
     }
     assert_eq!((&object["max_depth"], &object["steps"]), (&10.into(), &256.into()));
-    // No colors were asked for, so no gradient kernel was made or called.
+    // A run without colors compiles and calls no gradient kernel.
     assert_eq!(count("/work/gradient/calls"), 0);
     assert!(count("/code_bytes") > 0 && count("/nodes/before") >= count("/nodes/after"));
     assert_eq!(object["camera"]["fov"], 40.0);
@@ -200,7 +200,7 @@ fn rays_that_stay_undecided_are_given_up_with_a_reason() {
     let given_up = deep.json()["work"]["given_up"].as_u64().expect("a number");
     assert!(given_up > 0 && deep.stderr.contains("given up after 32768 steps"), "{}", deep.stderr);
     let calls = deep.json()["work"]["interval"]["calls"].as_u64().expect("a number");
-    // Four packets of sixteen rays.
+    // There are four packets of sixteen rays.
     assert!(calls <= 4 * 32768, "{calls}");
     let shallow = render("10");
     assert_eq!(shallow.json()["work"]["given_up"], 0);
@@ -233,7 +233,7 @@ fn text_comes_from_a_file_before_the_gallery_before_the_command_line() {
     assert_eq!(standard[0], "x + y = z");
     let gallery = surfaces(&["ding-dong"], "");
     assert_eq!(gallery, surfaces(&["Ding-dong"], ""));
-    // A file called like a formula and one called like a surface of the gallery.
+    // Existing files take precedence over formulas and gallery names.
     place.write("x+y", "z = 1/2");
     place.write("sphere", "y = 1/2");
     assert_eq!(surfaces(&["x+y"], "")[0], "z = 1/2");
@@ -255,7 +255,7 @@ fn values_may_begin_with_a_minus() {
         let all = [&["render"], &arguments[..], &["-o", "a.png", "--size", "8"]].concat();
         let run = place.run(&all);
         assert_eq!(run.code, Some(0), "{arguments:?}: {}", run.stderr);
-        // Taken for a flag, `-h…` would have printed the help.
+        // A value mistaken for the flag `-h` would print the help.
         assert!(run.stdout.is_empty(), "{}", run.text());
     }
 }
@@ -296,7 +296,7 @@ fn a_number_means_the_same_wherever_it_is_typed() {
     assert_eq!(literal, status("a = 1\nx^2+y^2+z^2 = a", &["-D", "a=0.1"]));
     assert_eq!(literal, status("a = 0.1\nx^2+y^2+z^2 = a", &[]));
     assert_eq!(literal, status("x^2+y^2+z^2 = t", &["--time", "0.1"]));
-    // Code made for the whole range of a slider, too.
+    // Code compiled for the whole range of a slider gives the same result.
     assert_eq!(literal, status("domain 2\na = 0.1 in [-1, 1]\nx^2+y^2+z^2 = a", &[]));
     assert_eq!(literal, status("domain 2\nt = 0.3 in [0, 1]\nx^2+y^2+z^2 = t", &["--time", "0.1"]));
 }
@@ -352,13 +352,13 @@ fn undecided_pixels_can_be_told_apart_and_counted_against() {
     assert_eq!(place.run(&[&strict[..], &["--method", "knoll"]].concat()).code, Some(1));
     let proven = place.run(&strict);
     assert_eq!((proven.code, &proven.json()["pixels"]["undecided"]), (Some(0), &0.into()));
-    // It is 0 and nowhere negative.
+    // The function has zeros, but is nowhere negative.
     let touching = ["render", "cosh(x-y) = 1", "--domain", "2", "--json", "--size", "16"];
     let touching = place.run(&touching);
     let object = touching.ok().json();
     assert_eq!(object["undecided"]["touching"], object["pixels"]["undecided"]);
     assert!(object["pixels"]["undecided"].as_u64() > Some(20), "{object}");
-    // A square has the zeros of what is squared.
+    // A square has the same zeros as its base.
     let square = ["render", "(x-y)^2", "--domain", "2", "--json", "--size", "16", "--strict"];
     assert!(place.run(&square).ok().json()["pixels"]["hit"].as_u64() > Some(20));
     let nothing = ["render", "x^2+y^2+z^2 = -1", "--json", "--size", "16", "--strict"];
@@ -391,7 +391,7 @@ fn a_function_that_may_be_0_everywhere_is_remarked_on() {
     };
     assert!(note("sin(x)^2 + cos(x)^2 - 1"));
     assert!(note("(x+y)^2 - x^2 - 2x y - y^2"));
-    // Small is not 0, and neither is what is 0 on a half of space.
+    // A small function is not 0, and neither is one that is 0 on a half-space only.
     assert!(!note("1e-20*(x^2+y^2+z^2-1)"));
     assert!(!note("x + abs(x)"));
     assert!(!note("x+y+z"));
@@ -438,7 +438,7 @@ fn shadows_central_normals_and_parallel_rays() {
     let differing = plain.pixels().zip(central.pixels()).filter(|(a, b)| a != b).count();
     assert!(differing < 48 * 48 / 4, "{differing} pixels differ");
     let parallel = render("parallel.png", &["--ortho", "4", "--view", "front"]);
-    // A cube of side 2 in a picture of height 4, seen from the front: the middle half.
+    // A cube of side 2 in a picture of height 4, viewed from the front, takes the middle half.
     let background = [244, 244, 246];
     assert_eq!(parallel.get_pixel(10, 24).0, background);
     assert_ne!(parallel.get_pixel(14, 24).0, background);
@@ -469,7 +469,7 @@ fn every_thread_count_gives_the_same_picture_and_arrays() {
         &["double-root-sphere", "--aa", "64"],
         &["shadows.zset", "--shadows", "--light", "1,1,9"],
         &["behind.zset", "--shadows", "--look", "night"],
-        // Doubles have the last word.
+        // Some of these pixels are decided in doubles only.
         &["(x-1000)^2+(y-1000)^2+(z-1000)^2 = 1", "--shadows", "--precision", "auto"],
         &["z = tan(x)", "--normals", "central"],
     ] {
@@ -489,8 +489,8 @@ fn every_thread_count_gives_the_same_picture_and_arrays() {
     }
 }
 
-/// What is compiled for which picture, and nothing else: seen from a given side, since a view that
-/// is searched for asks, too.
+/// Only the kernels that a picture needs are compiled. The view is given, since searching for one
+/// evaluates kernels, too.
 #[test]
 fn kernels_are_made_for_what_the_picture_asks() {
     let place = Place::new();
@@ -544,8 +544,8 @@ fn kernels_are_made_for_what_the_picture_asks() {
     }
 }
 
-/// Formulas that would take minutes: angles, and tangents that change their sign millions of times
-/// in a pixel.
+/// Formulas that would take minutes: one with many angles, and tangents that change their sign
+/// millions of times per pixel.
 #[test]
 fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
     let place = Place::new();
@@ -575,7 +575,7 @@ fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
     }
 }
 
-/// The time runs from the start: what is needed to choose where to look, and from where, is of it.
+/// The budget includes the time for choosing the domain and the view.
 #[test]
 fn a_budget_of_time_is_no_other_for_the_view() {
     let place = Place::new();
@@ -588,7 +588,7 @@ fn a_budget_of_time_is_no_other_for_the_view() {
         let note = "no domain was found in time: x, y, z in -2..2 are drawn; --domain says where";
         assert_eq!(run.stderr.contains(note), domain.is_empty(), "{}", run.stderr);
     }
-    // Each frame has it anew.
+    // Each frame has the full budget.
     let formula = "sum(k = 1..10, tan(k*1e6*x + k*y)) = a*z";
     let fixed =
         ["render", formula, "--domain", "1", "--sweep", "a=1..2", "--frames", "3", "--json"];
@@ -616,7 +616,7 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     ] {
         assert!(run.text().contains(part), "{part} is not in {}", run.text());
     }
-    // Code only for those who ask for it, and after all else.
+    // Code is listed on request only, after everything else.
     assert!(!run.text().contains("function u0:0"), "{}", run.text());
     let run = place.run(&["explain", "--code", "2x sin y = z^2"]).ok();
     let code = run.text().find("function u0:0").expect("the code");
@@ -625,9 +625,9 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     for part in ["cleared     ", "zeros of the numerator", "zeros of the branches"] {
         assert!(run.text().contains(part), "{part} is not in {}", run.text());
     }
-    // Notes on the reading are part of the explanation.
+    // Notes on how the text was read are part of the explanation.
     assert!(place.run(&["explain", "1/2x+y+z"]).ok().text().contains("the other reading"));
-    // The code shown is that of the precision asked for.
+    // The code has the requested precision.
     let code = |precision: &str| {
         place
             .run(&["explain", "x*y = z", "--code", "--precision", precision])
@@ -637,10 +637,10 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     };
     assert!(code("f32").contains("f32x4") && !code("f32").contains("f64x2"));
     assert!(code("f64").contains("f64x2") && !code("f64").contains("f32x4"));
-    // A constant has no surface, but it can be explained, and so is why.
+    // A constant has no surface, but is explained, with the reason.
     let three = place.run(&["explain", "3"]).ok();
     assert!(three.text().contains("no surface  '3' is constant: it is 3"), "{}", three.text());
-    // The float below 0.3 is the one that is written so.
+    // A parameter is shown as typed, not as the bounds of its value.
     let parameter = place.run(&["explain", "x^2+y^2+z^2=a", "-D", "a=0.3"]).ok();
     assert!(parameter.text().contains("parameter   a = 0.3\n"), "{}", parameter.text());
 }
@@ -657,7 +657,7 @@ fn the_gallery_is_listed_and_rendered_without_a_checkout() {
         let picture = picture(&place, &format!("out/pictures/{name}.png"));
         let background = picture.get_pixel(0, 0);
         let painted = picture.pixels().any(|pixel| pixel != background);
-        // The needle is finer than these pixels.
+        // The needle is thinner than these pixels.
         assert!(painted || *name == "needle", "{name} is empty");
     }
     let sheet = picture(&place, "out/pictures/contact-sheet.png");
@@ -675,7 +675,7 @@ fn completions_are_generated() {
 #[test]
 fn double_precision_reaches_deeper_and_writes_wider_distances() {
     let place = Place::new();
-    // A sphere of radius 10^4, of which f32 knows the squares to a few units only.
+    // A sphere of radius 10^4, whose squares f32 resolves only to a few units.
     let far = |precision: &str, method: &[&str]| {
         let arguments = [
             "render",
@@ -704,12 +704,13 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     let (shape, double) = array::<f64>(&place, "far.npy");
     assert_eq!(shape, [9, 9]);
     let middle = 4 * 9 + 4;
-    // What f32 cannot decide is decided in f64 by itself, unless it is told not to.
+    // By default f64 decides what f32 cannot; with `--precision f32` it does not.
     let fine = ["--tolerance", "1e-7"];
     assert_eq!([far("auto", &fine), far("f64", &fine)], [0, 0]);
     let (_, finished) = array::<f64>(&place, "far.npy");
     assert!((finished[middle] - 50.0).abs() < 1e-6, "{}", finished[middle]);
-    // In f32 alone a hit is proven by the signs around it, and its place is as coarse as they are.
+    // In f32 alone, the signs around a hit prove it, and its position is only as accurate as they
+    // are.
     far("f32", &fine);
     let (_, coarse) = array::<f32>(&place, "far.npy");
     let off = (f64::from(coarse[middle]) - 50.0).abs();
@@ -768,7 +769,7 @@ fn a_method_that_proves_nothing_says_so() {
     assert!(!run.stderr.contains("are not drawn"), "{}", run.stderr);
 }
 
-/// A formula without a surface on this domain takes nothing from the others; one without a surface
+/// A formula without a surface on this domain leaves the others as they are. One without a surface
 /// anywhere is refused.
 #[test]
 fn what_is_constant_on_this_domain_only_is_noted() {
@@ -860,13 +861,13 @@ fn a_document_says_how_its_picture_looks() {
     assert_eq!((night.0.as_str(), corner(&night)), ("night", [13, 15, 21]));
     let tomato = render(&format!("background tomato; look night; {SPHERE}"), &[]);
     assert_eq!((tomato.0.as_str(), corner(&tomato)), ("night", [255, 99, 71]));
-    // Flags count before the document.
+    // Flags override the document.
     let asked = render(
         &format!("background tomato; look night; {SPHERE}"),
         &["--look", "studio", "--background", "#f4f4f6"],
     );
     assert_eq!(asked, plain);
-    // A color after the only surface is its color.
+    // A color line after the only surface applies to it.
     let red = render(&format!("{SPHERE}; color red"), &[]);
     assert_eq!(red, render(&format!("color red; {SPHERE}"), &[]));
     assert_ne!(red, plain);
@@ -874,12 +875,12 @@ fn a_document_says_how_its_picture_looks() {
     assert!(refused.code == Some(2) && refused.stderr.contains("did you mean `night`?"));
 }
 
-/// The language has lists of its own, since it does not know what draws.
+/// The parser has its own lists of names, since it does not depend on the tracer.
 #[test]
 fn what_may_be_typed_is_what_there_is() {
-    assert_eq!(zeroset_trace::LOOKS.map(|look| look.name), zeroset_syntax::LOOKS);
-    assert_eq!(zeroset_trace::COLOR_MAPS.map(|map| map.name), zeroset_syntax::COLOR_MAPS);
-    assert_eq!(zeroset_trace::StandardView::ALL.map(|(name, _)| name), zeroset_syntax::PRESETS);
+    assert_eq!(zeroset_style::LOOKS.map(|look| look.name), zeroset_syntax::LOOKS);
+    assert_eq!(zeroset_style::COLOR_MAPS.map(|map| map.name), zeroset_syntax::COLOR_MAPS);
+    assert_eq!(zeroset_style::VIEWS.map(|view| view.name), zeroset_syntax::PRESETS);
 }
 
 #[test]

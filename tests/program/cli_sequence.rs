@@ -1,4 +1,4 @@
-//! `zeroset render --frames` as a user meets it.
+//! End-to-end tests of `zeroset render --frames`.
 
 use crate::cli_support::Place;
 use serde_json::Value;
@@ -9,7 +9,7 @@ fn pixels(place: &Place, name: &str) -> Vec<u8> {
     image::open(place.path(name)).expect("a picture").to_rgb8().into_raw()
 }
 
-/// Of every frame, one object a line.
+/// The JSON objects of all frames, one per line.
 fn frames(stdout: &str) -> Vec<Value> {
     stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
 }
@@ -25,7 +25,7 @@ fn each_frame_is_the_picture_of_its_values() {
     for (frame, r) in frames.iter().zip([0.3, 0.6, 0.9, 1.2]) {
         let value = frame["values"]["r"].as_f64().expect("a number");
         assert!((value - r).abs() < 1e-12, "{value}");
-        // One domain and one camera for all, and one compilation.
+        // All frames share the domain, the camera and the compilation.
         assert_eq!(frame["domain"], frames[0]["domain"]);
         assert_eq!(frame["camera"], frames[0]["camera"]);
         assert_eq!(frame["ms"]["compile"] == 0.0, frame["frame"] != 0, "{}", frame["ms"]);
@@ -71,7 +71,7 @@ fn shards_make_what_one_run_makes_and_resuming_makes_what_is_missing() {
     let run = place.run(&resume).ok();
     assert!(run.stderr.contains("4 frames were there already, 1 were made"), "{}", run.stderr);
     assert!(all("whole") == whole);
-    // What another command has made is made anew.
+    // A file written by another command is rendered again.
     std::fs::copy(place.path("part-2.png"), place.path("whole-2.png")).expect("copied");
     let run = place.run(&resume).ok();
     assert!(run.stderr.contains("4 frames were there already, 1 were made"), "{}", run.stderr);
@@ -123,7 +123,7 @@ fn one_file_holds_all_frames() {
     for frame in &frames {
         let shown = decoder.read_next_frame().expect("valid").expect("a frame");
         delays += shown.delay;
-        // 256 colors are near enough to all of a small picture's.
+        // A palette of 256 colors is accurate enough for a small picture.
         let off = shown.buffer.chunks(4).zip(frame.chunks(3));
         let off = off.flat_map(|(a, b)| (0..3).map(move |k| a[k].abs_diff(b[k]))).max();
         assert!(off < Some(24), "{off:?}");

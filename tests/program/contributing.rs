@@ -1,4 +1,4 @@
-//! Keeps the worked example of CONTRIBUTING.md true: the files it names are those that name a like
+//! Checks the worked example of CONTRIBUTING.md: it names exactly the files that name a similar
 //! operation.
 
 use std::collections::BTreeSet;
@@ -19,7 +19,7 @@ fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The section on a native function: its prose, and the row it shows.
+/// The section on a native function: its prose, and its row of the table.
 fn native_section() -> (String, String) {
     let text = std::fs::read_to_string(root().join("CONTRIBUTING.md")).expect("there");
     let section = text.split("**Natively**").nth(1).expect("the section");
@@ -29,8 +29,8 @@ fn native_section() -> (String, String) {
     (format!("{before}{after}"), row.to_owned())
 }
 
-/// The paths in backquotes in the section on a native function; a bare file name continues the
-/// directory before it.
+/// The paths in backquotes in the section on a native function. A bare file name continues the
+/// preceding directory.
 fn named() -> BTreeSet<String> {
     let (section, _) = native_section();
     let mut directory = String::new();
@@ -61,8 +61,8 @@ fn the_worked_example_names_every_place_and_no_other() {
         .into_iter()
         .filter(|path| {
             let text = std::fs::read_to_string(path).expect("readable");
-            // An arm, a row or a variant for `atan`, which like `sinh` is odd, increasing and
-            // elementary; what only one test is about does not count.
+            // Lines with an arm, row or variant for `atan`, which like `sinh` is odd, increasing
+            // and elementary. Tests about `atan` alone do not count.
             let is_place = |line: &str| {
                 let places =
                     ["Op::Atan =>", "op: Op::Atan,", "(Op::Atan, f64::", "case(Op::Atan, "];
@@ -78,7 +78,7 @@ fn the_worked_example_names_every_place_and_no_other() {
     assert_eq!(named(), arms);
 }
 
-/// A file beside a `main.rs` that it does not name would not be compiled, and its tests would not
+/// A file that the `main.rs` beside it does not name would not be compiled, and its tests would not
 /// run.
 #[test]
 fn every_file_of_a_test_binary_is_a_part_of_it() {

@@ -1,5 +1,5 @@
-//! The real program as its user meets it: the command line, a terminal, a window. The documents
-//! that a contributor meets too.
+//! End-to-end tests of the program on the command line, in a terminal and in a window, and of the
+//! documents for contributors.
 
 mod cli_axes;
 mod cli_errors;

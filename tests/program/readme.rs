@@ -1,4 +1,4 @@
-//! What the README says of tables in the code.
+//! Checks the README against tables in the code.
 
 use std::fs;
 use std::path::Path;
@@ -32,7 +32,7 @@ fn what_is_written_elsewhere_has_its_row() {
         .skip(2)
         .take_while(|line| line.starts_with('|'))
         .collect();
-    let expected = zeroset::live::COMING
+    let expected = zeroset_live::COMING
         .iter()
         .map(|(from, there, here)| format!("| {from} | `{there}` | {here} |"));
     assert_eq!(rows, expected.collect::<Vec<_>>());

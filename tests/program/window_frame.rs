@@ -1,10 +1,10 @@
-//! A real window among others: its size, its letters, its file, and the ways in which window and
-//! terminal end.
+//! A real window: its size, letters and watched file, and the ways in which window and terminal
+//! close.
 
 use crate::window_support::scene::{CUBE, PROGRAMS, Scene, painted};
 use crate::window_support::{Terminal, have, until};
 
-/// The height of the status line when letters are this many times as large.
+/// Height of the status line, with letters `scale` times as large.
 const fn status(scale: u32) -> u32 {
     20 * scale
 }
@@ -35,7 +35,7 @@ fn the_picture_fills_a_window_that_grows_or_shrinks() {
     for (width, height) in [(640, 480), (300, 220), (120, 90)] {
         let (w, h) = (width.to_string(), height.to_string());
         scene.display.tool(&["windowsize", &scene.window, &w, &h]);
-        // Keys go to where the pointer is.
+        // Keys go to the window under the pointer.
         scene.point(60, 40);
         until("the window has its size", || scene.picture().dimensions() == (width, height));
         scene.rest();
@@ -44,7 +44,7 @@ fn the_picture_fills_a_window_that_grows_or_shrinks() {
         assert!(ground.iter().all(|c| *c > 200), "{ground:?} at the edge of {width}x{height}");
         let line = picture.get_pixel(1, height - 2).0;
         assert!(line.iter().all(|c| *c < 80), "no status line in {width}x{height}");
-        // It is made in this size, not stretched to it.
+        // The picture is rendered in this size, not stretched to it.
         scene.terminal.type_in(":status\r");
         scene.terminal.shows(&format!("pixels      {width}x{}:", height - status(1)));
         if height > 200 {
@@ -78,7 +78,7 @@ fn letters_are_as_large_as_they_are_asked_to_be() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// The picture in the README.
+/// Takes the picture for the README.
 #[test]
 fn the_overlay_is_drawn_around_the_picture() {
     if !have(PROGRAMS) {
@@ -91,7 +91,7 @@ fn the_overlay_is_drawn_around_the_picture() {
     scene.point(400, 260);
     std::thread::sleep(std::time::Duration::from_millis(300));
     scene.display.keep(&scene.window, "window");
-    // Lines and labels are dark, and there were no dark pixels on the ground.
+    // Lines and labels are dark, and the background without them is not.
     let dark = |picture: &image::RgbImage| {
         picture.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
     };
@@ -121,7 +121,7 @@ fn a_saved_file_is_seen_at_once() {
     });
     let small = width(&scene);
     assert!(small * 5 < before * 4, "{small} is not smaller than {before}");
-    // A mistake keeps the picture, with a border.
+    // An error keeps the picture, with a border.
     save("domain 2\nmax(abs(x)");
     until("there is a border", || {
         let [r, _, b] = scene.picture().get_pixel(0, 100).0;
@@ -132,7 +132,7 @@ fn a_saved_file_is_seen_at_once() {
     scene.changes("mended", || {
         save("domain 2\nmax(abs(x),abs(y),abs(z)) = 3/2\nview eye (4, -6, 3)");
     });
-    // A file that is gone is told of over the picture, above the status line.
+    // A deleted file is reported over the picture, above the status line.
     scene.rest();
     let whole = scene.picture();
     std::fs::remove_file(&path).expect("removed");
@@ -148,7 +148,7 @@ fn a_saved_file_is_seen_at_once() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// Asks a window to close, as a window manager does.
+/// Requests that a window close, as a window manager does.
 fn close(scene: &Scene) {
     use x11rb::protocol::xproto::{ClientMessageEvent, ConnectionExt, EventMask};
     let (connection, _) = x11rb::connect(Some(&scene.display.name)).expect("connected");
@@ -160,7 +160,7 @@ fn close(scene: &Scene) {
     let data = [atom("WM_DELETE_WINDOW"), x11rb::CURRENT_TIME, 0, 0, 0];
     let event = ClientMessageEvent::new(32, window, atom("WM_PROTOCOLS"), data);
     let sent = connection.send_event(false, window, EventMask::NO_EVENT, event).expect("sent");
-    // A round trip: the server may drop what it has not read when the connection closes.
+    // A round trip, since the server may drop unread requests when the connection closes.
     sent.check().expect("delivered");
 }
 
@@ -172,7 +172,7 @@ fn closing_the_window_ends_the_program_and_keeps_the_document() {
     let mut scene = Scene::start(CUBE);
     scene.terminal.type_in("z = x^3\r");
     scene.rest();
-    // A line that has been begun does not keep it from ending.
+    // An unfinished line does not prevent the exit.
     scene.terminal.type_in("x^2+");
     close(&scene);
     let place = scene.terminal.place().to_owned();
@@ -192,7 +192,7 @@ fn a_terminal_that_goes_away_ends_the_program_and_keeps_history_and_document() {
         };
         assert!(read("history").contains("z = x^3") && read("last.zset").contains("z = x^3"));
     };
-    // With a signal, and without one.
+    // Test a hang-up with a signal, and one without.
     if have(&["setsid"]) {
         println!("with a signal");
         check(Terminal::controlling(&["--preview", "x+y+z"], None));

@@ -1,14 +1,14 @@
-//! The gallery in a real window, and texts over the picture.
+//! The gallery in a real window.
 
 use crate::window_support::scene::{CUBE, PROGRAMS, Scene};
 use crate::window_support::{have, until};
 
-/// Whether the gallery is open, and its second picture is there.
+/// Whether the gallery is open and shows its second picture.
 fn has_pictures(scene: &Scene) -> bool {
     scene.picture().get_pixel(3, 150).0 == [0x18, 0x18, 0x20] && colors(scene, SECOND) > 50
 }
 
-/// Colors in a part of the window.
+/// Number of colors in a part of the window.
 fn colors(scene: &Scene, [x, y, width, height]: [u32; 4]) -> usize {
     let picture = scene.picture();
     let part = image::imageops::crop_imm(&picture, x, y, width, height).to_image();
@@ -18,8 +18,8 @@ fn colors(scene: &Scene, [x, y, width, height]: [u32; 4]) -> usize {
     all.len()
 }
 
-/// Where the second picture is in a window 400 pixels wide, whose pictures are 96 wide with 8
-/// between.
+/// Place of the second picture in a window 400 pixels wide. Pictures are 96 pixels wide, with gaps
+/// of 8.
 const SECOND: [u32; 4] = [152, 28, 96, 96];
 
 #[test]
@@ -38,22 +38,22 @@ fn a_surface_is_chosen_by_its_picture() {
     scene.key("Escape");
     until("it is closed", || scene.middle() == start);
     until("nothing is made any more", || scene.terminal.threads() == threads);
-    // What was made is kept.
+    // Finished pictures are kept.
     scene.key("g");
     until("they are there again", || has_pictures(&scene));
-    // By letters.
+    // Choose by typing a name.
     scene.display.tool(&["type", "--delay", "30", "heart"]);
     scene.key("Return");
     until("the heart is there", || title(&scene) == "heart-taubin - zeroset");
     scene.rest();
-    // By arrows, asked for at the prompt.
+    // Open the gallery from the prompt, and choose by arrow keys.
     scene.terminal.type_in(":gallery\r");
     until("it is open", || has_pictures(&scene));
     scene.key("Right");
     scene.key("Return");
     until("another is there", || title(&scene) == "barth-decic - zeroset");
     scene.rest();
-    // By the mouse, of which the view knows nothing.
+    // Choose by the mouse; the click does not reach the view.
     scene.key("g");
     until("it is open once more", || has_pictures(&scene));
     scene.point(60, 200);

@@ -1,16 +1,16 @@
-//! The prompt under a pseudo-terminal without a display: a preview, mistakes, history, clean ends.
+//! The prompt in a pseudo-terminal without a display: preview, errors, history, clean exits.
 
 use crate::cli_render::BULB;
 use crate::window_support::{Terminal, until};
 use std::path::PathBuf;
 
-/// Whether a picture is there that was made of letters.
+/// Whether the output has a picture made of letters.
 fn has_letters(shown: &str) -> bool {
-    // More in a row than sixels write without counting them.
+    // Sixel data has no such runs, since sixels of equal value are counted.
     ["@@@@@", "%%%%%", "#####", "*****"].iter().any(|row| shown.contains(row))
 }
 
-/// All rows of this picture are of one band.
+/// The picture has a single band, so progress must be reported within a band.
 #[test]
 fn a_slow_picture_shows_how_far_it_is_and_then_nothing_of_that() {
     let view = ["--domain", "1.2", "--view", "front", "--ortho", "5e-4", "--size", "60000x16"];
@@ -41,9 +41,9 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     terminal.shows("`foo` is not defined");
     terminal.type_in(":stauts\r");
     terminal.shows("did you mean :status?");
-    // An open bracket asks for another line.
+    // A line with an open bracket continues on the next.
     terminal.type_in("max(abs(x),\rabs(y), abs(z)) = 1\r");
-    // A command does not go on with what is left open.
+    // A command ends an open line.
     terminal.type_in("sin(x\r:status\r");
     terminal.shows("is never closed");
     terminal.shows("surface     max(abs(x), abs(y), abs(z)) = 1");
@@ -55,7 +55,7 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     let read = |name: &str| std::fs::read_to_string(place.join(name)).expect(name);
     assert_eq!(read("cube.zset").replace('\n', " ").trim(), "max(abs(x), abs(y), abs(z)) = 1");
     assert!(read("data/zeroset/history").contains(":save cube.zset"));
-    // Another's file is written over only by who says so twice.
+    // Overwriting a file of another document takes a second `:save`.
     std::fs::write(place.join("notes.zset"), "x = y\n").expect("a file");
     terminal.type_in(":save notes.zset\r");
     terminal.shows("there is another file 'notes.zset'");
@@ -63,7 +63,7 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     terminal.type_in(":save notes.zset\r");
     terminal.shows("saved 'notes.zset'");
     assert!(read("notes.zset").contains("max(abs(x)"));
-    // Its own file is saved at once, and again.
+    // The document's own file is saved without a question, again and again.
     terminal.type_in(":save cube.zset\r");
     terminal.shows("there is another file 'cube.zset'");
     terminal.type_in(":save\r");
@@ -78,7 +78,7 @@ fn without_a_window_the_gallery_is_a_list() {
     terminal.shows("undecided");
     terminal.type_in(":gallery\r");
     terminal.shows("heart-taubin");
-    // What a window does to surfaces is said by commands here.
+    // Commands replace the window's list of surfaces.
     for (line, shown) in [
         (":hide 2\r", "hidden\r\nx = y"),
         (":opacity 1 25%\r", "opacity 25%\r\nx+y+z"),
@@ -106,7 +106,7 @@ fn what_is_wrong_is_said_after_a_pause_and_the_line_goes_on() {
     assert_eq!(terminal.ends(), 0);
 }
 
-/// A prompt that has loaded a file with this text, and the file's path.
+/// A prompt that has loaded a file with this text, with the file's path.
 fn following(text: &str) -> (Terminal, PathBuf) {
     let mut terminal = Terminal::start(&["--preview", "gyroid"], None);
     terminal.shows("undecided");
@@ -146,7 +146,7 @@ fn the_picture_of_a_reloaded_file_is_shown_unasked() {
     });
     let whole = terminal.shown();
     let last = whole.rsplit("surface.zset").next().unwrap_or_default();
-    // A ball in letters, and the line goes on below.
+    // A ball in letters appears, and the prompt goes on below.
     assert!(last.matches(['@', '%', '#', '*']).count() > 100, "{last}");
     terminal.type_in(":list\r");
     terminal.shows("x^2+y^2+z^2 = 1/3");
@@ -213,7 +213,7 @@ fn pipes_are_read_once_and_not_waited_for() {
     terminal.type_in(":save\r");
     terminal.shows("the document did not come from a file");
     terminal.leaves();
-    // What was a file is looked at again when it is another thing.
+    // A watched file that has become a pipe is reported, not read.
     let (terminal, path) = following("x = 1.25");
     std::fs::remove_file(&path).expect("removed");
     pipe(&path);
@@ -225,7 +225,7 @@ fn pipes_are_read_once_and_not_waited_for() {
 fn what_came_from_no_file_is_saved_to_none() {
     for start in ["x = 0.25", "sphere"] {
         let mut terminal = Terminal::start(&["--preview", start], None);
-        // Only then are there files of these names.
+        // The files of these names are created only after the start.
         terminal.shows("undecided");
         let place = terminal.place().to_owned();
         let others = ["formula", "sphere"].map(|name| place.join(name));
@@ -296,7 +296,7 @@ fn terminals_that_take_pixels_get_them() {
     let terminal = Terminal::start_in("xterm-kitty", &["--preview", "x^2+y^2+z^2 = 1"]);
     terminal.shows("undecided");
     let shown = terminal.shown();
-    // 90 columns and 30 rows, of which 4 are spared; no size in pixels is known.
+    // The terminal has 90 columns and 30 rows, of which 4 are left free, and no size in pixels.
     assert!(shown.contains("\u{1b}_Ga=T,f=100,q=2,c=90,r=26,"), "no picture");
     assert!(shown.contains("720x416"), "another size");
     assert!(!has_letters(&shown), "letters too");
@@ -317,11 +317,11 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     terminal.shows("saved 'same.png'");
     let file = std::fs::read(terminal.place().join("same.png")).expect("saved");
     let exact = image::load_from_memory(&file).expect("a picture").to_rgb8();
-    // 90 columns and 26 rows of the characters of a small font.
+    // The picture has 90 columns and 26 rows of characters in a small font.
     assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
-    // 256 colors: every dot is near, and most are nearer. A mixture along an edge is on a few dots
-    // only, too few for a color of its own; a picture without smooth edges would be off by more
-    // than 100 there.
+    // With 256 colors, every dot is near its color, and most are very near. Blended colors along
+    // edges cover too few dots to get their own color. A picture without smooth edges would be off
+    // by more than 100 there.
     let mut apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
     apart.sort_unstable();
     let (most, worst) = (apart[apart.len() * 999 / 1000], apart[apart.len() - 1]);
@@ -330,7 +330,7 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
         "dots differ by up to {worst} of 255, 999 in 1000 by {most}, by {mean:.2} in the mean"
     );
     assert!(most <= 40 && worst <= 64 && mean <= 2.0, "{most}, {worst} and {mean}");
-    // Nothing of the answer is in the line.
+    // The terminal's answer does not end up in the line.
     terminal.type_in(":list\r");
     terminal.shows("x^2+y^2+z^2 = 1");
     let all = terminal.shown();

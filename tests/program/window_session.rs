@@ -1,4 +1,4 @@
-//! A real window on a display that nobody sees: mouse, keys, the edit line, saving, reloading.
+//! A real window on a virtual display: mouse, keys, the edit line, saving, reloading.
 
 use crate::window_support::have;
 use crate::window_support::scene::{CUBE, PROGRAMS, Scene, painted};
@@ -8,7 +8,7 @@ fn the_picture_is_centred_and_follows_mouse_and_keys() {
     if !have(PROGRAMS) {
         return;
     }
-    // A method that leaves something undecided, to be marked.
+    // A method that leaves some pixels undecided, so that they can be marked.
     let scene = Scene::start(&[CUBE, &["--method", "knoll"]].concat());
     scene.display.keep(&scene.window, "start");
     let [left, right, top, bottom] = painted(&scene.picture()).expect("a cube");
@@ -36,14 +36,14 @@ fn the_picture_is_centred_and_follows_mouse_and_keys() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// The X server tells of a step as of a button that is pressed and let go.
+/// The X server reports a step of the wheel as a button pressed and released.
 #[test]
 fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     if !have(PROGRAMS) {
         return;
     }
     let scene = Scene::start(CUBE);
-    // The middle of the picture, below which there is a line of 20 pixels.
+    // The middle of the picture, above a status line of 20 pixels.
     scene.point(200, 150);
     let start = scene.rest();
     let zoomed = scene.changes("plus", || scene.key("plus"));
@@ -54,7 +54,7 @@ fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     });
     assert!(step == zoomed, "a step of the wheel is no step of the key");
     back();
-    // Pressed in one look at the mouse, and let go in another.
+    // The button is pressed in one poll of the mouse, and released in another.
     let slow = scene.changes("a slow step", || {
         scene.display.tool(&["mousedown", "4"]);
         std::thread::sleep(std::time::Duration::from_millis(200));
@@ -84,7 +84,7 @@ fn a_line_is_typed_corrected_and_entered_in_the_window() {
     let start = scene.rest();
     scene.key("slash");
     scene.changes("typing", || type_in(&scene, "z = x^2"));
-    // A mistake keeps the picture; the border and one line tell.
+    // An error keeps the picture; the border and one line show it.
     type_in(&scene, " + q(");
     std::thread::sleep(std::time::Duration::from_millis(800));
     let shown = scene.picture();
@@ -96,11 +96,11 @@ fn a_line_is_typed_corrected_and_entered_in_the_window() {
         type_in(&scene, "z = x^3");
     });
     scene.key("Return");
-    // The window takes the key when it next looks, the prompt at once.
+    // The window reads keys when it next polls, but the prompt reads them at once.
     scene.rest();
     scene.terminal.type_in(":list\r");
     scene.terminal.shows("z = x^3");
-    // The prompt was waiting while it was entered, and knows it all the same.
+    // The prompt was waiting while the line was entered in the window, and records it, too.
     let history = scene.terminal.place().join("data/zeroset/history");
     let history = std::fs::read_to_string(history).expect("kept");
     let lines: Vec<&str> = history.lines().filter(|line| !line.starts_with('#')).collect();
@@ -154,13 +154,13 @@ fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// A picture that takes long is waited for on another thread: the window goes on.
+/// The window stays responsive while another thread waits for a slow picture.
 #[test]
 fn saving_a_slow_picture_does_not_hold_the_window() {
     if !have(PROGRAMS) {
         return;
     }
-    // The coarse picture is there within seconds; the fine one would take minutes.
+    // The coarse picture takes seconds, and the fine one would take minutes.
     let terms = (1..80).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
     let formula = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));
     let fine = ["--size", "900x700", "--precision", "f64", "--max-depth", "20", "--domain", "1"];

@@ -1,5 +1,4 @@
-//! A real window as an instrument: sliders, time, what is taken back, what is cut open, and clicks
-//! however short.
+//! Sliders, time, undo, cuts and short clicks in a real window.
 
 use crate::window_support::scene::{CUBE, PROGRAMS, Scene};
 use crate::window_support::{Terminal, have, until};
@@ -8,12 +7,12 @@ use std::time::Duration;
 const BALL: &[&str] =
     &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "400x320"];
 
-/// Where the track of the first slider begins and ends, and how high the first and the second are:
-/// names of one letter in letters of 8 pixels.
+/// The ends of the first slider's track, and the heights of the first two sliders. Names have one
+/// letter, which is 8 pixels wide.
 const TRACK: (i32, i32) = (20, 180);
 const ROWS: [i32; 2] = [36, 56];
 
-/// What the terminal shows of the last `:list`.
+/// Asserts that `:list` shows `expected` in the terminal.
 fn listed(scene: &mut Scene, expected: &str) {
     scene.terminal.type_in(":list\r");
     scene.terminal.shows(expected);
@@ -34,17 +33,17 @@ fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
     scene.changes("slider", || {
         scene.drag("1", (middle, ROWS[0]), (middle + 40, ROWS[0]));
     });
-    // A slider is brighter under the pointer.
+    // Move the pointer away, since a slider under it is brighter.
     scene.point(300, 250);
     let dragged = scene.rest();
     listed(&mut scene, "r = 1.5 in [0, 2]");
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
-    // It is one step, and the view has not turned.
+    // The drag is one undo step, and did not turn the view.
     assert!(scene.changes("undo", || scene.key("ctrl+z")) == start, "not as at the start");
     listed(&mut scene, "r = 1 in [0, 2]");
     assert!(scene.changes("redo", || scene.key("ctrl+y")) == dragged, "not as it was dragged");
-    // A double click puts it back.
+    // A double click resets the value.
     scene.point(middle + 40, ROWS[0]);
     wait(100);
     scene.changes("double click", || {
@@ -57,7 +56,7 @@ fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
     });
     scene.point(300, 250);
     assert!(scene.rest() == start, "not as at the start");
-    // An arrow is a hundredth of the range, while the pointer is over the slider.
+    // While the pointer is over the slider, an arrow key moves it by a hundredth of the range.
     scene.changes("arrow", || {
         scene.point(middle, ROWS[0]);
         wait(100);
@@ -85,7 +84,7 @@ fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     wait(100);
     scene.key("Escape");
     wait(300);
-    // Away from it an arrow turns the view.
+    // Away from the slider, an arrow key turns the view.
     scene.point(300, 250);
     scene.changes("turned", || scene.key("Right"));
     listed(&mut scene, "r = 1 in [0, 2]");
@@ -94,7 +93,8 @@ fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// While a hand holds a slider a surface is seen to grow, and then all of it is seen again.
+/// While a slider is dragged, the surface grows in the view. After its release, the view fits it
+/// again.
 #[test]
 fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     if !have(PROGRAMS) {
@@ -102,7 +102,7 @@ fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     }
     let ball = ["r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", "--size", "400x320"];
     let scene = Scene::start(&ball);
-    // Columns with something orange below the slider.
+    // Number of columns with orange pixels below the slider.
     let width = || {
         let picture = scene.picture();
         let is_orange = |x: u32, y: u32| {
@@ -121,7 +121,7 @@ fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     until("it outgrows the view", || width() > 2 * before);
     scene.display.keep(&scene.window, "outgrown");
     scene.display.tool(&["mouseup", "1"]);
-    // Its domain has room to spare for what is to come.
+    // The fitted surface may look smaller than before, since the domain has room to grow.
     let fits = |width: usize| 2 * width > before && width <= before;
     until("it is fitted", || fits(width()));
     scene.rest();
@@ -173,7 +173,7 @@ fn what_faces_the_eye_is_cut_open_and_the_cut_is_moved() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// A click of `xdotool` is over after some microseconds.
+/// A click of `xdotool` lasts some microseconds.
 #[test]
 fn clicks_however_short_are_seen_and_each_once() {
     if !have(PROGRAMS) {
@@ -186,7 +186,7 @@ fn clicks_however_short_are_seen_and_each_once() {
         until("the click is seen", || said() >= number);
         wait(100);
     }
-    // One that is held as long as a finger does counts once, too.
+    // A click as long as a finger's counts once, too.
     scene.display.tool(&["mousedown", "1"]);
     wait(60);
     scene.display.tool(&["mouseup", "1"]);
@@ -209,7 +209,7 @@ fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
         wait(500);
     }
     assert_eq!(scene.terminal.shown(), before);
-    // The letter that lacks a value gets one by a key.
+    // A key gives a value to the letter that lacks one.
     scene.changes("a value for q", || scene.key("F2"));
     scene.key("Return");
     wait(500);

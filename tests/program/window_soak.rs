@@ -1,13 +1,12 @@
-//! Random edits at a real prompt while the file that it watches is saved again and again: it goes
-//! on, its memory stays bounded, and at the end it shows what was entered last.
+//! Random edits at a real prompt, while the file that it watches is saved repeatedly. The prompt
+//! must keep running within bounded memory, and show what was entered last.
 //!
-//! What memory grows by: some 2.5 MB within the first hundreds of edits (code and stacks that are
-//! used for the first time, a heap for each thread), and some 4 MB with the last picture, which is
-//! larger than all before it: what it took goes back to the allocator, which keeps it. Thousands of
-//! edits between them hardly count.
+//! Memory grows by 2.5 MB in the first hundreds of edits: code and stacks at their first use, and a
+//! heap per thread. It grows by 4 MB with the last picture, the largest of all, whose memory the
+//! allocator keeps. Thousands of edits in between add almost nothing.
 //!
-//! A long run, of 10,000 edits and 1,000 saves:
-//! `ZEROSET_CASES=10000 cargo test --release --test program window_soak -- --nocapture`.
+//! A long run, of 10,000 edits and 1,000 saves: `ZEROSET_CASES=10000 cargo test --release --test
+//! program window_soak -- --nocapture`.
 
 use crate::edit_support::{beginnings, edit};
 use crate::window_support::{Terminal, until};
@@ -17,12 +16,12 @@ use zeroset_testkit::Effort;
 
 const EDITS: u64 = 400;
 const SEED: u64 = 20_070_003;
-/// Edits for each time that the file is saved.
+/// Number of edits per save of the file.
 const EDITS_PER_SAVE: u64 = 10;
-/// In kilobytes.
+/// Allowed growth of memory, in kilobytes.
 const ALLOWED: u64 = 10 << 10;
 
-/// What the file comes to hold: good, wrong, empty.
+/// Contents that the file is saved with: valid, invalid, empty.
 const TEXTS: &[&str] = &[
     "domain 2\nx^2+y^2+z^2 = 1",
     "r = 0.5 in [0, 1]\ndomain 2\nx^4+y^4+z^4 = r",
@@ -32,7 +31,7 @@ const TEXTS: &[&str] = &[
     "x = unknown",
 ];
 
-/// Saves as editors do: over the file, by renaming, in two pieces.
+/// Saves a file in one of the ways of editors: over the file, by renaming, in two pieces.
 fn save(path: &Path, text: &str, style: usize) {
     let write = |path: &Path, text: &str| std::fs::write(path, text).expect("written");
     match style {
@@ -49,7 +48,7 @@ fn save(path: &Path, text: &str, style: usize) {
     }
 }
 
-/// Whether Enter ends the line, rather than asking for another because a bracket is open.
+/// Whether Enter ends the line. An open bracket would continue it on another line.
 fn is_closed(line: &str) -> bool {
     let count = |letters: [char; 3]| line.matches(letters).count();
     count(['(', '[', '{']) <= count([')', ']', '}'])
@@ -65,7 +64,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     let name = path.to_str().expect("UTF-8");
     let mut terminal = Terminal::start(&["--preview", name], None);
     terminal.shows("undecided");
-    // A picture as large as the last one: what it takes is kept for the next.
+    // A picture as large as the last one, so that later growth does not include its memory.
     terminal.type_in(":png first.png\r");
     terminal.shows("saved 'first.png'");
     let first = terminal.resident();
@@ -88,7 +87,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
             terminal.type_in(&"\u{7f}".repeat(letters));
         }
     }
-    // The last save counts, and then the last line.
+    // First the last save takes effect, then the last line.
     save(&path, "# the end\nr = 0.5\ndomain 2\nx^2+y^2+z^2 = r", 1);
     until("the last save is followed", || {
         terminal.type_in(":list\r");
@@ -98,7 +97,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     println!("before the last picture: {:?} kB", terminal.resident());
     terminal.type_in(":png end.png\r");
     terminal.shows("saved 'end.png'");
-    // A picture for a file is larger than one for the terminal, which is there again at the next
+    // A picture for a file is larger than that for the terminal. The latter returns with the next
     // line.
     let file = terminal.shown().len();
     until("the small picture is there again", || {
@@ -106,7 +105,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
         std::thread::sleep(std::time::Duration::from_millis(200));
         terminal.shown()[file..].contains("pixels      90x52")
     });
-    // What the large one took is given back as small ones follow.
+    // The memory of the large picture is released as small ones follow.
     for line in ["z = x + r", "z = y + r", "z = x - r", "z = y - r"] {
         terminal.type_in(&format!("{line}\r"));
         let before = terminal.shown().len();

@@ -1,4 +1,4 @@
-//! The list of surfaces in a real window, by mouse and by keys; and axes.
+//! The list of surfaces in a real window, by mouse and by keys, and the axes.
 
 use crate::window_support::scene::{PROGRAMS, Scene};
 use crate::window_support::{have, until};
@@ -7,7 +7,7 @@ use image::RgbImage;
 const TWO: &[&str] =
     &["domain 2\ncolor red\nx^2+y^2+z^2 = 1\ncolor blue\nz = 1.2", "--size", "400x320"];
 
-/// Where the parts of the list's rows are: letters are 8 pixels wide, rows 20 high.
+/// Places of the parts of the list's rows. Letters are 8 pixels wide and rows 20 high.
 const SWATCH: i32 = 194;
 const FORMULA: i32 = 250;
 const TRACK: (i32, i32) = (336, 376);
@@ -17,11 +17,11 @@ const ROWS: [i32; 2] = [36, 56];
 fn click(scene: &Scene, x: i32, y: i32) {
     scene.point(x, y);
     scene.display.tool(&["click", "1"]);
-    // Where nothing is brighter than it was.
+    // Move the pointer away, since a row under it is brighter.
     scene.point(30, 250);
 }
 
-/// Pixels that are rather red, or rather blue.
+/// Number of reddish pixels, and of bluish ones.
 fn colored(picture: &RgbImage) -> [usize; 2] {
     let picture = image::imageops::crop_imm(picture, 0, 90, 400, 160).to_image();
     let count = |one: usize, other: usize| {
@@ -54,10 +54,10 @@ fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
     assert!(scene.changes("shown", || click(&scene, SWATCH, ROWS[1])) == start);
-    // The same by a key, and taken back.
+    // A key does the same, and it can be undone.
     assert!(scene.changes("by key", || scene.key("2")) == hidden);
     assert!(scene.changes("undo hiding", || scene.key("ctrl+z")) == start);
-    // Half way along the track, as one step.
+    // Drag to the middle of the track, as one step.
     scene.changes("half", || {
         scene.drag("1", (TRACK.1, ROWS[1]), (i32::midpoint(TRACK.0, TRACK.1), ROWS[1]));
         scene.point(30, 250);
@@ -77,13 +77,13 @@ fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
         scene.point(30, 250);
     });
     listed(&mut scene, "z = 1.2\r\ncolor red\r\nx^2+y^2+z^2 = 1");
-    // It looks as it did, below the list.
+    // The picture below the list is unchanged.
     assert_eq!(colored(&scene.picture()), seen);
     assert!(scene.changes("undo move", || scene.key("ctrl+z")) == start);
     scene.changes("deleted", || click(&scene, DELETE, ROWS[0]));
     assert_eq!(colored(&scene.picture())[0], 0);
     assert!(scene.changes("undo deletion", || scene.key("ctrl+z")) == start);
-    // Without the list, the picture turns where it was.
+    // Without the list, a drag at its place turns the view.
     let without = scene.changes("no list", || scene.key("l"));
     scene.changes("turned", || scene.drag("1", (FORMULA, ROWS[0]), (FORMULA + 40, ROWS[0])));
     scene.point(30, 250);
@@ -100,7 +100,7 @@ fn axes_are_there_unless_somebody_wants_none() {
     }
     let mut scene = Scene::start(&["domain 2\nx^2+y^2+z^2 = 1", "--size", "400x320"]);
     scene.point(30, 250);
-    // Lines and letters are dark, and nothing else is.
+    // Only lines and letters are dark.
     let dark = |picture: &RgbImage| {
         picture.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
     };

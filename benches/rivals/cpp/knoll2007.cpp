@@ -1,15 +1,15 @@
 // The algorithm of Knoll, Hijazi, Hansen, Wald and Hagen, "Interactive Ray Tracing of Arbitrary
-// Implicit Functions" (UUSCI-2007-002), as its authors would have compiled it: formulas known to
-// the compiler, intervals rounded to nearest, positions accumulated slab by slab, normals by
-// central differences. It proves nothing. It is the speed that a user of the paper gets, on W
+// Implicit Functions" (UUSCI-2007-002), as its authors would have compiled it. The compiler knows
+// the formulas, intervals are rounded to nearest, positions are accumulated slab by slab, and
+// normals are central differences. It proves nothing. Its speed is that of the paper's method on W
 // lanes.
 //
-// Written for zeroset from the paper's text, as a program of its own; nothing here is the authors'
-// code. Only what is around the two loops differs from that program: it is called, for bands of
-// rows, and gives distances.
+// It was written for zeroset from the paper's text, without the authors' code, as a stand-alone
+// program. Only the code around the two loops differs from that program: it is called for bands of
+// rows, and returns distances.
 //
-// build.rs compiles it once for each W (4, 8 or 16) with: -O3 -march=native -ffast-math -std=c++17
-// -DW=4
+// build.rs compiles it once for each W (4 or 16; 8 works, too) with:
+// -O3 -march=native -ffast-math -std=c++17 -DW=4
 //
 // Domain ±b, target 0, up y, fov 40.
 #include <algorithm>
@@ -22,7 +22,7 @@
 #include <xmmintrin.h>
 #endif
 
-// Each W has types of its own under the same names.
+// The namespace is anonymous since each W has different types of the same names.
 namespace {
 
 typedef float V __attribute__((vector_size(W * 4)));  // W lanes
@@ -56,7 +56,7 @@ static V sq(V a) { return a * a; }
 static V p5(V a) { V s = a * a; return s * s * a; }
 template <class X> static X p4(X a) { return sq(sq(a)); }
 
-// The formulas: over intervals to trace, over points to shade.
+// The formulas, evaluated over intervals for tracing and over points for shading.
 #define SURFACE(name, bound, body)                                                      \
   struct name {                                                                         \
     static constexpr const char *label = #name;                                         \
@@ -78,7 +78,7 @@ SURFACE(linked_tori, 1.0f, X u = 10.f * x; X v = 10.f * y; X w = 10.f * z; retur
 struct Rays { V o[3], d[3], distance; M hit, valid; };
 static thread_local long evaluations;
 
-// Algorithm 3: slabs of the axis K, halved where 0 lies in F, on a stack of per-depth steps.
+// Algorithm 3: slabs along the axis K are halved where F contains 0, with a stack of per-depth steps.
 template <class F> static void trace(Rays &r, float b, int depth) {
   V enter = splat(0), leave = splat(1e30f);
   for (int a = 0; a < 3; a++) {
@@ -133,11 +133,11 @@ template <class F> static void trace(Rays &r, float b, int depth) {
 
 static const int ACROSS = W == 4 ? 2 : 4, DOWN = W == 16 ? 4 : 2;
 
-// Rows from `top`, a multiple of DOWN, to `bottom`. Distances are -1 where nothing is drawn.
+// Draws rows from `top`, a multiple of DOWN, to `bottom`. Distances are -1 where nothing is drawn.
 //
-// Repeats, clock and report are the program's, and are kept for its speed: without them, or with an
-// eye that the compiler knows, g++ 12 makes other loops of the torus and the tangle, half and a
-// third slower.
+// Repeats, clock and report come from the stand-alone program, and are kept for speed. Without
+// them, or with an eye known to the compiler, g++ 12 generates other loops: the torus is slower by
+// half, and the tangle by a third.
 template <class F>
 static long picture(int size, int top, int bottom, int depth, const float *eye, int repeats, unsigned char *rgb, float *distance) {
   float b = F::b, cam[3], fw[3], right[3], up[3] = {0, 1, 0}, length = 0;
@@ -204,15 +204,15 @@ static const struct {
 #define PASTE(a, b) a##b
 #define ENTRY(w) PASTE(knoll2007_w, w)
 
-// Draws the rows from `top` to `bottom` of the surface called `name` into buffers of these rows, so
-// many times, and says how many pixels are drawn and how many times W boxes were evaluated. The eye
-// is three numbers, in half extents. Returns false if there is no such surface.
+// Draws the rows from `top` to `bottom` of the surface `name` into buffers of these rows, `repeats`
+// times. Stores the number of drawn pixels and of evaluations of W boxes. The eye is three numbers,
+// in half extents. Returns false if there is no such surface.
 extern "C" bool ENTRY(W)(const char *name, int size, int top, int bottom, int depth, const float *eye, int repeats,
                          unsigned char *rgb, float *distance, long *drawn, long *boxes) {
   for (auto &surface : SURFACES) {
     if (std::strcmp(surface.label, name)) continue;
 #ifdef __SSE__
-    // A program linked with -ffast-math starts like this.
+    // A program linked with -ffast-math starts in this mode, which flushes subnormals to zero.
     unsigned mode = _mm_getcsr();
     _mm_setcsr(mode | 0x8040);
 #endif

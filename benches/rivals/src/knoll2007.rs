@@ -1,6 +1,6 @@
 //! The paper's algorithm in C++.
 //!
-//! The only unsafe code here: the call.
+//! The call into it is the only unsafe code here.
 
 use crate::side::{Asked, Side};
 use crate::surfaces::EYE;
@@ -8,8 +8,8 @@ use anyhow::{Result, ensure};
 use rayon::prelude::*;
 use std::ffi::{CString, c_char, c_int, c_long, c_uchar};
 
-/// `(name, size, top, bottom, depth, eye, repeats, rgb, distance, drawn, boxes)`: see the end of
-/// `cpp/knoll2007.cpp`.
+/// Parameters: `(name, size, top, bottom, depth, eye, repeats, rgb, distance, drawn, boxes)`. The
+/// end of `cpp/knoll2007.cpp` documents them.
 type Draw = unsafe extern "C" fn(
     *const c_char,
     c_int,
@@ -53,26 +53,26 @@ mod library {
     declare!(knoll2007_w16);
 }
 
-/// Each width it was compiled for.
+/// The compiled packet sizes.
 pub const WIDTHS: &[Width] = &[
     Width { lanes: 4, draw: library::knoll2007_w4 },
     #[cfg(sixteen_lanes)]
     Width { lanes: 16, draw: library::knoll2007_w16 },
 ];
 
-/// The code for packets of so many rays.
+/// The code for packets of one size.
 pub struct Width {
-    /// How many.
+    /// Number of rays in a packet.
     pub lanes: usize,
     draw: Draw,
 }
 
-/// Rows that a thread takes at a time: a multiple of every packet's height.
+/// Number of rows that a thread takes at a time: a multiple of every packet's height.
 const BAND: usize = 16;
-/// The C++ has room for so many.
+/// Greatest depth that the arrays of the C++ have room for.
 const DEEPEST: u32 = 32;
 
-/// One surface, and the buffers of its pictures.
+/// A surface, with the buffers of its pictures.
 pub struct Knoll2007 {
     width: &'static Width,
     name: CString,
@@ -84,13 +84,13 @@ pub struct Knoll2007 {
 }
 
 impl Knoll2007 {
-    /// The surface that the C++ has under this name, or `None`.
+    /// The C++ surface of this name, if there is one.
     ///
     /// # Errors
     /// If the picture is too large, or the depth is not from 1 to 32.
     pub fn new(width: &'static Width, name: &str, size: usize, depth: u32) -> Result<Option<Self>> {
         ensure!((1..=DEEPEST).contains(&depth), "the C++ takes depths from 1 to {DEEPEST}");
-        // Indices are of C's `int`, and three to a pixel.
+        // The C++ has `int` indices, and three bytes per pixel.
         ensure!(size <= 1 << 14, "the C++ draws no more than {} rows", 1 << 14);
         let name = CString::new(name)?;
         let (rgb, distance) = (vec![0; 3 * size * size], vec![0.0; size * size]);
@@ -99,8 +99,8 @@ impl Knoll2007 {
         Ok(known.then_some(this))
     }
 
-    /// Draws the rows from `top` on that the buffers have room for, and returns how often boxes
-    /// were evaluated; `None` if there is no such surface.
+    /// Draws rows into the buffers, from `top` on, as many as they have room for. Returns the
+    /// number of evaluated boxes; `None` if the surface is unknown.
     #[allow(unsafe_code)] // the only call
     fn band(&self, top: usize, rgb: &mut [u8], distance: &mut [f32]) -> Option<u64> {
         let rows = distance.len() / self.size;
@@ -109,12 +109,11 @@ impl Knoll2007 {
         let (mut drawn, mut boxes) = (0, 0);
         let depth = self.depth as c_int;
         let eye = EYE.as_vec3().to_array();
-        // SAFETY: the name ends with 0, the eye has three numbers, and of the counts there is one
-        // each. Of the buffers, pixels of columns below `size` and rows from `first` to before
-        // `last` are written, counted from `first`: the assertion says that the slices have these.
-        // `new` keeps the depth within the C++'s arrays and indices within `int`. The function
-        // keeps no pointer, has no state but its thread's own, and restores the register of
-        // rounding modes.
+        // SAFETY: the name ends with 0, the eye has three numbers, and each count is one integer.
+        // The function writes pixels of columns below `size` and rows from `first` to before
+        // `last`, and the assertion ensures that the slices hold these. `new` keeps the depth
+        // within the C++'s arrays and indices within `int`. The function keeps no pointer, has
+        // thread-local state only, and restores the register of rounding modes.
         let known = unsafe {
             (self.width.draw)(
                 self.name.as_ptr(),

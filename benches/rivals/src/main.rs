@@ -1,6 +1,7 @@
-//! zeroset beside its rivals: the same surfaces, views, sizes and threads, in turn, in one process.
+//! Compares zeroset with its rivals in one process, with the same surfaces, views, sizes and
+//! threads.
 //!
-//! [README.md](../README.md) says what is measured, and what is not.
+//! [README.md](../README.md) explains what is measured.
 
 mod knoll2007;
 mod measure;
@@ -28,42 +29,43 @@ use voxels::Voxels;
 use zeroset_testkit::machine::{processor, threads};
 use zeroset_trace::{METHODS, Method};
 
-/// Measure zeroset beside its rivals.
+/// Compare zeroset with its rivals.
 #[derive(Parser)]
 struct Arguments {
-    /// Surfaces, with commas between; all if not given
+    /// Surfaces, separated by commas; all if not given
     #[arg(long, value_delimiter = ',', value_parser = names(SURFACES.iter().map(|s| s.name)))]
     surfaces: Vec<String>,
-    /// Methods of zeroset, with commas between; all if not given
+    /// Methods of zeroset, separated by commas; all if not given
     #[arg(long, value_delimiter = ',', value_parser = names(METHODS.iter().map(|m| m.name)))]
     methods: Vec<String>,
-    /// Rows of a picture, and pixels in a row
+    /// Side of the square pictures, in pixels
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=8192))]
     size: u32,
-    /// Rounds, in each of which every side draws once
+    /// Number of rounds, in each of which every side draws once
     #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
-    /// Threads
+    /// Number of threads
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
-    /// Draw with methods alone: on one thread, on N, and N pictures at once, each on a thread of
-    /// its own
+    /// Compare methods only: on one thread, on N threads, and as N concurrent pictures with a
+    /// thread each
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1024))]
     scaling: Option<u32>,
-    /// How often the domain is halved along a ray, by the C++ and by methods that read it
+    /// Number of times that the domain is halved along a ray, by the C++ and by methods with a
+    /// depth
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=20))]
     depth: u32,
-    /// Voxels along an edge of fidget's pictures, with commas between
+    /// Voxels along an edge of fidget's pictures, separated by commas
     #[arg(long, value_delimiter = ',', default_value = "128,256,512,1024", value_name = "SIZES",
         value_parser = clap::value_parser!(u32).range(16..=4096))]
     fidget: Vec<u32>,
-    /// Leave the C++ out
+    /// Omit the C++
     #[arg(long)]
     no_cpp: bool,
-    /// Leave fidget out
+    /// Omit fidget
     #[arg(long)]
     no_fidget: bool,
-    /// Errors are taken of so many times so many pixels of each picture; 0 for none
+    /// Errors are measured at this number of pixels, squared, per picture; 0 for none
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(0..=8192))]
     samples: u32,
 }
@@ -85,7 +87,7 @@ impl Arguments {
             .filter(|m| self.methods.is_empty() || self.methods.iter().any(|n| n == m.name))
     }
 
-    /// All sides that know the surface, methods first.
+    /// All sides that can draw the surface, methods first.
     fn sides(&self, surface: &Surface) -> Result<Vec<Box<dyn Side + Send>>> {
         let (size, depth) = (self.size as usize, self.depth);
         let mut sides: Vec<Box<dyn Side + Send>> = Vec::new();
@@ -118,7 +120,7 @@ impl Arguments {
         Ok(sides)
     }
 
-    /// What is certain of a picture, by its size.
+    /// The certified results for each picture size.
     fn references(
         &self,
         surface: &Surface,
@@ -126,14 +128,14 @@ impl Arguments {
     ) -> Result<BTreeMap<usize, Reference>> {
         let samples = self.samples as usize;
         let sizes = sides.iter().map(|side| side.size()).filter(|_| samples > 0);
-        // Each size once.
+        // Sides of one size share a reference.
         let sizes: BTreeSet<usize> = sizes.collect();
         let reference = |size| Ok((size, Reference::new(surface, size, samples)?));
         sizes.into_iter().map(reference).collect()
     }
 }
 
-/// Rays in a row, and rows, that are looked at for where the eye's side of a surface is.
+/// Side of the square of rays that determine which side of the surface the eye is on.
 const ENTRIES: usize = 64;
 
 fn main() -> Result<()> {
@@ -147,7 +149,7 @@ fn main() -> Result<()> {
         let mut sides = arguments.sides(surface).context(surface.name)?;
         let rounds = arguments.rounds as usize;
         let times = match arguments.scaling {
-            // Each side has threads of its own.
+            // Each side has its own threads.
             Some(_) => measure(&mut sides, rounds),
             None => pool.install(|| measure(&mut sides, rounds)),
         };

@@ -1,13 +1,14 @@
-//! Rounds in which every side draws once, and what they come to.
+//! Interleaved rounds of drawing, and statistics of their times.
 
 use crate::side::Side;
 use anyhow::Result;
 use std::time::Instant;
 
-/// Seconds that a side took for a picture, round by round.
+/// Seconds per picture of a side, round by round.
 pub struct Times(Vec<f64>);
 
-/// Draws once unmeasured; then, in each round, all sides draw, and another one goes first.
+/// Every side draws once without measurement. In each round all sides draw, each time beginning
+/// with the next side.
 ///
 /// # Errors
 /// If a side cannot draw.
@@ -31,7 +32,7 @@ impl Times {
         quantile(&self.0, 0.5)
     }
 
-    /// Half the distance of the quartiles, as a share of the median.
+    /// Half the interquartile range, relative to the median.
     pub fn spread(&self) -> f64 {
         (quantile(&self.0, 0.75) - quantile(&self.0, 0.25)) / 2.0 / self.median()
     }
@@ -43,7 +44,7 @@ impl Times {
     }
 }
 
-/// The value below which about this share lies.
+/// The value below which about this share of the values lies.
 fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

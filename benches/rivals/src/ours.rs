@@ -1,13 +1,13 @@
-//! zeroset's methods, by the library.
+//! zeroset's methods, called through the library.
 
 use crate::side::{Asked, Side};
 use crate::surfaces::Surface;
 use anyhow::Result;
-use zeroset::model::Model;
-use zeroset::picture::{Normals, Picture, Settings};
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Normals, Picture, Settings};
 use zeroset_trace::{Camera, Method};
 
-/// A compiled surface, and its last picture.
+/// A compiled surface, with its last picture.
 pub struct Ours {
     model: Model,
     camera: Camera,
@@ -52,7 +52,7 @@ impl Side for Ours {
     }
 
     fn draw(&mut self) -> Result<()> {
-        // As the window does; the other sides draw into the same memory again, too.
+        // The window reuses memory like this, and the other sides overwrite theirs, too.
         if let Some(shown) = self.picture.take() {
             shown.hand_back();
         }
@@ -67,7 +67,7 @@ impl Side for Ours {
 
     fn asked(&self) -> Option<Asked> {
         let work = &self.picture.as_ref()?.statistics.work.interval;
-        // A method need not ask for intervals.
+        // Some methods evaluate no intervals.
         (work.calls > 0)
             .then(|| Asked { calls: work.calls, lanes: work.lanes as f64 / work.calls as f64 })
     }

@@ -1,49 +1,48 @@
-//! What is certain of some pixels of a picture, by the certified tracer; and how far pictures are
-//! from that.
+//! Certified results for some pixels of a picture, and errors of pictures against them.
 //!
-//! The tracer shares no code with kernels, methods or rivals.
+//! The certified tracer shares no code with kernels, methods or rivals.
 
 use crate::surfaces::{Surface, line};
 use anyhow::Result;
 use rayon::prelude::*;
 use zeroset_testkit::certified::{BUDGET, Certificate, Function};
 
-/// What is certain of a ray. Distances are in world units.
+/// The truth about a ray. Distances are in world units.
 enum Truth {
-    /// It meets no zero.
+    /// The ray meets no zero.
     Miss,
-    /// It meets one, and the first lies in one of these pieces.
+    /// The ray meets a zero, and the first lies in one of these intervals.
     Root(Vec<[f64; 2]>),
-    /// It comes near one, and perhaps touches it.
+    /// The ray comes near a zero, and may touch it.
     Open,
 }
 
-/// Pixels of pictures of one size, and what is certain of them.
+/// The truth about some pixels of pictures of one size.
 pub struct Reference {
     half: f64,
     pixels: Vec<(usize, Truth)>,
 }
 
-/// How a picture differs from what is certain.
+/// Errors of a picture against the reference.
 #[derive(Clone, Copy, Debug)]
 pub struct Errors {
-    /// Pixels that are drawn and have no root.
+    /// Number of pixels that are drawn but have no root.
     pub rootless: usize,
-    /// Pixels that have a root and are not drawn.
+    /// Number of pixels that have a root but are not drawn.
     pub missed: usize,
-    /// The median distance of what is drawn from the first root, in half extents of the domain, if
-    /// any pixel has both.
+    /// Median distance between drawn point and first root, in half extents of the domain, if any
+    /// pixel has both.
     pub distance: Option<f64>,
 }
 
-/// The sign of the function where rays enter the domain.
+/// Counts of the function's sign where rays enter the domain.
 #[derive(Clone, Copy, Debug)]
 pub struct Entries {
     below: usize,
     above: usize,
 }
 
-/// The pixels in the middle of `samples`² equal parts of a picture, or all of a smaller one.
+/// The middle pixels of `samples`² equal parts of a picture, or all pixels of a smaller one.
 fn sampled(size: usize, samples: usize) -> Vec<usize> {
     let samples = samples.min(size);
     let place = |n: usize| (2 * n + 1) * size / (2 * samples);
@@ -56,7 +55,7 @@ fn function(surface: &Surface) -> Result<Function> {
 }
 
 impl Truth {
-    /// Of a certificate for a direction of this length.
+    /// Converts a certificate for a direction of this length.
     fn new(certificate: &Certificate, length: f64) -> Self {
         let crossing = certificate.crossing.map(|crossing| [crossing.near, crossing.far]);
         if certificate.is_miss() {
@@ -69,10 +68,10 @@ impl Truth {
 }
 
 impl Reference {
-    /// Traces `samples`² rays of a picture of `size` rows.
+    /// Traces `samples`² rays of a picture with `size` rows.
     ///
     /// # Errors
-    /// If the surface cannot be seen.
+    /// If the surface has no valid document, domain or camera.
     pub fn new(surface: &Surface, size: usize, samples: usize) -> Result<Self> {
         let (function, bounds) = (function(surface)?, surface.bounds());
         let rays = surface.camera()?.rays(size, size);
@@ -84,7 +83,7 @@ impl Reference {
         Ok(Self { half: surface.half, pixels })
     }
 
-    /// How many rays meet no zero, certainly meet one, and are open.
+    /// Numbers of rays that certainly miss, that certainly hit, and that are open.
     pub fn counts(&self) -> [usize; 3] {
         let mut counts = [0; 3];
         for (_, truth) in &self.pixels {
@@ -97,7 +96,7 @@ impl Reference {
         counts
     }
 
-    /// How a picture differs from this, given its distances as of [`Side`](crate::side::Side).
+    /// The errors of a picture with these distances, as returned by [`Side`](crate::side::Side).
     pub fn errors(&self, distances: &[f64]) -> Errors {
         let (mut rootless, mut missed, mut off) = (0, 0, Vec::new());
         for (pixel, truth) in &self.pixels {
@@ -119,10 +118,10 @@ impl Reference {
 }
 
 impl Entries {
-    /// Looks where `samples`² rays enter the domain.
+    /// Evaluates the sign where `samples`² rays enter the domain.
     ///
     /// # Errors
-    /// If the surface cannot be seen.
+    /// If the surface has no valid document, domain or camera.
     pub fn new(surface: &Surface, samples: usize) -> Result<Self> {
         let (function, bounds) = (function(surface)?, surface.bounds());
         let rays = surface.camera()?.rays(samples, samples);
@@ -134,12 +133,12 @@ impl Entries {
         Ok(Self { below: count(true), above: count(false) })
     }
 
-    /// Whether the function is below 0 where most rays enter.
+    /// Whether the function is below 0 where most rays enter the domain.
     pub fn are_mostly_below(self) -> bool {
         self.below > self.above
     }
 
-    /// The share of rays that enter on the other side than most; `None` if none does.
+    /// Share of rays that enter on the less common side; `None` if there are none.
     pub fn minority(self) -> Option<f64> {
         let (less, more) = (self.below.min(self.above), self.below.max(self.above));
         (less > 0).then(|| less as f64 / (less + more) as f64)

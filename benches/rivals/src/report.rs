@@ -1,27 +1,27 @@
-//! The table: a row per surface and side, and in the end one per side.
+//! The table: a row per surface and side, and a summary with a row per side.
 
 use crate::measure::Times;
 use crate::reference::Errors;
 use crate::side::Asked;
 use std::fmt::Write as _;
 
-/// What became of one side on one surface.
+/// Results of one side on one surface.
 pub struct Row {
-    /// The side.
+    /// Name of the side.
     pub side: String,
-    /// How long it took.
+    /// Times of its pictures.
     pub times: Times,
-    /// How far off it was, if that was asked.
+    /// Errors of its picture, if they are measured.
     pub errors: Option<Errors>,
-    /// What it asked of the function, if it says.
+    /// Its calls of the function's enclosure, if it counts them.
     pub asked: Option<Asked>,
-    /// Its times over those of each method, in the order of the columns.
+    /// Its times relative to each method, in the order of the columns.
     pub ratios: Vec<f64>,
-    /// Why its picture is not of the zero set, if so.
+    /// Reason why its picture is not the zero set, if so.
     pub remark: Option<String>,
 }
 
-/// All rows so far, of which each is printed at once.
+/// All rows so far. Each is printed when it is added.
 pub struct Report {
     methods: Vec<String>,
     rows: Vec<(&'static str, Row)>,
@@ -59,7 +59,7 @@ impl Report {
         self.rows.push((surface, row));
     }
 
-    /// Prints each side's geometric means and worst cases, and what sides cannot draw.
+    /// Prints each side's geometric means and worst cases, and the remarks.
     pub fn summarise(&self) {
         println!(
             "\nGeometric mean and worst (least) ratio to each method over the surfaces that a side can draw:\n"

@@ -1,22 +1,22 @@
-//! What threads bring, beside what the machine lets them bring.
+//! Speed-up by threads, compared with that of independent pictures.
 
 use crate::ours::Ours;
 use crate::side::Side;
 use anyhow::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Pictures that are drawn one after another each time, as while a view is turned for a moment:
-/// where each is waited for alone, what is measured is how threads wake one another.
+/// Number of pictures per measurement, drawn in sequence as while a view turns. With a single
+/// picture, the wake-up of threads would dominate.
 const IN_A_ROW: usize = 32;
 
-/// Some threads for each of some pictures, which are drawn at once.
+/// Pictures drawn at the same time, each with threads of its own.
 pub struct Pooled {
     pictures: Vec<(ThreadPool, Ours)>,
     threads: usize,
 }
 
 impl Pooled {
-    /// Starts `threads` for each picture.
+    /// Starts `threads` threads for each picture.
     ///
     /// # Errors
     /// If a thread cannot be started.

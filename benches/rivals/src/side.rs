@@ -1,37 +1,36 @@
-//! What a renderer is here.
+//! The interface of a renderer.
 
 use anyhow::Result;
 
-/// A renderer, made ready for one surface and size: all that it does once is done.
+/// A renderer that is prepared for one surface and size.
 pub trait Side {
-    /// What it is called in the table.
+    /// Name in the table.
     fn name(&self) -> String;
 
-    /// Pixels in a row, and rows.
+    /// Side of the square picture, in pixels.
     fn size(&self) -> usize;
 
-    /// How many pictures it draws each time.
+    /// Number of pictures per call of [`Side::draw`].
     fn pictures(&self) -> usize {
         1
     }
 
-    /// Draws the picture; this is what is measured.
+    /// Draws the picture; this call is measured.
     ///
     /// # Errors
-    /// If it cannot.
+    /// If it cannot draw.
     fn draw(&mut self) -> Result<()>;
 
-    /// Of the last picture, per pixel, row by row from the top: how far from the eye it was drawn,
-    /// in world units; infinite for the background.
+    /// Distances of the last picture from the eye in world units, row by row from the top. Pixels
+    /// of the background have infinity.
     fn distances(&self) -> Vec<f64>;
 
-    /// How often it asked for bounds of f in the last picture, and of how many boxes at a time;
-    /// `None` if it does not say.
+    /// Number and size of the calls for bounds of f in the last picture, if they are counted.
     fn asked(&self) -> Option<Asked> {
         None
     }
 
-    /// Whether what it draws is not the zero set alone.
+    /// A remark, if the picture shows more than the zero set or another one.
     fn remark(&self) -> Option<String> {
         None
     }
@@ -40,8 +39,8 @@ pub trait Side {
 /// Calls of a function's enclosure.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
-    /// How many.
+    /// Number of calls.
     pub calls: u64,
-    /// Boxes a call, in the mean.
+    /// Mean number of boxes per call.
     pub lanes: f64,
 }

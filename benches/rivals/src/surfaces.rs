@@ -1,27 +1,28 @@
-//! The surfaces, and where they are seen from.
+//! The surfaces and their view.
 //!
-//! The C++ has formulas of its own; all else is made of the texts of the charts.
+//! The C++ has its own formulas. All other sides use the texts of the charts.
 
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
-use zeroset::scene::{self, DomainChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Document, Options, read};
 use zeroset_testkit::certified::Line;
-use zeroset_trace::{Camera, Projection, RayGrid, Region};
+use zeroset_trace::{Camera, Projection, RayGrid};
+use zeroset_space::Region;
 
-/// A row of the table of surfaces.
+/// A surface with its domain.
 pub struct Surface {
-    /// What the C++ calls it.
+    /// Name in the C++.
     pub name: &'static str,
-    /// The domain is a cube of twice this edge around the origin, and distances are counted in it.
+    /// Half the edge of the domain, a cube around the origin, and unit of reported distances.
     pub half: f64,
-    /// Whether the domain cuts it open.
+    /// Whether the domain cuts the surface open.
     pub is_cut: bool,
-    /// A document; its domain is that cube.
+    /// Document whose domain is that cube.
     text: &'static str,
 }
 
-/// A row, whose text is that of the charts.
+/// A surface with a text of the charts.
 macro_rules! surface {
     ($name:literal, $file:literal, $half:expr, $is_cut:expr) => {
         Surface {
@@ -47,49 +48,49 @@ pub const SURFACES: [Surface; 10] = [
     surface!("gyroid", "gyroid", std::f64::consts::TAU, true),
 ];
 
-/// Of the eye, in half extents; the target is the origin.
+/// Position of the eye, in half extents. The target is the origin.
 pub const EYE: DVec3 = DVec3::new(2.0, 1.5, 3.0);
-/// In degrees.
+/// Field of view, in degrees.
 pub const FOV: f64 = 40.0;
 
 impl Surface {
-    /// Its formula, read.
+    /// Reads the text.
     ///
     /// # Errors
-    /// If it is none.
+    /// If it is not valid.
     pub fn document(&self) -> Result<Document> {
         let document = read(self.text, &Options::default());
         document.map_err(|errors| anyhow::anyhow!("{}: {errors}", self.name))
     }
 
-    /// Its domain.
+    /// The domain.
     ///
     /// # Errors
-    /// If there is no such domain, or the document has another.
+    /// If the cube is invalid, or the document has another domain.
     pub fn region(&self) -> Result<Region> {
         let half = DVec3::splat(self.half);
         let region = Region::new(-half, half).context(self.name)?;
-        let (own, _) = scene::region(&self.document()?, DomainChoice::Document, None)?;
+        let (own, _) = view::region(&self.document()?, DomainChoice::Document, None)?;
         ensure!(own == region, "{}: the C++ has another domain than {own:?}", self.name);
         Ok(region)
     }
 
-    /// Its domain, axis by axis.
+    /// Ends of the domain, per axis.
     pub fn bounds(&self) -> [[f64; 2]; 3] {
         [[-self.half, self.half]; 3]
     }
 
-    /// Where it is seen from.
+    /// The camera of the view.
     ///
     /// # Errors
-    /// If there is no such camera.
+    /// If it is invalid.
     pub fn camera(&self) -> Result<Camera> {
         let projection = Projection::Perspective { fov: FOV };
         Camera::new(EYE * self.half, DVec3::ZERO, DVec3::Y, projection).context(self.name)
     }
 }
 
-/// The ray of a pixel, as the certified tracer takes it.
+/// Converts the ray of a pixel for the certified tracer.
 pub fn line(rays: &RayGrid, pixel: usize) -> Line {
     let ray = rays.ray_of(pixel);
     Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() }

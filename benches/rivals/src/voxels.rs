@@ -1,6 +1,6 @@
-//! fidget: voxels from front to back, by interval pruning with native code.
+//! fidget's renderer, which prunes voxels from front to back by intervals in native code.
 //!
-//! It draws solids, f < 0, not zero sets: which side is the solid's is chosen for it.
+//! It draws solids, f < 0, not zero sets, so the side of the solid is chosen for it.
 
 use crate::reference::Entries;
 use crate::side::Side;
@@ -16,12 +16,12 @@ use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 use zeroset_trace::RayGrid;
 
-/// A shape, and its last picture.
+/// A shape, with its last picture.
 pub struct Voxels {
     shape: JitShape,
     config: RenderConfig,
     rays: RayGrid,
-    /// Of the plane where z of fidget's world is 0, and from there to where it is 1.
+    /// Inverse depth at z = 0 of fidget's world, and its increase up to z = 1.
     inverse_depth: [f64; 2],
     is_parallel: bool,
     entries: Entries,
@@ -29,7 +29,7 @@ pub struct Voxels {
 }
 
 impl Voxels {
-    /// The surface in `size`³ voxels, with normals.
+    /// Prepares the surface in `size`³ voxels, with normals.
     ///
     /// # Errors
     /// If fidget lacks an operation.
@@ -58,9 +58,9 @@ impl Voxels {
     }
 }
 
-/// From fidget's world, which is all within ±1, to space: our own rays, along which z is linear in
-/// the inverse of depth. Also the inverse depth where z is 0, and how much it grows up to z = 1,
-/// which is in front of the domain.
+/// The matrix from fidget's world, which is within ±1, to space. It reproduces zeroset's rays: z is
+/// linear in the inverse depth along them. Also returns the inverse depth at z = 0 and its increase
+/// up to z = 1, which is in front of the domain.
 fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
     let (eye, forward) = (rays.eye(), rays.forward());
     let reach = (FOV / 2.0).to_radians().tan();
@@ -69,8 +69,7 @@ fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
     let middle = f64::midpoint(1.0 / near, 1.0 / far);
     let growth = (1.0 / near - 1.0 / far) / 2.0;
     let [right, up] = [rays.right() * reach, rays.up() * reach];
-    // Where fidget has a pixel is half a pixel from its centre, towards the picture's left lower
-    // corner.
+    // fidget's pixel positions are half a pixel off center, towards the lower left of the picture.
     let centre = (right + up) / rays.width() as f64;
     let column = |v: DVec3, w: f64| Vector4::from([v.x, v.y, v.z, w].map(|x| x as f32));
     let matrix = Matrix4::from_columns(&[
@@ -82,7 +81,7 @@ fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
     (matrix, [middle, growth])
 }
 
-/// The function as typed, for fidget to simplify.
+/// The function as typed, which fidget simplifies.
 fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
     let needed = graph.reachable(&[root]);
     let mut trees: Vec<Option<Tree>> = vec![None; graph.len()];
@@ -112,7 +111,7 @@ fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
                         }
                         _ => bail!("fidget has whole powers only"),
                     },
-                    // No surface of the table has another.
+                    // No surface of the table has other operations.
                     other => bail!("`{}` was not told to fidget", other.row().name),
                 }
             }
@@ -133,7 +132,7 @@ impl Side for Voxels {
 
     fn draw(&mut self) -> Result<()> {
         let shape = self.shape.clone().try_into()?;
-        // Its global pool is the one that this is called in.
+        // The global pool is the pool that calls this.
         let threads = self.is_parallel.then_some(&ThreadPool::Global);
         let evaluation = EvalConfig { tile_sizes: None, threads, cancel: CancelToken::new() };
         let image = render(shape, &self.config, &evaluation);
@@ -148,8 +147,8 @@ impl Side for Voxels {
             if depth == 0 {
                 return f64::INFINITY;
             }
-            // The first place inside was one less, and the one before it, on the near side,
-            // outside.
+            // `depth` is one more than the first voxel inside. The voxel before that one, on the
+            // near side, is outside.
             let z = (f64::from(depth) - 0.5 - size / 2.0) * 2.0 / size;
             self.rays.ray_of(pixel).distance(1.0 / (middle + growth * z))
         };

@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
-use zeroset::picture::is_tolerance;
+use zeroset_render::picture::is_tolerance;
 use zeroset_trace::{METHODS, Method, Precision};
 
 /// Measure and chart the methods of zeroset: speed against accuracy.
@@ -44,8 +44,7 @@ pub enum Command {
     /// Writes `rigour.csv`, with a surface's kernel or picture in one arithmetic per row, and
     /// `rigour.svg`.
     Rigour(RigourArguments),
-    /// Time the way from text to kernels by size, for the gallery and for generated sums and
-    /// products
+    /// Time compilation by formula size, for the gallery and for generated sums and products
     ///
     /// Writes `compile.csv`, with a formula per row, `compile-time.svg` and `compile-code.svg`.
     Compile(CompileArguments),
@@ -222,7 +221,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 fn tolerance(text: &str) -> Result<f64, String> {
     let pixels: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    let refuse = || zeroset::picture::TOLERANCES.to_owned();
+    let refuse = || zeroset_render::picture::TOLERANCES.to_owned();
     is_tolerance(pixels).then_some(pixels).ok_or_else(refuse)
 }
 

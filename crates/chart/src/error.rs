@@ -11,7 +11,7 @@ pub enum ChartError {
     UnknownSurface {
         /// The name that was given.
         name: String,
-        /// The names of the ten.
+        /// Names of the ten surfaces of this crate.
         ten: String,
     },
     /// No such case.
@@ -23,9 +23,9 @@ pub enum ChartError {
     /// A surface cannot be drawn or judged.
     #[error("{surface}: {why}")]
     Surface {
-        /// Its name.
+        /// The surface's name.
         surface: String,
-        /// One phrase.
+        /// The cause, as one phrase.
         why: String,
     },
     /// A file or directory cannot be read or written.
@@ -41,7 +41,7 @@ pub enum ChartError {
     Content {
         /// The file.
         path: PathBuf,
-        /// One phrase.
+        /// The cause, as one phrase.
         why: String,
     },
     /// A chart could not be drawn.
@@ -49,7 +49,7 @@ pub enum ChartError {
     Chart {
         /// The chart's name.
         name: String,
-        /// One phrase.
+        /// The cause, as one phrase.
         why: String,
     },
 }

@@ -1,4 +1,4 @@
-//! How a picture differs from what is certain.
+//! Errors of a picture against the certified reference.
 
 use crate::quantile::quantile;
 use crate::reference::Reference;
@@ -7,13 +7,13 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use zeroset_trace::{GBuffer, RayGrid, Status};
 
-/// How the painted points of some pixels are wrong, and what is claimed of them. Pixels that the
-/// reference leaves open count in `open` and nowhere else.
+/// Counts and sizes of errors at some pixels. Pixels that the reference leaves open count in `open`
+/// only.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Pixels that were looked at.
+    /// Number of pixels compared.
     pub samples: usize,
-    /// Of these, those that the reference leaves open.
+    /// Pixels that the reference leaves open.
     pub open: usize,
     /// Pixels with a root.
     pub roots: usize,
@@ -21,37 +21,35 @@ pub struct Errors {
     pub missed: usize,
     /// Pixels without a root on which something is painted.
     pub phantom: usize,
-    /// Pixels on which what is painted is nearer to the next root than to the first.
+    /// Pixels drawn nearer to the next root than to the first.
     pub wrong_root: usize,
-    /// Pixels of which the method leaves open what they show.
+    /// Pixels with the status undecided.
     pub undecided: usize,
-    /// Pixels of which the method claims what is not true: a miss that has a root, a hit that has
-    /// none, or has another first.
+    /// Pixels with a false status: a miss where there is a root, or a hit where there is none or
+    /// another root comes first.
     pub false_claims: usize,
-    /// Pixels with a root that are painted at their first root: distances and normals are about
-    /// these.
+    /// Pixels drawn at their first root. Distances and normals are measured at these.
     pub painted: usize,
-    /// How far from the root, in pixels' footprints there: median, 99.9 % and maximum.
+    /// Distance from the root in footprints of the pixel there: median, 99.9 % and maximum.
     pub off_pixels: Option<[f64; 3]>,
-    /// The same in world units.
+    /// Distance from the root in world units: median, 99.9 % and maximum.
     pub off: Option<[f64; 3]>,
-    /// Angle between what is drawn as the normal and the normal at the root, in degrees: the same
-    /// three.
+    /// Angle between the drawn normal and that of the root, in degrees: median, 99.9 % and maximum.
     pub normal_degrees: Option<[f64; 3]>,
 }
 
-/// What is wrong with one painted pixel, if anything.
+/// The mistake at a painted pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mistake {
     /// A root is not painted.
     Missed,
-    /// There is no root.
+    /// Something is painted where there is no root.
     Phantom,
-    /// It is another root than the first.
+    /// Another root than the first is painted.
     WrongRoot,
 }
 
-/// How far a distance is outside of the nearest piece.
+/// Distance from `drawn` to the nearest piece; 0 inside one.
 fn outside(pieces: &[[f64; 2]], drawn: f64) -> f64 {
     let outside = |[near, far]: &[f64; 2]| (near - drawn).max(drawn - far).max(0.0);
     pieces.iter().map(outside).fold(f64::INFINITY, f64::min)
@@ -61,8 +59,8 @@ fn is_next(root: &Root, drawn: f64) -> bool {
     root.next.is_some_and(|next| outside(&[next], drawn) < outside(&root.pieces, drawn))
 }
 
-/// What is wrong with a pixel painted at this distance, which is infinite where nothing is painted;
-/// `None` if nothing is, or it is not known.
+/// The mistake of a pixel drawn at this distance, which is infinite if nothing is painted. `None`
+/// if the pixel is right or the reference leaves it open.
 pub fn mistake(truth: &Truth, drawn: f64) -> Option<Mistake> {
     match truth {
         Truth::Open => None,
@@ -73,7 +71,7 @@ pub fn mistake(truth: &Truth, drawn: f64) -> Option<Mistake> {
 }
 
 impl Errors {
-    /// Of a picture of all the reference's rays.
+    /// The errors of a picture that `rays` drew, at the reference's pixels.
     pub fn new(reference: &Reference, rays: &RayGrid, buffer: &GBuffer) -> Self {
         let mut errors = Self { samples: reference.pixels.len(), ..Self::default() };
         let [mut off_pixels, mut off, mut degrees] = [const { Vec::new() }; 3];
@@ -104,14 +102,14 @@ impl Errors {
             }
             errors.painted += 1;
             let distance = outside(&root.pieces, drawn);
-            // A footprint is that at the root, on this pixel's own ray.
+            // The footprint is measured at the root, on this pixel's own ray.
             let along = rays.ray_of(*pixel).parameter(root.pieces[0][0]);
             off.push(distance);
             off_pixels.push(distance / rays.footprint(along).max(f64::MIN_POSITIVE));
             let drawn = DVec3::from_array(buffer.normal[*pixel].map(f64::from));
             if let Some(normal) = root.normal.filter(|_| drawn != DVec3::ZERO) {
                 let normal = DVec3::from_array(normal);
-                // Of small angles the sine is exact where the cosine is not.
+                // For small angles the sine is accurate where the cosine is not.
                 degrees.push(normal.cross(drawn).length().atan2(normal.dot(drawn)).to_degrees());
             }
         }
@@ -124,12 +122,12 @@ impl Errors {
         errors
     }
 
-    /// Pixels that are painted wrongly.
+    /// Number of pixels painted wrongly.
     pub fn wrong(&self) -> usize {
         self.missed + self.phantom + self.wrong_root
     }
 
-    /// Pixels that the reference decides.
+    /// Number of pixels that the reference decides.
     pub fn decided(&self) -> usize {
         self.samples - self.open
     }

@@ -1,38 +1,38 @@
-//! Which pictures are compared: each method, with each value of each option that it reads.
+//! The grid of configurations: each method, with each value of each option that it reads.
 
 use std::fmt;
-use zeroset::picture::Settings;
+use zeroset_render::picture::Settings;
 use zeroset_trace::{Method, MethodOption, Precision};
 
-/// The values that options take.
+/// The values that each option takes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
-    /// Of the depth.
+    /// Depths.
     pub depths: Vec<u32>,
-    /// Of the tolerance, in pixels.
+    /// Tolerances, in pixels.
     pub tolerances: Vec<f64>,
-    /// Of the number of steps along a ray.
+    /// Numbers of steps along a ray.
     pub steps: Vec<u32>,
     /// Names of precisions.
     pub precisions: Vec<String>,
 }
 
-/// A method and its options; `None` for those that it does not read.
+/// A method and its options; `None` for options that it does not read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Configuration {
-    /// How surfaces are found.
+    /// The method.
     pub method: &'static Method,
-    /// What kernels compute in.
+    /// Precision of the kernels.
     pub precision: Option<Precision>,
-    /// How often the region is halved.
+    /// Number of times that the region is halved.
     pub depth: Option<u32>,
-    /// How far a hit may be off, in pixels.
+    /// Greatest error of a hit, in pixels.
     pub tolerance: Option<f64>,
-    /// How many steps are made along a ray.
+    /// Number of steps along a ray.
     pub steps: Option<u32>,
 }
 
-/// What an option is, with its unit.
+/// An option's description, with its unit.
 pub fn meaning(option: MethodOption) -> &'static str {
     match option {
         MethodOption::Precision => "precision",
@@ -50,9 +50,9 @@ pub fn precision(name: &str) -> Option<Precision> {
     [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
 }
 
-/// The options of a method that are varied: all that it reads; but where depth or steps say how
-/// finely it looks, the tolerance only ends the refinement of what it found, and stays as it is.
-/// What leaving an idea out costs is for `benches/frame.rs` to measure.
+/// The options of a method that are varied. The switches are left to `benches/frame.rs`. If a
+/// method reads depth or steps, the tolerance only ends the refinement of hits and keeps its
+/// default.
 fn varied(method: &Method) -> impl Iterator<Item = MethodOption> {
     let looks = |option: &MethodOption| matches!(option, MethodOption::Depth | MethodOption::Steps);
     let has_other = method.reads.iter().any(looks);
@@ -64,7 +64,7 @@ fn varied(method: &Method) -> impl Iterator<Item = MethodOption> {
     method.reads.iter().copied().filter(is_varied)
 }
 
-/// Every combination of what is varied of these methods.
+/// Every combination of the methods' varied options.
 pub fn configurations(methods: &[&'static Method], values: &Values) -> Vec<Configuration> {
     let mut all = Vec::new();
     for method in methods {
@@ -74,7 +74,7 @@ pub fn configurations(methods: &[&'static Method], values: &Values) -> Vec<Confi
             of_method =
                 of_method.into_iter().flat_map(|one| one.with_each(option, values)).collect();
         }
-        // Beyond its greatest depth a precision gives the picture of that depth once more.
+        // A depth beyond the precision's limit would give the picture of that limit again.
         of_method.retain(|one| one.depth <= one.precision.map(Precision::max_depth).or(one.depth));
         all.extend(of_method);
     }
@@ -82,12 +82,12 @@ pub fn configurations(methods: &[&'static Method], values: &Values) -> Vec<Confi
 }
 
 impl Configuration {
-    /// With every option by default.
+    /// The method with default options.
     pub fn plain(method: &'static Method) -> Self {
         Self { method, precision: None, depth: None, tolerance: None, steps: None }
     }
 
-    /// This with each value of an option.
+    /// Copies of the configuration, one for each value of an option.
     fn with_each(self, option: MethodOption, values: &Values) -> Vec<Self> {
         match option {
             MethodOption::Precision => {
@@ -109,12 +109,12 @@ impl Configuration {
         }
     }
 
-    /// The number that an option has, if it has one.
+    /// The value of a numeric option, if the configuration has one.
     pub fn number(&self, option: MethodOption) -> Option<f64> {
         self.numbers().find(|(other, ..)| *other == option).map(|(.., number)| number)
     }
 
-    /// Its numbers, each with its option and the word for that.
+    /// The numeric options that are set, with their names and values.
     fn numbers(&self) -> impl Iterator<Item = (MethodOption, &'static str, f64)> {
         let Self { method: _, precision: _, depth, tolerance, steps } = *self;
         let numbers = [
@@ -125,13 +125,13 @@ impl Configuration {
         numbers.into_iter().filter_map(|(option, word, number)| Some((option, word, number?)))
     }
 
-    /// Its numbers, each after a letter: d for depth, t for tolerance, s for steps.
+    /// The numeric options, each after its letter: d for depth, t for tolerance, s for steps.
     pub fn label(&self) -> String {
         let numbers = self.numbers().map(|(_, word, number)| format!("{}{number}", &word[..1]));
         numbers.collect::<Vec<_>>().join(" ")
     }
 
-    /// How its square pictures are made.
+    /// Settings of a square picture with this many pixels per side.
     pub fn settings(&self, size: usize) -> Settings {
         let plain = Settings::default();
         Settings {
@@ -146,7 +146,7 @@ impl Configuration {
         }
     }
 
-    /// The flags of `zeroset render` that ask for it.
+    /// The flags of `zeroset render` for this configuration.
     pub fn flags(&self) -> String {
         let flag = |option: MethodOption, value: String| format!(" --{} {value}", option.name());
         let precision = self.precision.map(|p| flag(MethodOption::Precision, p.to_string()));

@@ -1,6 +1,6 @@
-//! Values told apart, in the order in which they come.
+//! Distinct and grouped values, in the order of their first occurrence.
 
-/// Each once.
+/// The distinct values.
 pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     let mut all: Vec<T> = Vec::new();
     for value in values {
@@ -11,7 +11,7 @@ pub fn distinct<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     all
 }
 
-/// Those that have a key in common, by that key.
+/// The values grouped by key.
 pub fn grouped<T, K: PartialEq>(
     values: impl IntoIterator<Item = T>,
     key: impl Fn(&T) -> K,

@@ -1,6 +1,5 @@
-//! Compile time against the size of an expression: from text to the kernels that the method
-//! `affine` asks for, of the gallery's surfaces and of formulas that are made as large as one
-//! likes.
+//! Compile time by expression size: from text to the kernels of the method `affine`, for the
+//! gallery's surfaces and for generated formulas.
 
 mod chart;
 mod formulas;
@@ -19,34 +18,34 @@ use formulas::all;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::Instant;
-use zeroset::program::Program;
-use zeroset::scene;
 use zeroset_eval::{ContractTiles, Query};
+use zeroset_scene::program::Program;
+use zeroset_scene::view;
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Method, TraceOptions};
 
-/// A formula's line of results. Times are in milliseconds, on one thread: the least of all rounds,
-/// as the same work is done in each and whatever else the processor does only adds to it, the more
-/// the longer it takes.
+/// Results of a formula. Times are in milliseconds on one thread: the least over all rounds. Every
+/// round does the same work, so other load on the processor can only add to a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns
 pub struct Row {
     pub name: String,
     pub source: Source,
-    /// Of the graph as typed.
+    /// Nodes of the graph as typed.
     pub nodes_typed: usize,
-    /// Of the simplified graph, which kernels are made of.
+    /// Nodes of the simplified graph, from which kernels are compiled.
     pub nodes: usize,
-    /// From text to graph.
+    /// Time from text to graph.
     pub parse_ms: f64,
-    /// From that graph to the simplified one.
+    /// Time from that graph to the simplified one.
     pub simplify_ms: f64,
-    /// To all kernels that are asked for, poles cleared where there are any.
+    /// Time from there to all kernels of the method, rational forms included.
     pub compile_ms: f64,
     pub kernels: usize,
-    /// Of all kernels.
+    /// Size of all kernels' code, in bytes.
     pub code_bytes: usize,
-    /// Whether they hold affine forms: a formula too large for these is drawn by intervals alone.
+    /// Whether some kernels compute affine forms. A formula too large for these is drawn by
+    /// intervals.
     pub forms: bool,
     pub repeats: usize,
     pub seed: u64,
@@ -56,8 +55,8 @@ pub struct Row {
     pub processor: String,
 }
 
-/// Measures formulas in rounds of random order, and writes `compile.csv`, `compile-time.svg` and
-/// `compile-code.svg` after each round; returns what was found, as a table.
+/// Measures formulas in rounds of random order. Writes `compile.csv`, `compile-time.svg` and
+/// `compile-code.svg` after each round, and returns a table of the results.
 ///
 /// # Errors
 /// If a formula has no kernels, or the directory cannot be written.
@@ -70,8 +69,8 @@ pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
     let mut order: Vec<usize> = (0..formulas.len()).collect();
     let mut rounds: Vec<Vec<Row>> = vec![Vec::new(); formulas.len()];
     let mut rows = Vec::new();
-    // The first round warms up. A disturbance falls on one round of many formulas, and not on one
-    // formula.
+    // The first round warms up. With rounds, a disturbance affects many formulas once rather than
+    // one formula always.
     for round in 0..=repeats {
         random.shuffle(&mut order);
         for &number in &order {
@@ -98,7 +97,7 @@ fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
     chart::code(rows).save(directory)
 }
 
-/// A formula compiled once.
+/// Compiles a formula once.
 fn compile(
     (source, formula): &(Source, Surface),
     seed: u64,
@@ -113,7 +112,7 @@ fn compile(
     let document = read(&formula.text, &Options::default());
     let document = document.map_err(ChartError::of_surface(&formula.name))?;
     let parse_ms = lap();
-    let program = Program::new(&document, scene::bounds(&formula.region));
+    let program = Program::new(&document, view::bounds(&formula.region));
     let program = program.map_err(ChartError::of_surface(&formula.name))?;
     let simplify_ms = lap();
     let affine = Method::named("affine").expect("the default");
@@ -145,7 +144,7 @@ fn compile(
     })
 }
 
-/// What all rounds of a formula tell: times are the least of each.
+/// Combines a formula's rounds: each time is the least of its kind.
 fn together(rounds: &[Row]) -> Row {
     let least = |time: fn(&Row) -> f64| rounds.iter().map(time).fold(f64::INFINITY, f64::min);
     Row {
@@ -157,8 +156,7 @@ fn together(rounds: &[Row]) -> Row {
     }
 }
 
-/// What was found, in few lines: how times and code grow with nodes, and what the largest formula
-/// takes.
+/// A table of how times and code grow with nodes, and of the largest formula's values.
 fn table(rows: &[Row]) -> String {
     let Some(largest) = rows.iter().max_by_key(|row| row.nodes) else { return String::new() };
     let (formulas, nodes) = (rows.len(), largest.nodes);

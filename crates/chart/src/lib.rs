@@ -1,11 +1,11 @@
-//! Speed against accuracy of every method of `zeroset`, measured and charted.
+//! Measures and charts the speed and accuracy of every method of `zeroset`.
 //!
-//! [`grid`] says what is measured: surfaces, [`views`], and each method with the options that it
-//! reads. [`measure`] takes the times, [`errors`] holds pictures against a [`mod@reference`] that
-//! is proven by the certified tracer, and both become a [`row`] of a [`store`]. Charts and pages
-//! are made of rows alone.
+//! A measurement is of a surface, a view of [`views`] and a configuration of [`grid`]: a method
+//! with values of its options. [`measure`] takes the times. [`errors`] compares pictures with a
+//! [`mod@reference`] from the certified tracer. Both become a [`row`] of a [`store`], and charts
+//! and pages are drawn from rows alone.
 //!
-//! Methods are known here by their rows in [`METHODS`](zeroset_trace::METHODS) only.
+//! Methods are known here only by their rows in [`METHODS`](zeroset_trace::METHODS).
 
 pub mod arguments;
 pub mod charts;

@@ -1,25 +1,25 @@
-//! What this runs on, and what it was made by.
+//! The machine and the build that results depend on.
 
 use serde::{Deserialize, Serialize};
 use zeroset_testkit::machine::{processor, threads};
 
-/// What times depend on, beside the code.
+/// Everything that times depend on, besides the code.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
-    /// Of this crate, which has that of the workspace.
+    /// Version of this crate, which is that of the workspace.
     pub version: String,
-    /// The compiler.
+    /// Version of the compiler.
     pub rustc: String,
-    /// Profile, level of optimisation, target and further flags.
+    /// Profile, optimization level, target and further flags.
     pub flags: String,
-    /// The processor.
+    /// Name of the processor.
     pub processor: String,
-    /// How many threads it runs at a time.
+    /// Number of threads that the processor runs at a time.
     pub processor_threads: usize,
 }
 
 impl Machine {
-    /// That of this process.
+    /// The machine and build of this process.
     pub fn this() -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),

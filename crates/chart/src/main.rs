@@ -1,4 +1,4 @@
-//! The command `zeroset-chart`: all that knows arguments and a terminal.
+//! The command `zeroset-chart`: the only code that knows arguments and a terminal.
 
 use anyhow::Result;
 use clap::Parser;
@@ -17,9 +17,9 @@ use zeroset_chart::run::run;
 use zeroset_chart::stability::stability;
 use zeroset_chart::store::Store;
 
-/// What was counted differs.
+/// Exit code of `check` if counts or hashes differ.
 const DIFFERS: u8 = 1;
-/// What was asked for cannot be done as asked.
+/// Exit code for errors that the user can fix.
 const USER_ERROR: u8 = 2;
 
 fn main() -> ExitCode {
@@ -28,12 +28,12 @@ fn main() -> ExitCode {
         eprintln!("error: {error:#}");
         ExitCode::from(USER_ERROR)
     });
-    // Whoever no longer reads misses nothing.
+    // A closed pipe is no error.
     let _ = std::io::stdout().write_all(text.as_bytes());
     code
 }
 
-/// The line that started this.
+/// The command line of this process.
 fn command() -> String {
     let words: Vec<String> = std::env::args().skip(1).collect();
     format!("zeroset-chart {}", words.join(" "))
@@ -47,7 +47,7 @@ fn draw(directory: &Path, text: &mut String) -> Result<()> {
     Ok(())
 }
 
-/// Does what is asked for, and adds what there is to say to `text`.
+/// Runs the subcommand, and adds its output to `text`.
 fn dispatch(arguments: &Arguments, text: &mut String) -> Result<ExitCode> {
     match &arguments.command {
         Command::Run(arguments) => {

@@ -1,5 +1,4 @@
-//! Times of pictures, taken in turn: in each round every configuration draws once, in an order that
-//! a seed draws.
+//! Times of pictures. In each round every configuration draws once, in a random order.
 
 use crate::error::ChartError;
 use crate::grid::Configuration;
@@ -8,20 +7,20 @@ use crate::surfaces::Surface;
 use crate::views::rng;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::time::{Duration, Instant};
-use zeroset::picture::Picture;
+use zeroset_render::picture::Picture;
 use zeroset_trace::Camera;
 
-/// What one configuration took, in milliseconds, and its picture.
+/// Times of one configuration in milliseconds, and its picture.
 pub struct Measured {
-    /// Simplifying and compiling, of the first picture, with nothing left of others.
+    /// Simplifying and compiling for the first picture, without any reuse.
     pub compile: f64,
     /// The whole first picture, compiling included.
     pub cold: f64,
-    /// Rays to distances.
+    /// Tracing rays.
     pub trace: Quartiles,
-    /// Normals and colors.
+    /// Computing normals and colors.
     pub shade: Quartiles,
-    /// Both.
+    /// Tracing and shading.
     pub total: Quartiles,
     /// The first picture.
     pub picture: Picture,
@@ -31,22 +30,22 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// A pool of so many threads, apart from that on which references are found.
+/// A pool of this many threads, separate from the one that computes references.
 ///
 /// # Panics
-/// If the system gives none.
+/// If the system cannot create the threads.
 pub fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
 }
 
-/// Measures all `configurations` from one view, each `repeats` times after a cold and a warm
-/// picture; `advance` is told after each round.
+/// Measures all `configurations` from one view: each draws a cold picture, a warm one, and then
+/// `repeats` measured ones. Calls `advance` after the cold pictures and after each round.
 ///
 /// # Errors
-/// If a kernel cannot be made.
+/// If a kernel cannot be compiled.
 ///
 /// # Panics
-/// If there are no repeats.
+/// If `repeats` is 0.
 pub fn measure(
     surface: &Surface,
     camera: &Camera,
@@ -73,7 +72,7 @@ pub fn measure(
     let mut times = vec![Vec::with_capacity(repeats); configurations.len()];
     let mut order: Vec<usize> = (0..configurations.len()).collect();
     let mut rng = rng(&format!("{seed} {} order", surface.name));
-    // The round before the first makes kernels.
+    // An extra first round compiles the kernels.
     for round in 0..=repeats {
         rng.shuffle(&mut order);
         for &index in &order {

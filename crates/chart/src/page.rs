@@ -1,5 +1,4 @@
-//! One page that needs nothing else: charts, tables, pictures and what is wrong with them, the
-//! machine and the commands.
+//! A self-contained page: charts, tables, pictures with their errors, the machine and the commands.
 
 mod pictures;
 mod table;
@@ -12,7 +11,7 @@ use crate::row::Row;
 use crate::store::Store;
 use std::path::PathBuf;
 
-/// Writes the page of a directory's results, `index.html`; returns its path.
+/// Writes the page of the results, `index.html`, into their directory; returns its path.
 ///
 /// # Errors
 /// If a chart cannot be drawn, a surface has no picture, or the page cannot be written.
@@ -37,7 +36,7 @@ pub fn write_page(store: &Store) -> Result<PathBuf, ChartError> {
     Ok(path)
 }
 
-/// Where and how it was measured.
+/// The sections on the machine and the commands.
 fn circumstances(store: &Store) -> String {
     let mut text = vec!["<h2>The machine</h2>\n<table>\n".to_owned()];
     if let Some(row) = store.rows.first() {
@@ -61,7 +60,7 @@ fn circumstances(store: &Store) -> String {
     text.concat()
 }
 
-/// Text that HTML takes as text.
+/// Escapes text for HTML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,7 +1,7 @@
-//! The Pareto front: what nothing else is better than in both ways at once.
+//! The Pareto front: points that no other point beats in one coordinate without losing in the
+//! other.
 
-/// The points that no other one is below in one coordinate without being above in the other, from
-/// left to right, by their index. Of equal points there is the first.
+/// Indices of the points on the front, from left to right. Of equal points the first is kept.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
@@ -26,7 +26,7 @@ mod tests {
         assert!(front(&[]).is_empty());
         let points = [[3.0, 1.0], [1.0, 4.0], [2.0, 2.0], [2.0, 3.0], [3.0, 2.0], [4.0, 1.0]];
         assert_eq!(front(&points), [1, 2, 0]);
-        // No error at all is a place like any other; equal points are one.
+        // An error of 0 is a value like any other, and equal points count once.
         assert_eq!(front(&[[0.0, 5.0], [0.0, 4.0], [0.0, 4.0], [1.0, 4.5]]), [1]);
     }
 }

@@ -1,6 +1,6 @@
-//! Charts as data, and how they are drawn.
+//! Charts as data, and their drawing.
 //!
-//! It knows nothing of surfaces and methods.
+//! This module knows nothing of surfaces and methods.
 
 mod draw;
 mod scale;
@@ -13,31 +13,31 @@ use crate::error::ChartError;
 use crate::files::write;
 use std::path::Path;
 
-/// A chart.
+/// A chart, with its data and labels.
 #[derive(Clone, Debug, Default)]
 pub struct Figure {
-    /// What its file is called, without extension.
+    /// Name of its file, without extension.
     pub name: String,
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// What the horizontal axis is, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x: String,
-    /// What the vertical axis is, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y: String,
     /// Names of places 0, 1, 2 … of the horizontal axis, which is logarithmic if there are none.
     pub places: Vec<String>,
-    /// What is drawn, from back to front.
+    /// The series, from back to front.
     pub series: Vec<Series>,
-    /// A wide pale line behind all others, and what it is.
+    /// Label and points of a wide pale line behind all others.
     pub front: Option<(String, Vec<[f64; 2]>)>,
-    /// A horizontal line.
+    /// Height of a horizontal line.
     pub level: Option<f64>,
     /// Further lines of the legend.
     pub notes: Vec<String>,
 }
 
 impl Figure {
-    /// Draws it into a directory.
+    /// Draws the figure into a file of a directory.
     ///
     /// # Errors
     /// If it cannot be drawn or written.
@@ -50,32 +50,32 @@ impl Figure {
 /// Marks of one color and shape.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
-    /// What the legend calls it; nothing if it does not.
+    /// Name in the legend; empty if it is not listed.
     pub name: String,
-    /// Which color.
+    /// Number of its color.
     pub color: usize,
-    /// How marks look.
+    /// Shape of the marks.
     pub shape: Shape,
-    /// Whether a line joins the marks.
+    /// True if a line joins the marks.
     pub is_joined: bool,
-    /// The marks.
+    /// Marks.
     pub marks: Vec<Mark>,
-    /// Thin lines behind them.
+    /// Thin lines behind the marks.
     pub behind: Vec<Vec<[f64; 2]>>,
 }
 
-/// One value.
+/// A value of a series.
 #[derive(Clone, Debug, Default)]
 pub struct Mark {
-    /// Where it is.
+    /// Coordinates.
     pub at: [f64; 2],
-    /// A vertical bar through it.
+    /// Ends of a vertical bar through the mark.
     pub bar: Option<[f64; 2]>,
-    /// A word beside it.
+    /// Text beside the mark.
     pub label: String,
 }
 
-/// How marks look.
+/// Shapes of marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Shape {
     /// A disc.
@@ -85,6 +85,6 @@ pub enum Shape {
     Square,
     /// A triangle.
     Triangle,
-    /// Nothing but its bar, which is thick.
+    /// No mark, and a thick bar.
     Bar,
 }

@@ -1,8 +1,8 @@
-//! Progress bars, which are hidden where standard error is no terminal.
+//! Progress bars, hidden if standard error is not a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A bar of so many steps.
+/// A progress bar of this many steps.
 pub fn progress(steps: usize) -> ProgressBar {
     let bar = ProgressBar::new(steps as u64);
     let style = ProgressStyle::with_template("{msg} {wide_bar} {percent}%  {eta} left");

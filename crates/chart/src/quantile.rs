@@ -1,25 +1,26 @@
 //! Medians and other quantiles.
 
-/// Three quartiles.
+/// The three quartiles of some values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quartiles {
-    /// A quarter lies below.
+    /// Value that a quarter of the values lie below.
     pub lower: f64,
-    /// Half lies below.
+    /// Value that half of the values lie below.
     pub median: f64,
-    /// A quarter lies above.
+    /// Value that a quarter of the values lie above.
     pub upper: f64,
 }
 
 impl Quartiles {
-    /// Of values in any order; `None` of none.
+    /// The quartiles of values in any order; `None` if there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
         let [lower, median, upper] = [0.25, 0.5, 0.75].map(|share| quantile(values, share));
         Some(Self { lower: lower?, median: median?, upper: upper? })
     }
 }
 
-/// The value below which this share lies, the nearest one that occurs; `None` of none.
+/// The value below which this share of the values lies, rounded to one of them; `None` of no
+/// values.
 pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -27,7 +28,7 @@ pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     Some(sorted[(last as f64 * share).round() as usize])
 }
 
-/// The geometric mean; `None` of none.
+/// The geometric mean; `None` of no values.
 pub fn geometric_mean(values: &[f64]) -> Option<f64> {
     let logarithms: f64 = values.iter().map(|value| value.ln()).sum();
     (!values.is_empty()).then(|| (logarithms / values.len() as f64).exp())

@@ -1,5 +1,5 @@
-//! Rays that are given, or random, followed by methods and by the certified tracer, for other
-//! programs to compare with.
+//! Traces given or random rays by methods and by the certified tracer, and writes the results for
+//! comparison with other programs.
 
 use crate::arguments::RaysArguments;
 use crate::error::ChartError;
@@ -13,24 +13,23 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 use std::time::Instant;
-use zeroset::program::Program;
-use zeroset::scene::bounds;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::bounds;
+use zeroset_space::{Ray, Region};
 use zeroset_testkit::npy;
-use zeroset_trace::{
-    KernelStats, Method, Ray, RayResult, Region, Segment, Start, Status, TraceOptions,
-};
+use zeroset_trace::{KernelStats, Method, RayResult, Segment, Start, Status, TraceOptions};
 
-/// Evaluations of the function that the certified tracer spends on a ray.
+/// Evaluations of the function per ray by the certified tracer.
 const BUDGET: u32 = 20_000;
 
-/// A file of rays is read as rows of so many numbers.
+/// Numbers per ray in a file: origin and direction.
 const COLUMNS: usize = 6;
 
-/// Follows the rays, writes what was found, and says in a line for each method how long it took and
-/// whether it is right.
+/// Traces the rays and writes the results. Returns a line for each method, with its time and its
+/// number of false claims.
 ///
 /// # Errors
-/// If the surface or the file is none, or something cannot be written.
+/// If the surface is unknown or a solid, the file has no rays, or a result cannot be written.
 pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
     let RaysArguments { surface, output, within, .. } = arguments;
     let surface = Surface::named(surface)?;
@@ -62,7 +61,7 @@ pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
         let is_wrong =
             |((found, ray), truth): &((&RayResult, &Ray), &Truth)| is_false(found, ray, truth);
         let wrong = found.iter().zip(&rays).zip(&truths).filter(is_wrong).count();
-        // Writing to text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(
             said,
             "{:10}{nanoseconds:8.0} ns a ray: {hits} hits, {misses} misses, {undecided} undecided; {wrong} false",
@@ -98,7 +97,7 @@ fn read(path: &Path) -> Result<Vec<Ray>, ChartError> {
     }
 }
 
-/// Rays from a ball around the region to points in it.
+/// Random rays from a sphere around the region to points in it.
 fn random(region: &Region, count: usize, seed: u64) -> Vec<Ray> {
     let mut rng = rng(&format!("{seed} rays"));
     let (low, extent) = (region.low(), region.high() - region.low());
@@ -110,7 +109,7 @@ fn random(region: &Region, count: usize, seed: u64) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
-/// What a method finds, and how many nanoseconds a ray takes, code made before.
+/// A method's results, and its time per ray in nanoseconds, without compilation.
 fn follow(
     method: &Method,
     surface: &Surface,
@@ -118,7 +117,7 @@ fn follow(
     rays: &[Ray],
     within: f64,
 ) -> Result<(Vec<RayResult>, f64), ChartError> {
-    // A pixel is as wide as the tolerance, wherever it is.
+    // Segments below give a pixel the width of the tolerance at any distance.
     let options = TraceOptions { tolerance: 1.0, depth: 16, ..TraceOptions::default() };
     let tracer = method
         .prepare(program.surface(0), &surface.region, options)
@@ -131,7 +130,7 @@ fn follow(
     let segments: Vec<Segment> = rays.iter().map(segment).collect();
     let mut found = vec![RayResult::MISS; rays.len()];
     let mut time = f64::INFINITY;
-    // The first time code may still be made.
+    // The first pass may still compile code, so the shorter of two counts.
     for _ in 0..2 {
         let start = Instant::now();
         tracer.follow(&segments, Start::Anywhere, &mut found, &mut KernelStats::default());
@@ -140,14 +139,14 @@ fn follow(
     Ok((found, time * 1e9 / rays.len().max(1) as f64))
 }
 
-/// A method's row.
+/// A method's row: status, bracket and drawn distance.
 fn place(found: &RayResult, ray: &Ray) -> [f64; 4] {
     let [near, far] = found.bracket.map(|t| ray.distance(t));
     let drawn = if found.drawn.is_finite() { ray.distance(found.drawn) } else { f64::NAN };
     [f64::from(found.status as u8), near, far, drawn]
 }
 
-/// The certified tracer's row.
+/// The certified tracer's row: kind of truth and bounds of the root.
 fn certain(truth: &Truth) -> [f64; 3] {
     match truth {
         Truth::Miss => [0.0, f64::NAN, f64::NAN],
@@ -161,14 +160,14 @@ fn certain(truth: &Truth) -> [f64; 3] {
     }
 }
 
-/// Whether what is said to be proven contradicts what is certain.
+/// Whether a claim of the method contradicts the certified tracer.
 fn is_false(found: &RayResult, ray: &Ray, truth: &Truth) -> bool {
     match (found.status, truth) {
         (Status::Undecided, _) | (_, Truth::Open) | (Status::Miss, Truth::Miss) => false,
         (Status::Miss, Truth::Root(_)) | (Status::Hit, Truth::Miss) => true,
         (Status::Hit, Truth::Root(root)) => {
             let bracket = found.bracket.map(|t| ray.distance(t));
-            // Methods that keep no brackets say only that there is a root.
+            // Methods without brackets claim only that there is a root.
             let meets = |piece: &[f64; 2]| piece[0] <= bracket[1] && bracket[0] <= piece[1];
             bracket[0].is_finite() && !root.pieces.iter().any(meets)
         }

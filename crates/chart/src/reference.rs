@@ -1,4 +1,4 @@
-//! What is certain of some pixels of a picture, found once and kept.
+//! Certified results for some pixels of a view, computed once and stored.
 
 use crate::error::ChartError;
 use crate::files::write;
@@ -8,31 +8,31 @@ use crate::views::{View, rng};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
-use zeroset_trace::Ray;
+use zeroset_space::Ray;
 
-/// Which pixels are looked at, and how long.
+/// The pixels that are checked, and the effort for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
-    /// Pixels in a row, and rows.
+    /// Side of the square picture, in pixels.
     pub size: usize,
-    /// About how many pixels; 0 for all.
+    /// Approximate number of pixels; 0 for all.
     pub samples: usize,
-    /// Draws them.
+    /// Seed of the random pixels.
     pub seed: u64,
-    /// Evaluations of the function a ray.
+    /// Evaluations of the function per ray.
     pub budget: u32,
 }
 
-/// Some pixels of pictures from one view, and what is certain of them.
+/// Certified results for some pixels of pictures from one view.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Reference {
-    /// A hash of all that it depends on.
+    /// Hash of everything that the results depend on.
     origin: String,
-    /// Index of each pixel, row by row from the top, and what is certain of it.
+    /// Index of each pixel, row by row from the top, and the truth about its ray.
     pub pixels: Vec<(usize, Truth)>,
 }
 
-/// One pixel at a random place in each of about so many equal squares of a picture.
+/// Pixels to check: about `samples`, one at a random place in each of equal squares.
 fn sampled(Sampling { size, samples, seed, .. }: Sampling) -> Vec<usize> {
     let side = samples.isqrt();
     if side == 0 || side >= size {
@@ -44,15 +44,15 @@ fn sampled(Sampling { size, samples, seed, .. }: Sampling) -> Vec<usize> {
 }
 
 impl Reference {
-    /// Of these pixels, kept nowhere.
+    /// A reference of these pixels, which is not stored.
     pub fn of(pixels: Vec<(usize, Truth)>) -> Self {
         Self { origin: String::new(), pixels }
     }
 
-    /// What is certain of a view, kept in `directory` from one run to the next.
+    /// The reference of a view, read from `directory` or computed and stored there.
     ///
     /// # Errors
-    /// If the directory cannot be written, or the function has no code.
+    /// If the directory cannot be written, or the function cannot be compiled.
     pub fn kept(
         directory: &Path,
         surface: &Surface,
@@ -80,5 +80,5 @@ impl Reference {
     }
 }
 
-/// Changes with what is kept.
+/// Version of the stored format.
 const FORMAT: u32 = 1;

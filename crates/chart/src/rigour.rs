@@ -1,8 +1,9 @@
-//! The price of rigour: the same kernels while results are rounded to nearest and left so, which is
-//! not sound; while each is moved up by further operations, as is done where no rounding mode can
-//! be set; and rounded up, as the product does.
+//! The cost of sound rounding, by comparison of three arithmetics. The unsound one rounds to
+//! nearest. The widened one rounds to nearest and then moves each bound outward by further
+//! operations, for use where the rounding mode cannot be set. The product's own one rounds up.
 //!
-//! Kernels are asked what a picture asks them; whole pictures are traced in each arithmetic, too.
+//! Kernels are timed on the inputs that a picture gives them. Whole pictures are timed in each
+//! arithmetic, too.
 
 mod chart;
 mod inputs;
@@ -25,21 +26,21 @@ use kernels::{Float, Has, Own, Set};
 use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use zeroset::program::Program;
-use zeroset::scene;
 use zeroset_eval::{ContractSegments, ContractTiles, Enclose, Input, Kernel, KernelError, Query};
 use zeroset_jit::comparison::Arithmetic;
+use zeroset_scene::program::Program;
+use zeroset_scene::view;
 use zeroset_trace::{Driver, GBuffer, Method, Precision, TraceOptions};
 
-/// How long a kernel is asked between two looks at the clock.
+/// Least time that a kernel runs between two readings of the clock.
 const TURN: Duration = Duration::from_micros(300);
 
-/// Measures surfaces, and writes `rigour.csv` and `rigour.svg` after each; returns what was found,
-/// as a table.
+/// Measures surfaces, and writes `rigour.csv` and `rigour.svg` after each. Returns a table of the
+/// results.
 ///
 /// # Errors
-/// If a surface is unknown, or has parameters or poles, which need other kernels than are compared
-/// here, or has no kernels, or the directory cannot be written.
+/// If a surface is unknown, has parameters or poles, or has no kernels, or the directory cannot be
+/// written. Parameters and poles need kernels that are not compared here.
 pub fn rigour(arguments: &RigourArguments) -> Result<String, ChartError> {
     let surfaces = surfaces::chosen(&arguments.surfaces)?;
     let (machine, pool) = (Machine::this(), pool(1));
@@ -48,7 +49,7 @@ pub fn rigour(arguments: &RigourArguments) -> Result<String, ChartError> {
     for surface in &surfaces {
         bar.set_message(surface.name.clone());
         let refuse = ChartError::of_surface(&surface.name);
-        let program = Program::new(&surface.document, scene::bounds(&surface.region));
+        let program = Program::new(&surface.document, view::bounds(&surface.region));
         let program = program.map_err(&refuse)?;
         let view = &views(surface, 1, arguments.seed)?[0];
         let plan = Plan { surface, view, program: &program, arguments, machine: &machine };
@@ -67,8 +68,7 @@ fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
     chart::figure(rows).save(directory)
 }
 
-/// What was found, in few lines: times over those without rigour, and widths over those of rounding
-/// up.
+/// A table of times relative to the unsound kernels, and widths relative to the rounded-up ones.
 fn table(rows: &[Row]) -> String {
     let mean = |rows: &[&Row], value: fn(&Row) -> Option<f64>| {
         let values: Vec<f64> = rows.iter().filter_map(|row| value(row)).collect();
@@ -94,7 +94,7 @@ fn table(rows: &[Row]) -> String {
     [head.to_owned(), line("", names)].into_iter().chain(lines).collect()
 }
 
-/// What is measured of a surface.
+/// A surface, and the conditions that it is measured under.
 struct Plan<'a> {
     surface: &'a Surface,
     view: &'a View,
@@ -103,7 +103,7 @@ struct Plan<'a> {
     machine: &'a Machine,
 }
 
-/// The kernels that answer a question, by [`Arithmetic::ALL`].
+/// The kernels for a query, one per arithmetic in the order of [`Arithmetic::ALL`].
 fn three<T: Float, Q: Query>(sets: &[Set; 3]) -> Result<Three<'_, Q, T>, KernelError>
 where
     Own<T>: Has<Q, T>,
@@ -112,7 +112,7 @@ where
     Ok([unsound.kernel()?, widened.kernel()?, upward.kernel()?])
 }
 
-/// Something to be timed: run so many times, it answers for so many lanes, or pixels, each time.
+/// A task to be timed: `run` repeats it, and each repetition evaluates `lanes` lanes or pixels.
 struct Task<'a> {
     run: Box<dyn Fn(usize) + 'a>,
     lanes: usize,
@@ -123,7 +123,7 @@ impl Plan<'_> {
         let surface = &self.surface;
         let refuse = ChartError::of_surface(&surface.name);
         let set = |arithmetic, keeps| Set::new(self.program, arithmetic, keeps).map_err(&refuse);
-        // What a picture asks is kept from one that is rounded up.
+        // A picture in the sound arithmetic records the inputs of its kernels.
         let asked = set(Arithmetic::Upward, true)?;
         self.picture(&asked, T::PRECISION)?;
         let [unsound, widened, upward] = Arithmetic::ALL.map(|arithmetic| set(arithmetic, false));
@@ -147,7 +147,7 @@ impl Plan<'_> {
         Ok(rows)
     }
 
-    /// The kernels' times with some of `inputs`, and the widths that were found with all.
+    /// Rows with the kernels' times on some of `inputs`, and with the given `widths`.
     fn kernel_rows<T: Float, Q: Query>(
         &self,
         asked: Asked,
@@ -161,7 +161,7 @@ impl Plan<'_> {
         }
         let lanes = inputs.iter().map(Input::count).sum();
         let tasks = kernels.map(|kernel| {
-            // As the product calls its own.
+            // Called through a trait object, as the product's kernels are.
             let kernel: &dyn Kernel<Q, T> = kernel;
             let run = move |times: usize| {
                 let mut output = Q::Output::<T>::default();
@@ -180,7 +180,7 @@ impl Plan<'_> {
     }
 
     fn picture_rows(&self, sets: &[Set; 3], precision: Precision) -> Result<Vec<Row>, ChartError> {
-        // Kernels are made before any time is taken.
+        // These pictures compile the kernels before any time is taken.
         let mut undecided = Vec::new();
         for set in sets {
             undecided.push(self.picture(set, precision)?);
@@ -188,7 +188,7 @@ impl Plan<'_> {
         let tasks = sets.each_ref().map(|set| {
             let run = move |times: usize| {
                 for _ in 0..times {
-                    // It was made before, so it can be.
+                    // The same picture succeeded above, so it cannot fail here.
                     let _ = black_box(self.picture(set, precision));
                 }
             };
@@ -201,7 +201,7 @@ impl Plan<'_> {
         Ok(rows)
     }
 
-    /// Traces the surface by the method `affine`; returns how many pixels are undecided.
+    /// Traces the surface by the method `affine`; returns the number of undecided pixels.
     fn picture(&self, set: &Set, precision: Precision) -> Result<usize, ChartError> {
         let size = self.arguments.size;
         let affine = Method::named("affine").expect("the default");
@@ -217,9 +217,10 @@ impl Plan<'_> {
         Ok(undecided)
     }
 
-    /// The three tasks in rounds of random order, by [`Arithmetic::ALL`].
+    /// Times the three tasks in rounds of random order; rows are in the order of
+    /// [`Arithmetic::ALL`].
     fn timed(&self, asked: Asked, precision: Precision, tasks: &[Task<'_>; 3]) -> Vec<Row> {
-        // What is interrupted takes longer: of three times the least counts.
+        // Interruptions only lengthen a time, so the least of three counts.
         let time = |task: &Task<'_>, times: usize| {
             let once = || {
                 let start = Instant::now();
@@ -228,7 +229,7 @@ impl Plan<'_> {
             };
             once().min(once()).min(once())
         };
-        // The first round warms up, and tells how often is long enough.
+        // The first round warms up, and determines the number of repetitions.
         let times = tasks.each_ref().map(|task| {
             let once = time(task, 1);
             (TURN.as_secs_f64() / once.max(1e-9)).ceil() as usize

@@ -1,5 +1,4 @@
-//! One line of results: a surface from a view by a configuration, and all that it takes to repeat
-//! it.
+//! A row of results: a surface from a view by a configuration, with everything needed to repeat it.
 
 use crate::error::ChartError;
 use crate::errors::Errors;
@@ -12,22 +11,22 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use zeroset_trace::{Camera, GBuffer, KernelStats, Method, Projection};
 
-/// What is common to the rows of one view of one surface.
+/// Conditions that the rows of one view of one surface share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Conditions {
-    /// Pixels in a row, and rows.
+    /// Side of the square picture, in pixels.
     pub size: usize,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Of views, pixels and order.
+    /// Seed of views, sampled pixels and order.
     pub seed: u64,
-    /// How often each was drawn.
+    /// Number of measured pictures per configuration.
     pub repeats: usize,
-    /// About how many pixels were looked at for errors; 0 for all.
+    /// Approximate number of pixels checked for errors; 0 for all.
     pub samples: usize,
 }
 
-/// A line of results. Times are in milliseconds, distances in world units unless they are in
+/// A row of results. Times are in milliseconds. Distances are in world units unless the name says
 /// pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns; the README tells what is measured
@@ -69,7 +68,7 @@ pub struct Row {
     pub missed: usize,
     pub phantom: usize,
     pub wrong_root: usize,
-    /// Pixels claimed wrongly: these are wrong even if all that is undecided is right.
+    /// Pixels with a false status: these are wrong even if all undecided pixels are right.
     pub false_claims: usize,
     pub undecided: usize,
     pub painted: usize,
@@ -104,14 +103,14 @@ pub struct Row {
     pub processor_threads: usize,
 }
 
-/// A hash of what is claimed of each pixel.
+/// Hash of all pixels' statuses.
 pub fn status_hash(buffer: &GBuffer) -> String {
     let bytes: Vec<u8> = buffer.status.iter().map(|status| *status as u8).collect();
     blake3::hash(&bytes).to_hex().to_string()
 }
 
 impl Row {
-    /// Of what was measured.
+    /// A row from the parts of a measurement.
     pub fn new(
         surface: &Surface,
         view: &View,
@@ -203,13 +202,13 @@ impl Row {
         }
     }
 
-    /// What it shares with other rows.
+    /// The conditions that the row was measured under.
     pub fn conditions(&self) -> Conditions {
         let Self { size, threads, seed, repeats, samples, .. } = *self;
         Conditions { size, threads, seed, repeats, samples }
     }
 
-    /// What it was measured on.
+    /// The machine that the row was measured on.
     pub fn machine(&self) -> Machine {
         Machine {
             version: self.version.clone(),
@@ -220,7 +219,7 @@ impl Row {
         }
     }
 
-    /// The method and its options.
+    /// The method with its options.
     ///
     /// # Errors
     /// If this version has no such method.
@@ -235,10 +234,10 @@ impl Row {
         })
     }
 
-    /// Where it was seen from.
+    /// The camera of the view.
     ///
     /// # Errors
-    /// If its numbers make no camera.
+    /// If the numbers do not make a camera.
     pub fn camera(&self) -> Result<Camera, ChartError> {
         let eye = DVec3::new(self.eye_x, self.eye_y, self.eye_z);
         let target = DVec3::new(self.target_x, self.target_y, self.target_z);
@@ -247,13 +246,13 @@ impl Row {
             .map_err(ChartError::of_surface(&self.surface))
     }
 
-    /// Pixels painted wrongly, as a share of those that the reference decides; 0 of none.
+    /// Share of wrong pixels among those that the reference decides; 0 if it decides none.
     pub fn wrong_share(&self) -> f64 {
         let wrong = self.missed + self.phantom + self.wrong_root;
         wrong as f64 / (self.looked_at - self.open).max(1) as f64
     }
 
-    /// What was asked of kernels, by kind.
+    /// Counts of kernel calls, lanes and rays given up, with their names.
     pub fn work(&self) -> [(&'static str, u64); 11] {
         [
             ("interval calls", self.interval_calls),

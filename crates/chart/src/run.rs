@@ -1,4 +1,4 @@
-//! The grid, measured view by view. Rows that are there already are kept.
+//! Measures the grid view by view, and keeps the rows that are already stored.
 
 use crate::arguments::RunArguments;
 use crate::error::ChartError;
@@ -16,12 +16,11 @@ use rayon::ThreadPool;
 use std::path::Path;
 use zeroset_testkit::certified::BUDGET;
 
-/// Measures what is not in the directory yet, and writes it there view by view; returns how many
-/// rows are new.
+/// Measures the rows that the directory lacks, and stores them view by view. Returns their number.
 ///
 /// # Errors
-/// If a surface is unknown or has no picture, or the directory is of another machine or cannot be
-/// written.
+/// If a surface is unknown or cannot be drawn, or the directory has results of another machine or
+/// cannot be written.
 pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
     let surfaces = chosen(&arguments.surfaces)?;
     let configurations = configurations(&arguments.methods.chosen(), &arguments.values());
@@ -60,15 +59,15 @@ pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
     Ok(store.rows.len() - before)
 }
 
-/// One view of one surface.
+/// One view of one surface, and the conditions that it is measured under.
 pub struct Batch<'a> {
-    /// Which surface.
+    /// The surface.
     pub surface: &'a Surface,
-    /// From where.
+    /// The view.
     pub view: &'a View,
-    /// How.
+    /// The conditions.
     pub conditions: Conditions,
-    /// On what.
+    /// The machine.
     pub machine: &'a Machine,
 }
 
@@ -80,10 +79,11 @@ impl Batch<'_> {
             && row.configuration().is_ok_and(|other| other == *configuration)
     }
 
-    /// Measures and judges these configurations; references are kept in a directory of their own.
+    /// Measures these configurations and compares their pictures with the reference. References are
+    /// stored in the directory `references`.
     ///
     /// # Errors
-    /// If that cannot be written, or there is no picture.
+    /// If the directory cannot be written, or a picture cannot be drawn.
     pub fn rows(
         &self,
         configurations: &[Configuration],

@@ -1,9 +1,8 @@
-//! Formulas on which methods for implicit surfaces are known to fail, by every method, and what
-//! becomes of them.
+//! Results of every method on formulas on which methods for implicit surfaces are known to fail.
 //!
-//! Cases are those of `tests/data/stability`. What is certain of a ray is said by the certified
-//! tracer, and where that leaves it open, as where f touches 0, by the roots that are stored beside
-//! the cases.
+//! The cases are those of `tests/data/stability`. The reference is the certified tracer. For rays
+//! that it leaves open, for example where f touches 0, the roots stored with the cases take its
+//! place.
 
 mod case;
 mod outcome;
@@ -24,33 +23,33 @@ use image::RgbImage;
 use serde::Serialize;
 use sheet::Sheet;
 use std::time::{Duration, Instant};
-use zeroset::picture::Settings;
+use zeroset_render::picture::Settings;
 use zeroset_trace::Method;
 
-/// Pixels in a row, and rows, as in the stored roots.
+/// Side of the square pictures in pixels, as in the stored roots.
 pub const SIDE: usize = 64;
 
-/// What became of one case by one method.
+/// The result of one method on one case.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
-    /// The case.
+    /// Name of the case.
     pub case: String,
-    /// The method, with the precision `auto` and its options by default.
+    /// Name of the method. It runs with the precision `auto` and default options.
     pub method: String,
-    /// In one word.
+    /// Class of the result.
     pub outcome: Outcome,
-    /// Whole picture with compiling, in milliseconds.
+    /// Time of the whole picture in milliseconds, compilation included.
     pub ms: f64,
-    /// What it was found from.
+    /// Errors that the class follows from.
     pub errors: Errors,
-    /// What is wrong with the case in general.
+    /// The difficulty of the case.
     pub hazard: String,
-    /// Why there is no picture.
+    /// Reason why there is no picture, if there is none.
     pub refusal: Option<String>,
 }
 
-/// Draws cases by methods, each for no longer than the budget, and writes table, rows and contact
-/// sheet; returns the table.
+/// Draws cases by methods, each picture within the budget. Writes table, rows and contact sheet,
+/// and returns the table.
 ///
 /// # Errors
 /// If there is no such case, or the directory cannot be written.
@@ -95,7 +94,7 @@ fn refused(case: &Case, method: &Method, why: String) -> Verdict {
     }
 }
 
-/// A verdict, the picture, and what is wrong with it.
+/// The verdict on a method's picture, the picture itself and its errors as a picture.
 fn judged(
     case: &Case,
     reference: &Reference,
@@ -126,7 +125,7 @@ fn judged(
     (verdict, Some([shown, wrong]))
 }
 
-/// A line for each case, a column for each method, and how often there is each outcome.
+/// A line for each case, with a column for each method, and the number of each outcome by method.
 fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
     let line = |name: &str, cells: Vec<String>| format!("{name:20}{}\n", cells.concat());
     let names = methods.iter().map(|method| format!("{:32}", method.name)).collect();

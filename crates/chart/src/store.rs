@@ -1,4 +1,4 @@
-//! A directory of results: `rows.json` and the same as `rows.csv`.
+//! A directory of results, `rows.json`, which `rows.csv` repeats.
 
 use crate::error::ChartError;
 use crate::files::{write, write_csv};
@@ -10,15 +10,15 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug)]
 pub struct Store {
     directory: PathBuf,
-    /// What was found so far.
+    /// The rows so far.
     pub rows: Vec<Row>,
 }
 
 impl Store {
-    /// The results in `directory`, which may be none and need not be there.
+    /// Opens the results in `directory`; there are none if it has no file of rows.
     ///
     /// # Errors
-    /// If there are some that cannot be read.
+    /// If the rows cannot be read.
     pub fn open(directory: &Path) -> Result<Self, ChartError> {
         if directory.join(ROWS).exists() {
             return Self::existing(directory);
@@ -26,7 +26,7 @@ impl Store {
         Ok(Self { directory: directory.to_owned(), rows: Vec::new() })
     }
 
-    /// The results in `directory`, where there must be some.
+    /// Opens the results in `directory`, which must have some.
     ///
     /// # Errors
     /// If there are none, or they cannot be read.
@@ -37,17 +37,17 @@ impl Store {
         Ok(Self { directory: directory.to_owned(), rows })
     }
 
-    /// Where a file of this name belongs.
+    /// Path of a file in the directory.
     pub fn path(&self, name: &str) -> PathBuf {
         self.directory.join(name)
     }
 
-    /// The commands that results are of, a line each.
+    /// The commands that produced the results, one per line.
     pub fn commands(&self) -> String {
         fs::read_to_string(self.path(COMMANDS)).unwrap_or_default()
     }
 
-    /// Keeps a command, unless it is there already.
+    /// Adds a command to the list, unless it is already there.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -63,7 +63,7 @@ impl Store {
     /// Writes all rows.
     ///
     /// # Errors
-    /// If that is impossible.
+    /// If they cannot be written.
     pub fn save(&self) -> Result<(), ChartError> {
         let path = self.path(ROWS);
         let mut json =

@@ -1,40 +1,42 @@
-//! Surfaces by name: ten of this crate's own, which `benches/frame.rs` draws too, and the gallery.
+//! Surfaces by name: the ten of this crate, which `benches/frame.rs` draws too, and the gallery.
 
 use crate::error::ChartError;
 use crate::groups::distinct;
 use include_dir::{Dir, include_dir};
-use zeroset::gallery::example;
-use zeroset::model::Model;
-use zeroset::picture::{Picture, Settings};
-use zeroset::scene::{self, DomainChoice};
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::gallery::example;
+use zeroset_scene::view::{self, DomainChoice};
+use zeroset_space::Region;
 use zeroset_syntax::{Document, Options, SurfaceKind, read};
-use zeroset_trace::{Camera, Region};
+use zeroset_trace::Camera;
 
-/// Those of Knoll et al. 2007, and the gyroid.
+/// Function files of Knoll et al. 2007's surfaces, and of the gyroid.
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/data");
 
-/// A function and its domain.
+/// A document with its domain.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// What it is called.
+    /// Name of the surface.
     pub name: String,
-    /// The function file.
+    /// Text of the function file.
     pub text: String,
-    /// The same, read: it draws one surface, or several if only [`Surface::read`] has read it.
+    /// Document read from the text. It has one surface, or perhaps several if [`Surface::read`]
+    /// read it.
     pub document: Document,
-    /// Its domain: the document's, else where intervals find the surface.
+    /// The domain: given, or the document's, or one found by intervals.
     pub region: Region,
 }
 
-/// The names of the ten surfaces, which are measured unless others are named.
+/// Names of the ten surfaces, which are measured by default.
 pub fn names() -> Vec<&'static str> {
     FILES.files().filter_map(|file| file.path().file_stem()?.to_str()).collect()
 }
 
-/// The surfaces of these names, each once; the ten if there are none.
+/// The distinct surfaces of these names; the ten if there are no names.
 ///
 /// # Errors
-/// If there is no such surface, or it draws several at once.
+/// If a name is unknown, or its document has several surfaces.
 pub fn chosen(given: &[String]) -> Result<Vec<Surface>, ChartError> {
     let given = distinct(given.iter().map(String::as_str));
     let names = if given.is_empty() { names() } else { given };
@@ -42,10 +44,10 @@ pub fn chosen(given: &[String]) -> Result<Vec<Surface>, ChartError> {
 }
 
 impl Surface {
-    /// The surface called `name`: one of the ten, else of the gallery.
+    /// The surface called `name`: one of the ten, or else of the gallery.
     ///
     /// # Errors
-    /// If there is none, or it draws several at once.
+    /// If the name is unknown, or its document has several surfaces.
     pub fn named(name: &str) -> Result<Self, ChartError> {
         let own = FILES.get_file(format!("{name}.zset")).and_then(|file| file.contents_utf8());
         let unknown =
@@ -57,7 +59,7 @@ impl Surface {
     /// The surface of a text, within `region` if that is given.
     ///
     /// # Errors
-    /// If the text cannot be read, or draws several surfaces at once.
+    /// If the text cannot be read, or has several surfaces.
     pub fn of(name: &str, text: &str, region: Option<Region>) -> Result<Self, ChartError> {
         let surface = Self::read(name, text, region)?;
         if surface.document.surfaces.len() != 1 {
@@ -67,43 +69,43 @@ impl Surface {
         Ok(surface)
     }
 
-    /// The same of a text that may draw several surfaces.
+    /// Like [`Surface::of`], for a text that may have several surfaces.
     ///
     /// # Errors
     /// If the text cannot be read, or has no domain.
     pub fn read(name: &str, text: &str, region: Option<Region>) -> Result<Self, ChartError> {
         let document = read(text, &Options::default()).map_err(ChartError::of_surface(name))?;
-        let found = || scene::region(&document, DomainChoice::Document, None);
+        let found = || view::region(&document, DomainChoice::Document, None);
         let region = region.map_or_else(|| found().map(|(region, _)| region), Ok);
         let region = region.map_err(ChartError::of_surface(name))?;
         Ok(Self { name: name.to_owned(), text: text.to_owned(), document, region })
     }
 
-    /// Its kernels.
+    /// Compiles the surface's kernels.
     ///
     /// # Errors
-    /// If they cannot be made.
+    /// If a kernel cannot be compiled.
     pub fn model(&self, settings: &Settings) -> Result<Model, ChartError> {
         Model::new(&self.document, &self.region, settings)
             .map_err(ChartError::of_surface(&self.name))
     }
 
-    /// A picture, for which kernels are made.
+    /// Compiles the surface's kernels and draws a picture.
     ///
     /// # Errors
-    /// If they cannot be made.
+    /// If a kernel cannot be compiled.
     pub fn picture(&self, camera: &Camera, settings: &Settings) -> Result<Picture, ChartError> {
         let picture = self.model(settings)?.trace(camera, settings, &|_| true);
         picture.map_err(ChartError::of_surface(&self.name))
     }
 
-    /// Whether it is a solid, which the faces of its domain may cut.
+    /// Whether the surface is a solid, which may have faces where its domain cuts it.
     pub fn is_solid(&self) -> bool {
         self.document.surfaces[0].kind == SurfaceKind::Solid
     }
 
-    /// Its domain axis by axis.
+    /// Ends of the domain, per axis.
     pub fn bounds(&self) -> [[f64; 2]; 3] {
-        scene::bounds(&self.region).map(|range| [range.lo, range.hi])
+        view::bounds(&self.region).map(|range| [range.lo, range.hi])
     }
 }

@@ -1,55 +1,56 @@
-//! What is certain of rays, by the certified tracer.
+//! The truth about rays, proven by the certified tracer.
 //!
-//! It knows no methods: the tracer shares no code with kernels or traversers. Normals are the
-//! exception: they are exact derivatives, taken by a kernel of 64 bits at the certified root.
+//! It is independent of the methods: the tracer shares no code with kernels or traversers. Only
+//! normals come from a kernel, of 64 bits, which evaluates exact derivatives at the certified root.
 
 use crate::error::ChartError;
 use crate::surfaces::Surface;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use zeroset::model::Model;
-use zeroset::picture::{Precision, Settings};
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Precision, Settings};
+use zeroset_space::Ray;
 use zeroset_testkit::certified::{Certificate, Crossing, Function, Line};
-use zeroset_trace::Ray;
 
-/// What is certain of a ray. Distances are in world units.
+/// The truth about a ray. Distances are in world units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Truth {
-    /// It meets no zero.
+    /// The ray meets no zero.
     Miss,
-    /// It meets one.
+    /// The ray meets a zero.
     Root(Root),
-    /// It comes near one, and perhaps touches it; or effort ran out.
+    /// The ray comes near a zero and may touch it, or the budget ran out.
     Open,
 }
 
-/// The first zero of a ray.
+/// The first zero along a ray.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Root {
-    /// It lies in one of these pieces, and there is no other before or between them.
+    /// Intervals of distance, one of which holds the zero; no other zero lies before or between
+    /// them.
     pub pieces: Vec<[f64; 2]>,
-    /// Where the next one lies, if there is one and it is certain.
+    /// Interval of distance that holds the next zero, if that is certain.
     pub next: Option<[f64; 2]>,
-    /// The unit normal at the zero, towards f > 0, if that is certainly the first and has one.
+    /// Unit normal at the zero, towards f > 0, if the zero is certainly the first and has a normal.
     pub normal: Option<[f64; 3]>,
 }
 
-/// The ray, as the certified tracer takes it.
+/// Converts a ray for the certified tracer.
 fn line(ray: &Ray) -> Line {
     Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() }
 }
 
-/// What is certain of these rays, by about `budget` evaluations each.
+/// The truth about these rays, with about `budget` evaluations each.
 ///
 /// # Errors
-/// If the function has no code.
+/// If the function cannot be compiled.
 pub fn certify(surface: &Surface, rays: &[Ray], budget: u32) -> Result<Vec<Truth>, ChartError> {
     let certifier = Certifier::new(surface, budget)?;
     Ok(rays.par_iter().map(|ray| certifier.truth(ray)).collect())
 }
 
-/// The certified tracer, made ready for a surface.
+/// The certified tracer, prepared for a surface.
 pub struct Certifier<'a> {
     surface: &'a Surface,
     model: Model,
@@ -59,10 +60,10 @@ pub struct Certifier<'a> {
 }
 
 impl<'a> Certifier<'a> {
-    /// With about `budget` evaluations for each ray.
+    /// Prepares the tracer, with about `budget` evaluations per ray.
     ///
     /// # Errors
-    /// If the function has no code.
+    /// If the function cannot be compiled.
     pub fn new(surface: &'a Surface, budget: u32) -> Result<Self, ChartError> {
         let settings = Settings { precision: Precision::F64, ..Settings::default() };
         let model = surface.model(&settings)?;
@@ -72,12 +73,12 @@ impl<'a> Certifier<'a> {
         Ok(Self { surface, model, function, bounds: surface.bounds(), budget })
     }
 
-    /// What is proven of a ray.
+    /// Proven facts about a ray.
     pub fn trace(&self, ray: &Ray) -> Certificate {
         self.function.trace(&line(ray), &self.bounds, self.budget)
     }
 
-    /// The function's gradient.
+    /// The gradient of the surface's function at a point.
     pub fn gradient(&self, point: DVec3) -> DVec3 {
         DVec3::from_array(self.model.sample(0, point).1)
     }
@@ -85,7 +86,7 @@ impl<'a> Certifier<'a> {
     fn truth(&self, ray: &Ray) -> Truth {
         let scaled = |piece: [f64; 2]| piece.map(|t| ray.distance(t));
         if self.surface.is_solid() {
-            // A solid that a face cuts is seen where the ray comes in.
+            // A solid is visible where the ray enters it through a face of the domain.
             if let Some(entry) = self.function.entry(&line(ray), &self.bounds) {
                 match entry.below {
                     Some(true) => {
@@ -110,8 +111,8 @@ impl<'a> Certifier<'a> {
         Truth::Root(Root { pieces, next: self.next(ray, &crossing), normal })
     }
 
-    /// The next crossing, on a ray that starts behind the first: within rounding it is the same
-    /// ray.
+    /// The crossing after the first. It is found on a ray that starts behind the first crossing,
+    /// which equals the given ray up to rounding.
     fn next(&self, ray: &Ray, first: &Crossing) -> Option<[f64; 2]> {
         let behind = Ray { origin: ray.at(first.far), direction: ray.direction };
         let next = self.trace(&behind).crossing?;

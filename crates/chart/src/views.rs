@@ -1,28 +1,28 @@
-//! Where surfaces are seen from: a standard view, and others that a seed draws.
+//! Views of surfaces: a standard one, and others drawn from a seed.
 //!
-//! Points on surfaces are found by the certified tracer, so that a view does not change with the
-//! methods that it judges.
+//! Points on surfaces are found by the certified tracer, so that views do not depend on the methods
+//! that are compared.
 
 use crate::error::ChartError;
 use crate::surfaces::Surface;
 use crate::truth::Certifier;
 use fastrand::Rng;
 use glam::DVec3;
+use zeroset_space::Ray;
 use zeroset_testkit::certified::BUDGET;
-use zeroset_trace::{Camera, Projection, Ray};
+use zeroset_trace::{Camera, Projection};
 
-/// Degrees, in every view.
+/// Field of view in degrees, in every view.
 const FOV: f64 = 40.0;
-/// From the middle of the domain to the eye of the standard view, in half extents: that of Knoll et
-/// al. 2007.
+/// Offset of the standard eye from the middle of the domain, in half extents, as in Knoll et al.
+/// 2007.
 const STANDARD: DVec3 = DVec3::new(2.0, 1.5, 3.0);
-/// Rays that are tried for a point on a surface.
+/// Number of rays tried to find a point on a surface.
 const TRIES: usize = 400;
-/// Parts of a half extent that coordinates are rounded to, so that they are short where they are
-/// printed.
+/// Steps per half extent that coordinates are rounded to, which keeps their decimals short.
 const STEPS: f64 = 65536.0;
 
-/// What kinds of views there are; the next after the last is the first but the standard one.
+/// Kinds of views in order. After the last follows the second, since the standard view occurs once.
 const KINDS: [Kind; 8] = [
     Kind::Standard,
     Kind::Around,
@@ -34,36 +34,36 @@ const KINDS: [Kind; 8] = [
     Kind::Grazing,
 ];
 
-/// How the eye lies to the surface.
+/// Position of the eye relative to the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
-    /// As in the literature.
+    /// The standard view of the literature.
     Standard,
-    /// In a random direction, as far away.
+    /// The standard distance, in a random direction.
     Around,
-    /// Before a random point of the surface, a fifth of a half extent away.
+    /// A fifth of a half extent in front of a random point of the surface.
     Close,
-    /// Beside a random point of the surface, hardly above its tangent plane.
+    /// Beside a random point of the surface, just above its tangent plane.
     Grazing,
-    /// At a random place in the domain.
+    /// A random place in the domain.
     Inside,
 }
 
-/// A camera, and what it is there for.
+/// A camera and its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// Its number and kind, as in `3-grazing`.
+    /// Number and kind of the view, for example `3-grazing`.
     pub name: String,
-    /// Where the picture is taken from.
+    /// Camera of the view.
     pub camera: Camera,
 }
 
-/// The first `count` views of a surface; each depends on the seed, the surface's name and its own
-/// number only.
+/// The first `count` views of a surface. Each depends only on the seed, the surface's name and the
+/// view's number. If no point on the surface is found, views near it are replaced by views around
+/// it.
 ///
 /// # Errors
-/// If the function has no code. Where the surface was not met by any of many rays, views from all
-/// around take the place of those near it.
+/// If the function cannot be compiled.
 pub fn views(surface: &Surface, count: usize, seed: u64) -> Result<Vec<View>, ChartError> {
     (0..count).map(|number| view(surface, number, seed)).collect()
 }
@@ -106,14 +106,14 @@ fn view(surface: &Surface, number: usize, seed: u64) -> Result<View, ChartError>
     Ok(View { name: format!("{number}-{kind}"), camera })
 }
 
-/// A generator for one purpose.
+/// A random number generator seeded by a text.
 pub fn rng(purpose: &str) -> Rng {
     let hash = blake3::hash(purpose.as_bytes());
     let bytes = hash.as_bytes().first_chunk().copied().unwrap_or_default();
     Rng::with_seed(u64::from_le_bytes(bytes))
 }
 
-/// A direction of length 1, all alike.
+/// A unit vector in a uniformly distributed direction.
 pub fn direction(rng: &mut Rng) -> DVec3 {
     loop {
         let v = DVec3::new(rng.f64(), rng.f64(), rng.f64()) * 2.0 - 1.0;
@@ -123,8 +123,7 @@ pub fn direction(rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// A point where the function crosses 0, seen from outside, and its normal towards where it is seen
-/// from.
+/// A point where the function crosses 0, visible from outside, with its normal towards the viewer.
 fn point(surface: &Surface, rng: &mut Rng) -> Result<Option<(DVec3, DVec3)>, ChartError> {
     let certifier = Certifier::new(surface, BUDGET)?;
     let (centre, half) = (surface.region.centre(), surface.region.half_extent());

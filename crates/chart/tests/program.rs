@@ -1,4 +1,4 @@
-//! The program itself: rows are written, repeated, and found out where they are wrong.
+//! Tests of the program: rows are written and repeated, and damaged rows are detected.
 
 use std::fs;
 use std::path::Path;
@@ -44,7 +44,7 @@ fn rows_are_written_kept_and_checked() {
     let drawn = directory.path().join("charts/time-distance-sphere.svg");
     assert!(fs::read_to_string(drawn).expect("a chart").contains("affine"));
 
-    // What is there is not measured again.
+    // Rows that are already stored are not measured again.
     let again = run(directory.path());
     assert!(String::from_utf8_lossy(&again.stdout).starts_with("0 rows are new"), "{again:?}");
     assert_eq!(rows(directory.path()), written);
@@ -53,7 +53,7 @@ fn rows_are_written_kept_and_checked() {
     let checked = chart(&["check", path]);
     assert_eq!(checked.status.code(), Some(0), "{checked:?}");
 
-    // Nobody reads what it says.
+    // A closed pipe is no error.
     let mut command = Command::new(env!("CARGO_BIN_EXE_zeroset-chart"));
     command.args(["draw", path]).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut unread = command.spawn().expect("it runs");
@@ -96,10 +96,11 @@ fn difficult_formulas_are_named_after_what_becomes_of_them() {
         words.map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(outcomes("thin-cylinder"), ["sound", "sound"]);
-    // Multiple roots are made simple before any method sees them.
+    // Multiple roots are made simple before any method traces them.
     assert_eq!(outcomes("seventh-power"), ["sound", "sound"]);
     assert_eq!(outcomes("double-sphere"), ["sound", "sound"]);
-    // The certified tracer alone, at scales where slabs and thresholds of a unit cube see nothing.
+    // Scales where slabs and thresholds chosen for a unit cube would miss everything. These two
+    // radii have no stored roots, so the certified tracer alone judges them.
     assert_eq!(outcomes("radius-1e-6"), ["sound", "sound"]);
     assert_eq!(outcomes("radius-1000"), ["sound", "sound"]);
     let sheet = fs::read(directory.path().join("stability.png")).expect("a sheet");
@@ -132,12 +133,12 @@ fn rigour_has_a_price() {
         match row.arithmetic.as_str() {
             "unsound" => assert_eq!(row.times_unsound, 1.0),
             "upward" => assert!(row.width.is_none_or(|width| width == 1.0), "{row:?}"),
-            // More is computed, and the bounds are wider.
+            // More operations give wider bounds.
             _ => assert!(row.width.is_none_or(|width| width >= 1.0), "{row:?}"),
         }
     }
-    // At a point there is nothing but rounding: none is an error, and by more operations it is
-    // more.
+    // At points the width comes from rounding alone. The unsound arithmetic leaves it out, and the
+    // widened one has more of it than rounding up.
     let of = |arithmetic: &'static str| rows.iter().filter(move |row| row.arithmetic == arithmetic);
     for ((unsound, widened), upward) in of("unsound").zip(of("widened")).zip(of("upward")) {
         if unsound.asked == Asked::Boxes {
@@ -216,7 +217,7 @@ fn rays_are_followed_and_kept_for_others() {
     };
     let (rays, hits, certain) = (read("rays.npy"), read("affine.npy"), read("certified.npy"));
     assert_eq!((rays.shape, hits.shape), (vec![200, 6], vec![200, 4]));
-    // What a quadratic equation says of the unit sphere.
+    // Compare with the exact roots on the unit sphere.
     let mut seen = [0; 2];
     for (ray, (hit, certain)) in rays
         .data
@@ -242,7 +243,7 @@ fn rays_are_followed_and_kept_for_others() {
     }
     assert!(seen[0] > 20 && seen[1] > 20, "{seen:?}");
 
-    // The same rays, read back, give the same hits; what are no rays is refused.
+    // The same rays, read back, give the same hits. A file of another shape is refused.
     let again = tempfile::tempdir().expect("a directory");
     let (given, there) = (directory.path().join("rays.npy"), again.path());
     let arguments = |file: &Path| {

@@ -1,51 +1,50 @@
-//! The data that kernels read and write: batches of sixteen lanes, whatever the width of a
-//! register.
+//! The data that kernels read and write: batches of 16 lanes, whatever the width of a register.
 //!
-//! In a batch each quantity is contiguous and aligned to 64 bytes. A kernel takes it a register at
-//! a time, up to the lanes in use; what it leaves in other lanes has no meaning.
+//! In a batch each quantity is contiguous and aligned to 64 bytes. A kernel processes a register at
+//! a time, up to the number of lanes in use. Results in other lanes are meaningless.
 
 use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
 use zeroset_interval::{Facts, Interval};
 
-/// Memory that a kernel reads or writes: quantities first.
+/// Memory that a kernel reads or writes; it begins with the quantities.
 ///
-/// Only the types of this module are such; they are `repr(C)`, so that quantity k starts `k` times
-/// the size of [`Lanes`] after the beginning.
+/// Only the types of this module implement this trait. They are `repr(C)`: quantity k starts `k`
+/// times the size of [`Lanes`] after the beginning.
 pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'static {
-    /// How many quantities there are.
+    /// Number of quantities.
     const QUANTITIES: usize;
 
-    /// The quantity with this number.
+    /// Returns the quantity with this number.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no such quantity.
     fn quantity(&self, number: usize) -> &Lanes<T>;
-    /// As [`Batch::quantity`].
+    /// Like [`Batch::quantity`], but mutable.
     fn quantity_mut(&mut self, number: usize) -> &mut Lanes<T>;
 }
 
 /// A batch that a kernel reads.
 pub trait Input<T: Real>: Batch<T> {
-    /// Lanes in use, from the first on: 1 to [`LANES`].
+    /// Number of lanes in use, from the first on: 1 to [`LANES`].
     fn count(&self) -> usize;
-    /// Whether the lanes in use are within `domain`, as far as this question asks for it.
+    /// Whether the lanes in use are within `domain`; always true if the query does not require it.
     fn is_within(&self, domain: &[Interval; 3]) -> bool;
 }
 
-/// A batch that a kernel writes. Up to four masks of [`LANES`] bits follow the quantities, the
-/// lowest bit of each for the first lane; where there are any, 64 bits are written at once, so that
-/// none of them is waited for when it is read.
+/// A batch that a kernel writes. Up to four masks of [`LANES`] bits follow the quantities; the
+/// lowest bit is for the first lane. Kernels write all masks as one word of 64 bits, so that
+/// reading a mask need not wait for several writes.
 pub trait Output<T: Real>: Batch<T> {
-    /// How many masks there are.
+    /// Number of masks.
     const MASKS: usize;
 
-    /// The mask with this number.
+    /// Returns the mask with this number.
     ///
     /// # Panics
-    /// If there is none.
+    /// If there is no such mask.
     fn mask(&self, number: usize) -> u16;
-    /// As [`Output::mask`].
+    /// Like [`Output::mask`], but mutable.
     fn mask_mut(&mut self, number: usize) -> &mut u16;
 }
 
@@ -132,19 +131,18 @@ batch! {
 
 batch! {
     /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. Each
-    /// coordinate of the real point is within `error` of that for the real numbers that these
-    /// floats are; and `error` has room for what a kernel rounds on its way to the point
-    /// ([`Segments::allow_rounding`]).
+    /// coordinate of the real point is within `error` of that sum, computed exactly from these
+    /// floats. The error also allows for what a kernel rounds ([`Segments::allow_rounding`]).
     Segments {
-        /// Per axis, where t is 0.
+        /// Per axis, the point at t = 0.
         origin: [Lanes<T>; 3] = 3,
-        /// Per axis, the way from t to t + 1.
+        /// Per axis, what the point moves by while t grows by 1.
         direction: [Lanes<T>; 3] = 3,
-        /// Per axis, how far the point may be off.
+        /// Per axis, the largest error of the point.
         error: [Lanes<T>; 3] = 3,
-        /// The lower end.
+        /// Lower end of t.
         near: Lanes<T> = 1,
-        /// The upper end.
+        /// Upper end of t.
         far: Lanes<T> = 1,
         ;
         /// Lanes in use.
@@ -153,25 +151,25 @@ batch! {
 }
 
 batch! {
-    /// Tiles of rays, each a segment deep: the points `o + a·o₁ + b·o₂ + t·(d + a·d₁ + b·d₂)`, for
-    /// screen coordinates (a, b) within `half` of `centre`, and t from `near` to `far`. As in
-    /// [`Segments`], within `error`.
+    /// Tiles of rays, each a segment deep: the points `o + a·oₐ + b·o_b + t·(d + a·dₐ + b·d_b)`,
+    /// for screen coordinates (a, b) within `half` of `centre`, and t from `near` to `far`. Points
+    /// are within `error` of these, as in [`Segments`].
     ///
-    /// The frame of the picture is the same in all lanes.
+    /// The origins and directions are the same in all lanes, since they belong to one picture.
     Tiles {
-        /// The screen coordinates of the tile's centre.
+        /// Screen coordinates of the tile's center.
         centre: [Lanes<T>; 2] = 2,
-        /// How far the tile reaches on either side of it.
+        /// Half the extent of the tile, per screen axis.
         half: [Lanes<T>; 2] = 2,
-        /// The lower end of t.
+        /// Lower end of t.
         near: Lanes<T> = 1,
-        /// The upper end.
+        /// Upper end of t.
         far: Lanes<T> = 1,
-        /// `o`, `oₐ` and `o_b`; per axis.
+        /// `o`, `oₐ` and `o_b`, each per axis.
         origin: [Lanes<T>; 9] = 9,
-        /// `d`, `dₐ` and `d_b`; per axis.
+        /// `d`, `dₐ` and `d_b`, each per axis.
         direction: [Lanes<T>; 9] = 9,
-        /// Per axis, how far the point may be off.
+        /// Per axis, the largest error of the point.
         error: [Lanes<T>; 3] = 3,
         ;
         /// Lanes in use.
@@ -180,77 +178,77 @@ batch! {
 }
 
 batch! {
-    /// Where zeros may lie on segments. Masks have a bit per lane, the lowest for the first.
+    /// The parts of segments that may hold zeros. Masks have a bit per lane, the lowest for the
+    /// first.
     Contractions {
-        /// The lower end of the part that may hold zeros.
+        /// Lower end of the part that may hold zeros.
         near: Lanes<T> = 1,
-        /// Its upper end.
+        /// Upper end of the part that may hold zeros.
         far: Lanes<T> = 1,
         ;
-        /// Lanes that may have a zero: where the bit is clear, there is none in the part of the
+        /// Lanes that may have a zero. If the bit is clear, there is none in the part of the
         /// segment that lies in the domain.
         possible: u16,
-        /// Lanes in which, if all of the segment lies in the domain, the function is continuous on
-        /// it, and its values at the two ends have opposite signs, neither of them 0.
+        /// Lanes proven to have a zero if the whole segment lies in the domain: the function is
+        /// continuous on it, and its values at the two ends have opposite signs, neither of them 0.
         crossing: u16,
     }
 }
 
 batch! {
-    /// Where zeros may lie in tiles, and by what linear function: with symbols `εₐ`, `ε_b` and `ε`
-    /// from −1 to 1 for the two screen axes and for t = `middle` + `half`·ε, the function's value
-    /// is within `error` of `value` + Σ `slope`·ε.
+    /// Where zeros may lie in tiles, and a linear function near the function. It has symbols `εₐ`,
+    /// `ε_b` and `ε` from −1 to 1, for the two screen axes and for t = `middle` + `half`·ε. The
+    /// function's value is within `error` of `value` + Σ `slope`·ε.
     Planes {
-        /// The lower end of the part of t that may hold zeros, on any ray of the tile.
+        /// Lower end of the part of t that may hold zeros, on any ray of the tile.
         near: Lanes<T> = 1,
-        /// Its upper end.
+        /// Upper end of that part.
         far: Lanes<T> = 1,
-        /// In the centre of the tile.
+        /// Value of the linear function where all symbols are 0.
         value: Lanes<T> = 1,
-        /// What a symbol adds: the two screen axes, then t.
+        /// Coefficient of each symbol: the two screen axes, then t.
         slope: [Lanes<T>; 3] = 3,
-        /// How far the function may be off.
+        /// Largest distance between the function and the linear function.
         error: Lanes<T> = 1,
-        /// The middle of the segment.
+        /// Middle of the segment of t.
         middle: Lanes<T> = 1,
-        /// At least half its length.
+        /// At least half the length of the segment.
         half: Lanes<T> = 1,
         ;
-        /// As in [`Contractions`], for all rays of the tile.
+        /// Lanes that may have a zero on some ray of the tile, as in [`Contractions`].
         possible: u16,
-        /// As in [`Contractions`], on every ray of the tile.
+        /// Lanes proven to have a zero on every ray of the tile, as in [`Contractions`].
         crossing: u16,
     }
 }
 
 batch! {
-    /// What is known of a function over boxes. Masks have a bit per lane, the lowest for the first.
+    /// Bounds of a function over boxes, and facts. Masks have a bit per lane, the lowest for the
+    /// first.
     Enclosures {
-        /// The negated lower ends; never NaN, never −∞ (where the function is defined nowhere, they
-        /// say nothing).
+        /// Negated lower ends: never NaN, never −∞. Meaningless if the function is defined nowhere.
         neg_lo: Lanes<T> = 1,
-        /// The upper ends; never NaN, never −∞.
+        /// Upper ends: never NaN, never −∞.
         hi: Lanes<T> = 1,
         ;
         /// Lanes in which the function is defined nowhere in the box.
         nowhere: u16,
-        /// Lanes in which it is defined throughout the box.
+        /// Lanes in which the function is defined throughout the box.
         defined: u16,
-        /// Lanes in which it is defined throughout the box, and continuous.
+        /// Lanes in which the function is defined and continuous throughout the box.
         continuous: u16,
     }
 }
 
-/// Where a function may vanish. Masks have a bit per lane, the lowest for the first.
+/// Where functions may be 0 in boxes. Masks have a bit per lane, the lowest for the first.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Zeros {
-    /// Lanes in which it may have a zero: where the bit is clear, it is proven to have none in the
-    /// box.
+    /// Lanes that may have a zero. If the bit is clear, the function has none in the box.
     pub possible: u16,
-    /// Lanes in which no finite bounds of it are known: perhaps an asymptote, and no zero.
+    /// Lanes without known finite bounds: perhaps there is an asymptote and no zero.
     pub unbounded: u16,
-    /// Lanes in which it is not known to be continuous.
+    /// Lanes in which the function is not known to be continuous.
     pub jumping: u16,
 }
 
@@ -269,28 +267,28 @@ impl<T: Real> Batch<T> for Zeros {
 }
 
 batch! {
-    /// A function and its gradient over boxes. Masks have a bit per lane, the lowest for the first.
+    /// Bounds of a function and its gradient over boxes. Masks have a bit per lane, as elsewhere.
     GradientEnclosures {
-        /// The negated lower ends of the function.
+        /// Negated lower ends of the function.
         neg_lo: Lanes<T> = 1,
-        /// Its upper ends.
+        /// Upper ends of the function.
         hi: Lanes<T> = 1,
-        /// Per axis, the negated lower ends of the partial derivatives.
+        /// Per axis, the negated lower ends of the partial derivative.
         gradient_neg_lo: [Lanes<T>; 3] = 3,
-        /// Per axis, their upper ends.
+        /// Per axis, the upper ends of the partial derivative.
         gradient_hi: [Lanes<T>; 3] = 3,
         ;
-        /// Lanes in which the function is Lipschitz continuous in the box. Only there do the bounds
-        /// of the gradient mean anything: it is within them wherever it exists.
+        /// Lanes in which the function is Lipschitz continuous in the box. Only there is the
+        /// gradient within its bounds, wherever it exists.
         lipschitz: u16,
-        /// Lanes in which it is differentiable at each point of the box, towards points of the box
-        /// at least.
+        /// Lanes in which the function is differentiable at each point of the box, at least toward
+        /// other points of the box.
         differentiable: u16,
     }
 }
 
 batch! {
-    /// Values of a function at points. NaN where it is undefined, or infinite at a pole.
+    /// Values of a function at points: NaN where it is undefined, or infinite at a pole.
     Values {
         /// The values.
         value: Lanes<T> = 1,
@@ -299,7 +297,7 @@ batch! {
 }
 
 batch! {
-    /// Values and gradients at points. NaN or infinite where they do not exist.
+    /// Values and gradients at points: NaN or infinite where they do not exist.
     Gradients {
         /// The values.
         value: Lanes<T> = 1,
@@ -309,12 +307,12 @@ batch! {
     }
 }
 
-/// Units of the sum of the magnitudes of all terms of a coordinate that a kernel may round it by:
-/// each term is rounded up to six times, by up to a unit of itself.
+/// Largest rounding error of a coordinate in a kernel, in units of the summed magnitudes of its
+/// terms: each term is rounded up to six times, by up to one unit ([`Real::UNIT`]) of itself.
 pub const PATH_UNITS: f64 = 8.0;
 
-/// `error` and what a kernel rounds a coordinate by: its terms have magnitudes of this sum, what is
-/// met on the way to it is at most `met`, and what underflows is multiplied by up to `scale`.
+/// Adds to `error` what a kernel rounds a coordinate by. The magnitudes of the terms add up to
+/// `magnitude`, intermediate results are at most `met`, and underflow is scaled by up to `scale`.
 #[inline]
 fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
     let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);
@@ -325,7 +323,7 @@ fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
 }
 
 impl<T: Real> Segments<T> {
-    /// Adds to the errors what kernels round.
+    /// Adds the rounding errors of kernels to `error`.
     pub fn allow_rounding(&mut self) {
         for lane in 0..LANES {
             let t = size(self.near[lane]).max(size(self.far[lane]));
@@ -340,7 +338,7 @@ impl<T: Real> Segments<T> {
 }
 
 impl<T: Real> Tiles<T> {
-    /// Adds to the errors what kernels round.
+    /// Adds the rounding errors of kernels to `error`.
     pub fn allow_rounding(&mut self) {
         for lane in 0..(self.count as usize).min(LANES) {
             let t = size(self.near[lane]).max(size(self.far[lane]));
@@ -371,7 +369,7 @@ fn size<T: Real>(number: T) -> f64 {
 }
 
 impl<T: Real> Enclosures<T> {
-    /// What is proven of the function over one box.
+    /// The facts that are proven about the function over one box.
     pub fn facts(&self, lane: usize) -> Facts {
         [
             (self.nowhere, Facts::NOWHERE),
@@ -385,7 +383,7 @@ impl<T: Real> Enclosures<T> {
 }
 
 impl<T: Real> Boxes<T> {
-    /// Batches of these boxes, in order; their ends rounded outward.
+    /// Batches of these boxes, in order, with ends rounded outward.
     pub fn around(boxes: &[[Interval; 3]]) -> Vec<Self> {
         let batches = boxes.chunks(LANES).map(|chunk| {
             let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
@@ -400,7 +398,7 @@ impl<T: Real> Boxes<T> {
         batches.collect()
     }
 
-    /// The boxes of these lanes, in order; at least one.
+    /// A batch of the boxes in these lanes, in order; there must be at least one.
     pub(crate) fn gathered(&self, lanes: u16) -> Self {
         let mut out = Self { count: lanes.count_ones(), ..Self::default() };
         for (to, lane) in (0..LANES).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
@@ -414,7 +412,7 @@ impl<T: Real> Boxes<T> {
 }
 
 impl<T: Real> Points<T> {
-    /// Batches of these points, in order; coordinates rounded to nearest.
+    /// Batches of these points, in order, with coordinates rounded to nearest.
     pub fn near<P: Copy + Into<[f64; 3]>>(points: &[P]) -> Vec<Self> {
         let batches = points.chunks(LANES).map(|chunk| {
             let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
@@ -453,8 +451,7 @@ macro_rules! input_anywhere {
                 self.count as usize
             }
 
-            /// Samples bound nothing, and what is answered of rays holds for those points that lie
-            /// in the domain.
+            /// Samples carry no bounds, and results for rays only hold inside the domain.
             fn is_within(&self, _: &[Interval; 3]) -> bool {
                 true
             }

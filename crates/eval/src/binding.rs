@@ -1,4 +1,4 @@
-//! Parameter values as kernels read them.
+//! Parameter values in the layout that kernels read.
 
 use crate::lanes::Lanes;
 use crate::real::{Real, middle, outward};
@@ -6,9 +6,9 @@ use crate::value_domain::PARAMETER_QUANTITIES;
 use std::sync::Arc;
 use zeroset_interval::Interval;
 
-/// Values of all parameters for one picture: what turns code into a function of x, y and z.
+/// Values of all parameters for one picture.
 ///
-/// A parameter is a real number known by bounds, because what was typed need not be a float. Clones
+/// Each value is a real number known by bounds, because what was typed need not be a float. Clones
 /// share the values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding<T: Real = f32> {
@@ -27,24 +27,24 @@ impl<T: Real> Binding<T> {
         Self { quantities: bounds.iter().flat_map(quantities).collect(), bounds }
     }
 
-    /// For functions without parameters.
+    /// The binding of functions without parameters.
     pub fn empty() -> Self {
         Self::new(&[])
     }
 
-    /// What kernels read: per parameter −lo, hi and a value near the middle of its bounds, each in
-    /// all lanes.
+    /// The quantities that kernels read: −lo, hi and a value near the middle of the bounds of each
+    /// parameter, each in all lanes.
     pub fn quantities(&self) -> &[Lanes<T>] {
         &self.quantities
     }
 
-    /// Per parameter, its bounds with ends in `T`.
+    /// Bounds of each parameter, with ends in `T`.
     pub fn bounds(&self) -> &[Interval] {
         &self.bounds
     }
 
-    /// Whether each parameter lies within its range. Code that was made for these ranges holds for
-    /// this binding.
+    /// Whether each parameter lies within its range. If so, code that was compiled for these ranges
+    /// is valid for this binding.
     pub fn is_within(&self, ranges: &[Interval]) -> bool {
         let inside = |(b, range): (&Interval, &Interval)| range.lo <= b.lo && b.hi <= range.hi;
         self.bounds.len() == ranges.len() && self.bounds.iter().zip(ranges).all(inside)

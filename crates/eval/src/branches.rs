@@ -1,8 +1,8 @@
-//! Where a function that jumps may vanish: its enclosures over parts of a box, one part at a time.
+//! Zero tests of functions that jump: enclosures over the branches of a box, one at a time.
 //!
-//! At a jump, the enclosure of a function is the hull of both branches, and holds 0 though neither
-//! does. A box is free of zeros if it is so over each of some parts that cover it. Which operations
-//! split a box, and how, the rules say.
+//! At a jump, the enclosure of a function is the hull of both branches, and contains 0 even if
+//! neither does. A box has no zero if no branch has, of branches that cover it. The rules define
+//! which operations split a box, and how.
 
 use crate::real::Real;
 use crate::tape::{Step, Tape, may_vanish};
@@ -13,26 +13,26 @@ use zeroset_interval::{
 };
 use zeroset_ops::Op;
 
-/// Combinations of parts, at most.
+/// Largest number of combinations of branches.
 const COMBINATIONS: usize = 8;
-/// Operations over all combinations, at most: with more, fewer are told apart.
+/// Largest number of operations over all combinations; above it, fewer jumps are split.
 const OPERATIONS: usize = 4_000;
 
-/// Which steps of a tape split boxes, and how their parts are combined.
+/// The steps of a tape that split boxes, and how their branches are combined.
 #[derive(Clone, Debug)]
 pub(crate) struct Branches {
-    /// The choices to be made; a combination holds one part of each.
+    /// The choices between branches; a combination has one branch of each.
     choices: Vec<Choice>,
     /// Per step, the choice that it makes, if any.
     makes: Vec<Option<usize>>,
-    /// Per step, the choices that its value depends on, as bits.
+    /// Per step, the choices that its value depends on, one bit each.
     depends: Vec<u32>,
-    /// Enclosures to be computed, over all combinations.
+    /// Number of enclosures to compute, over all combinations.
     operations: usize,
 }
 
-/// A choice between parts. Several steps may make the same: then it counts for the first of them
-/// that does jump in a box, and the others keep their whole boxes.
+/// A choice between the branches of a split. Several steps may share one: then the first of them
+/// that jumps in a box makes it, and the others are enclosed over the whole box.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
     parting: Split,
@@ -46,8 +46,8 @@ impl Choice {
 }
 
 impl Branches {
-    /// `None` if the last output depends on no step that splits boxes, or code for two branches
-    /// would be too long.
+    /// Finds the branches of a tape. `None` if the last output depends on no step that splits
+    /// boxes, or if code for two branches would be too long.
     pub fn new<T: Real>(tape: &Tape<T>) -> Option<Self> {
         let mut combinations = COMBINATIONS;
         while combinations > 1 {
@@ -70,8 +70,8 @@ impl Branches {
         let mut choices: Vec<Choice> = Vec::new();
         let mut makes = vec![None; partings.len()];
         let mut left = combinations;
-        // Jumps before poles: most poles have been cleared away already, or are no jumps of the
-        // whole function.
+        // Jumps before poles: most poles have been cleared already, or are no jumps of the whole
+        // function.
         for poles in [false, true] {
             let first = choices.len();
             let mut next = first;
@@ -97,7 +97,7 @@ impl Branches {
     }
 
     fn find_dependences<T: Real>(&mut self, tape: &Tape<T>) {
-        // What decides whether a shared choice has been made.
+        // Per choice, the choices that decide whether an earlier step has made it.
         let mut made = vec![0_u32; self.choices.len()];
         for (index, step) in tape.steps().iter().enumerate() {
             let Step::Apply(_, operands) = step else {
@@ -114,18 +114,18 @@ impl Branches {
         }
     }
 
-    /// The number of combinations that differ in the choices of a set.
+    /// Number of combinations that differ in a set of choices.
     fn variants(&self, depends: u32) -> usize {
         let chosen = self.choices.iter().enumerate().filter(|(k, _)| depends >> k & 1 == 1);
         chosen.map(|(_, choice)| choice.parts().len()).product()
     }
 
-    /// Enclosures to be computed.
+    /// Number of enclosures to compute.
     pub fn operations(&self) -> usize {
         self.operations
     }
 
-    /// The parts of each combination, by choice.
+    /// All combinations, each with a branch per choice.
     fn combinations(&self) -> Vec<Vec<Branch>> {
         let mut all = vec![Vec::new()];
         for choice in &self.choices {
@@ -143,7 +143,7 @@ impl Branches {
     }
 }
 
-/// One of `choices`, in turn from `next` on, that offers this parting.
+/// Finds one of `choices` that has this split, in turn from `next` on.
 fn shared(choices: &[Choice], parting: Split, next: usize) -> Option<usize> {
     let mut turn = (0..choices.len()).map(|k| (next + k) % choices.len());
     turn.find(|&k| choices[k].parting == parting)
@@ -159,19 +159,19 @@ fn parting<T: Real>(tape: &Tape<T>, index: usize) -> Split {
     }
 }
 
-/// What is carried from step to step while a tape is written for one combination.
+/// The state in which a tape is computed for one combination.
 struct Combination<V> {
     parts: Vec<Branch>,
     /// Per step, its value.
     values: Vec<Operand<V>>,
-    /// Per choice that is shared, the lanes in which it has been made.
+    /// Per choice that is shared, the lanes in which a step has made it.
     made: Vec<Fact<V>>,
-    /// Per step that makes a shared choice, the lanes in which it has been made then.
+    /// Per step that makes a shared choice, the lanes in which it is made after the step.
     made_at: Vec<Fact<V>>,
 }
 
 impl<V: Copy> Combination<V> {
-    /// Whether `other` is the same as far as a set of choices goes.
+    /// Whether `other` has the same branches for a set of choices.
     fn agrees(&self, other: &Self, choices: u32) -> bool {
         let mut pairs = self.parts.iter().zip(&other.parts).enumerate();
         pairs.all(|(choice, (a, b))| choices >> choice & 1 == 0 || a == b)
@@ -179,8 +179,8 @@ impl<V: Copy> Combination<V> {
 }
 
 impl<T: Real> Tape<T> {
-    /// Writes in which lanes all outputs may vanish together: not where in each combination of
-    /// parts some output has no zero.
+    /// Computes in which lanes all outputs may be 0 together: those in which they may in some
+    /// combination of branches.
     pub(crate) fn possible_branches<M: Machine, D>(
         &self,
         m: &mut M,
@@ -234,7 +234,7 @@ impl<T: Real> Tape<T> {
     }
 }
 
-/// An operation in one combination, and the lanes in which its choice has been made then.
+/// Encloses an operation in one combination; also the lanes in which its choice is then made.
 fn enclose_step<T: Real, M: Machine>(
     m: &mut M,
     branches: &Branches,
@@ -253,7 +253,7 @@ fn enclose_step<T: Real, M: Machine>(
     }
     let whole = enclose(m, T::FORMAT, op, &operands);
     let made = now.made[choice];
-    // Where it does not jump, there is no choice to be made.
+    // Where the operation does not jump, no choice is made.
     let jumps = whole.facts.continuous.not(m, T::FORMAT);
     (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
 }
@@ -295,7 +295,7 @@ mod tests {
     use zeroset_ir::{Axis, Graph, NodeId};
     use zeroset_ops::Op;
 
-    /// A graph in the making.
+    /// A graph under construction.
     #[derive(Default)]
     struct Sheet(Graph);
 
@@ -328,9 +328,9 @@ mod tests {
         }
     }
 
-    /// Seven jumps for three choices. The fourth jumps in one branch of the second only, and then
-    /// the seventh, which makes the same choice, must not: whether it does depends on the second as
-    /// well.
+    /// Seven jumps for three choices. The fourth and the seventh make the same choice, and the
+    /// fourth jumps in one branch of the second only. There the seventh must not choose again, so
+    /// that it depends on the second as well.
     #[test]
     fn a_choice_already_made_by_another_jump_is_not_made_again() {
         let mut sheet = Sheet::default();
@@ -359,7 +359,7 @@ mod tests {
         // At x = 1.1, z = 0.9: 100·1 + 10·0 + 1.
         let root = sheet.plus(sum, -101);
         assert!(!sheet.is_empty(root, near));
-        // The values are 0, 1, 101 and 110 (and 111 at z = 1).
+        // The values taken are 0, 1, 101 and 110 (and 111 at z = 1).
         for (value, is_taken) in [(0, true), (1, true), (50, false), (110, true), (115, false)] {
             let root = sheet.plus(sum, -value);
             assert_eq!(!sheet.is_empty(root, near), is_taken, "{value}");
@@ -372,7 +372,7 @@ mod tests {
         let [x, y, _] = Axis::ALL.map(|axis| sheet.0.variable(axis));
         let smooth = sheet.of(Op::Add, &[x, y]);
         assert!(sheet.branches(smooth).is_none());
-        // Of several roots the last counts.
+        // Only the last of several roots counts.
         let jump = sheet.of(Op::Floor, &[x]);
         let tape = |roots: &[NodeId]| Tape::<f32>::branches(&sheet.0, roots, &Assumptions::none(0));
         assert!(tape(&[jump, smooth]).is_none());

@@ -1,8 +1,7 @@
-//! Where a function is Lipschitz continuous or differentiable over a box: intervals, and two facts
-//! more.
+//! Intervals with two more facts: whether a function is Lipschitz continuous or differentiable.
 //!
-//! Together with enclosures of the derivatives these make slopes rigorous: over a segment within a
-//! box in which the function is Lipschitz continuous, it changes by what its slopes allow.
+//! With enclosures of the derivatives, these facts make slopes rigorous. On a segment within a box
+//! in which the function is Lipschitz continuous, it changes no more than its slopes allow.
 
 use crate::real::Real;
 use crate::value_domain::{Bounds, Loader, ValueDomain};
@@ -14,13 +13,13 @@ use zeroset_ops::{Class, Law, Op};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Smooth<V> {
     pub value: Enclosure<V>,
-    /// Lanes where it is Lipschitz continuous, as a function on the box.
+    /// Lanes in which the expression is Lipschitz continuous on the box.
     pub lipschitz: Fact<V>,
-    /// Lanes where it is differentiable, as a function on the box.
+    /// Lanes in which the expression is differentiable on the box.
     pub differentiable: Fact<V>,
 }
 
-/// Intervals with these facts.
+/// The domain of intervals with these facts.
 pub(crate) struct Differentiable<'a, I>(pub Bounds<'a, I>);
 
 fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
@@ -68,7 +67,7 @@ where
     }
 }
 
-/// An operation's value with its facts: those of the operands, and its own over their bounds.
+/// The value of an operation. Facts must hold for its operands, and for itself over their bounds.
 fn smooth<T: Real, M: Machine>(
     m: &mut M,
     op: Op,
@@ -91,7 +90,7 @@ fn smooth<T: Real, M: Machine>(
                 let differs = differs::<T, M>(m, a, f64::from(corner));
                 away = away.and(m, differs);
             }
-            // The slopes at the corner of a magnitude are 1 and −1; at other corners they are
+            // At the corner of a magnitude the slopes are 1 and −1. At other corners they are
             // infinite.
             let is_magnitude = row.class == Class::Function(Law::Magnitude);
             (if is_magnitude { continuous } else { away }, away)
@@ -103,7 +102,7 @@ fn smooth<T: Real, M: Machine>(
         },
         Class::Extremum => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
         Class::Choice => {
-            // The bounds of a choice that is defined in places only say nothing of the others.
+            // If the condition is undefined at some points, its bounds say nothing about these.
             let defined = a.value.value.facts.defined;
             let negative = below::<T, M>(m, a, 0.0).and(m, defined);
             let other = at_least::<T, M>(m, a, 0.0).and(m, defined);
@@ -118,7 +117,7 @@ fn smooth<T: Real, M: Machine>(
                 differentiable: choose(b.differentiable, c.differentiable),
             };
         }
-        // Restricted to where the other operand allows it, and equal to the first there.
+        // Wherever the result is defined here, it equals the first operand.
         Class::Fallback | Class::Restriction(_) => {
             let defined = value.facts.defined.and(m, a.value.value.facts.defined);
             return Smooth {
@@ -140,7 +139,7 @@ fn both<V: Copy>(fact: Fact<V>) -> (Fact<V>, Fact<V>) {
     (fact, fact)
 }
 
-/// Lanes in which an operand is above a number throughout.
+/// Lanes in which an operand is above `number` throughout the box.
 fn above<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.lo > number {
         return Fact::True;
@@ -149,7 +148,7 @@ fn above<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) ->
     Fact::Lanes(m.lt(a.value.value.neg_lo, number))
 }
 
-/// Lanes in which it is at least that number.
+/// Lanes in which an operand is at least `number` throughout the box.
 fn at_least<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.lo >= number {
         return Fact::True;
@@ -158,7 +157,7 @@ fn at_least<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64)
     Fact::Lanes(m.le(a.value.value.neg_lo, number))
 }
 
-/// Lanes in which it is below that number.
+/// Lanes in which an operand is below `number` throughout the box.
 fn below<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.hi < number {
         return Fact::True;
@@ -167,16 +166,16 @@ fn below<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) ->
     Fact::Lanes(m.lt(a.value.value.hi, number))
 }
 
-/// Lanes in which it is not that number.
+/// Lanes in which an operand is nowhere `number`.
 fn differs<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     let above = above::<T, M>(m, a, number);
     below::<T, M>(m, a, number).or(m, above)
 }
 
-/// Lanes in which two values are never equal.
+/// Lanes in which two operands are never equal.
 fn apart<M: Machine>(m: &mut M, a: &Enclosure<M::V>, b: &Enclosure<M::V>) -> Fact<M::V> {
     let mut less = |a: &Enclosure<M::V>, b: &Enclosure<M::V>| {
-        // a.hi < b.lo, without the rounding of a sum.
+        // Tests a.hi < b.lo without a sum, which would be rounded.
         let lo = m.neg(b.neg_lo);
         Fact::Lanes(m.lt(a.hi, lo))
     };

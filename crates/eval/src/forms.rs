@@ -11,12 +11,12 @@ use zeroset_interval::{
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
 
-/// How coordinates depend on `N` symbols, of which the last is the way along a ray.
+/// How coordinates depend on `N` symbols, of which the last runs along a ray.
 pub(crate) trait Path<const N: usize> {
-    /// The places of a segment's ends among the quantities.
+    /// Numbers of the quantities that hold the ends of a segment.
     const ENDS: [usize; 2];
 
-    /// A coordinate's form.
+    /// Returns the form of a coordinate.
     fn coordinate<M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
@@ -31,15 +31,14 @@ pub(crate) struct Along;
 /// Tiles of rays, from a batch of [`Tiles`](crate::Tiles).
 pub(crate) struct Across;
 
-/// Affine forms of points on a path.
+/// The domain of values that are affine forms of points on a path.
 struct Forms<'a, I, V, P, const N: usize> {
     loader: &'a mut I,
     depth: Depth<V>,
     path: PhantomData<P>,
 }
 
-/// How far along a ray: t is within `middle` ± `half` for t from the one end of a segment to the
-/// other.
+/// A range of t along a ray: `middle` ± `half` contains a segment from end to end.
 #[derive(Clone, Copy)]
 pub(crate) struct Depth<V> {
     pub middle: V,
@@ -47,7 +46,7 @@ pub(crate) struct Depth<V> {
 }
 
 impl<V: Copy> Depth<V> {
-    /// Between two ends.
+    /// The range between two ends.
     fn between<M: Machine<V = V>>(m: &mut M, format: Format, ends: [V; 2]) -> Self {
         let half = m.number(format, 0.5);
         let middle = m.nearly(|m| {
@@ -70,7 +69,7 @@ impl Path<1> for Along {
     ) -> Form<M::V, 1> {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
-        // The error has room for what is rounded here.
+        // `error` allows for what is rounded here.
         let (centre, slope) = m.nearly(|m| {
             let slope = m.mul(depth.half, direction);
             (m.mul_add(direction, depth.middle, origin), slope)
@@ -88,19 +87,19 @@ impl Path<3> for Across {
         depth: Depth<M::V>,
         axis: Axis,
     ) -> Form<M::V, 3> {
-        // Read again for each axis: what is kept for long goes to memory and back.
+        // Read again for each axis: a value that lives long is written to memory and read back.
         let centre = [0, 1].map(|quantity| loader.input(m, quantity));
         let reach = [2, 3].map(|quantity| loader.input(m, quantity));
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
         let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
         let error = loader.input(m, 24 + axis as usize);
         let Depth { middle, half } = depth;
-        // Screen and depth together: rays spread.
+        // Rays diverge: products of screen coordinates and depth are counted as errors.
         let sizes = [d_a, d_b].map(|d| m.abs(d));
         let spread = m.mul(reach[0], sizes[0]);
         let spread = m.mul_add(sizes[1], reach[1], spread);
         let error = m.mul_add(spread, half, error);
-        // The error has room for what is rounded here, too.
+        // `error` allows for what is rounded here, too.
         let (centre, slopes) = m.nearly(|m| {
             let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
                 let per_unit = m.mul_add(middle, d, o);
@@ -118,7 +117,7 @@ impl Path<3> for Across {
     }
 }
 
-/// What a tape's first output is on a path, where it may vanish there, and how deep that is.
+/// The first output of a tape on a path: its form, where it may be 0, and the range of t.
 pub(crate) fn contracted<P: Path<N>, T: Real, V: Copy, M: Machine<V = V>, const N: usize>(
     tape: &Tape<T>,
     m: &mut M,
@@ -127,7 +126,7 @@ pub(crate) fn contracted<P: Path<N>, T: Real, V: Copy, M: Machine<V = V>, const 
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
     let depth = Depth::between(m, T::FORMAT, ends);
     let form = tape.evaluate(m, &mut Forms::<_, _, P, N> { loader, depth, path: PhantomData })[0];
-    // Read again: what is kept for long goes to memory and back.
+    // Read again: a value that lives long is written to memory and read back.
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
     let new = contract(m, T::FORMAT, &form, [depth.middle, depth.half], ends);
     (form, new, depth)

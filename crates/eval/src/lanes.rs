@@ -1,17 +1,17 @@
-//! One quantity of a batch: sixteen lanes, whatever the width of a register.
+//! One quantity of a batch: 16 lanes, whatever the width of a register.
 
 use std::ops::{Deref, DerefMut};
 
-/// Lanes of a batch.
+/// Number of lanes of a batch.
 pub const LANES: usize = 16;
 
-/// One quantity of a batch.
+/// One quantity of a batch: a value per lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Lanes<T>(pub [T; LANES]);
 
 impl<T: Copy> Lanes<T> {
-    /// The same value in all lanes.
+    /// Returns the same value in all lanes.
     pub fn splat(value: T) -> Self {
         Self([value; LANES])
     }

@@ -1,11 +1,11 @@
-//! What may be asked of a function, the layouts of its data, and the reference evaluator.
+//! Queries about functions, the layouts of their data, and the reference evaluator.
 //!
-//! A [`Tape`] is a graph laid out for evaluation; it writes itself on any
-//! [`Machine`](zeroset_interval::Machine), in any [domain of values](ValueDomain). A [`Query`]
-//! says what code reads and what its answer means, a [`Kernel`] answers it: [`Reference`] in
-//! software, native code elsewhere. All of them exist in `f32` and in `f64`, by a type parameter
-//! [`Real`] that is `f32` where it is left out. [`SurfaceKernels`] are one function and the kernels
-//! that it has. This crate knows neither code generation nor rays.
+//! A [`Tape`] is a graph laid out for evaluation, on any [`Machine`](zeroset_interval::Machine) and
+//! in any [domain of values](ValueDomain). A [`Query`] defines what a kernel reads and what its
+//! result means; a [`Kernel`] answers it. [`Reference`] does so in software; other crates compile
+//! native code. All exist in `f32` and in `f64`, by a type parameter [`Real`] that defaults to
+//! `f32`. [`SurfaceKernels`] are the kernels of one function. This crate knows neither code
+//! generation nor rays.
 
 mod batch;
 mod binding;

@@ -1,7 +1,8 @@
-//! What may be asked of a function, each question with a contract of its own, and what answers.
+//! The queries about a function, each with a contract of its own, and the kernels that answer them.
 //!
-//! All but samples are proofs about boxes, and hold wherever the function is asked as its code was
-//! made for: boxes within the domain, parameters within their ranges. Debug builds assert that.
+//! All results but samples are proofs. They hold if kernels are evaluated under the assumptions
+//! that their code was compiled for: boxes within the domain, parameters within their ranges. Debug
+//! builds assert that.
 
 use crate::batch::{
     Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output, Planes, Points,
@@ -16,22 +17,23 @@ use crate::tape::{Tape, may_vanish};
 use crate::value_domain::{Bounds, Loader, Samples};
 use zeroset_interval::{Enclosure, Fact, Machine};
 
-/// A question, as a type without values.
+/// A query, represented by a type.
 pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
-    /// The question in a word or two, for reports.
+    /// Name of the query in a word or two, for reports.
     const NAME: &'static str;
-    /// Expressions that a tape must compute to answer it.
+    /// Number of expressions that a tape must compute to answer the query.
     const OUTPUTS: usize;
-    /// What is asked about.
+    /// The batch that a kernel reads.
     type Input<T: Real>: Input<T>;
-    /// The answer.
+    /// The batch that a kernel writes.
     type Output<T: Real>: Output<T>;
 
-    /// Holds a tape and a binding against what this question needs.
+    /// Checks that a tape and a binding fit this query.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions, or assumes another number of parameters
-    /// than are bound, or, in debug builds, other values.
+    /// If the tape computes another number of expressions, or if its number of parameters is not
+    /// that of the binding. In debug builds also if a value is outside the range that the tape
+    /// assumes.
     fn check<T: Real>(tape: &Tape<T>, binding: &Binding<T>) {
         assert_eq!(tape.outputs(), Self::OUTPUTS, "expressions that answer for {}", Self::NAME);
         assert_eq!(tape.parameters(), binding.bounds().len(), "parameters");
@@ -43,10 +45,10 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
         );
     }
 
-    /// Holds what is asked about against what a tape is.
+    /// Checks that an input fits the assumptions of a tape.
     ///
     /// # Panics
-    /// If no lane is in use or more than there are, or, in debug builds, if one is beyond the
+    /// If no lane is in use, or more than [`LANES`]. In debug builds also if a lane is outside the
     /// domain that the tape assumes.
     #[inline]
     fn check_input<T: Real>(tape: &Tape<T>, input: &Self::Input<T>) {
@@ -57,11 +59,11 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
         );
     }
 
-    /// Writes the answer on `m`: its quantities and its masks.
+    /// Computes the result on `m`: its quantities and its masks.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions, or only finds zeros and this asks for
-    /// more.
+    /// If the tape computes another number of expressions, or only finds zeros ([`Tape::branches`])
+    /// and this is another query.
     fn answer<T: Real, M: Machine>(
         tape: &Tape<T>,
         m: &mut M,
@@ -69,24 +71,24 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     ) -> QueryResult<M::V>;
 }
 
-/// An answer while code is written.
+/// The result of a query as values of a machine.
 pub struct QueryResult<V> {
-    /// In the order of the output's quantities.
+    /// Values in the order of the output's quantities.
     pub quantities: Vec<V>,
-    /// In the order of its masks.
+    /// Facts in the order of the output's masks.
     pub masks: Vec<Fact<V>>,
 }
 
-/// What answers a question about one function.
+/// An evaluator of one query about one function.
 pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
-    /// Answers for the lanes in use.
+    /// Evaluates the lanes in use.
     ///
     /// # Panics
-    /// If no lane is in use, or more than there are. In debug builds also if a box reaches out of
-    /// the domain that this was made for.
+    /// If no lane is in use, or more than [`LANES`]. In debug builds also if a box reaches out of
+    /// the domain that the kernel was compiled for.
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>);
 
-    /// The answers to all of `inputs`, in order.
+    /// Returns the results for all `inputs`, in order.
     ///
     /// # Panics
     /// As [`Kernel::eval`].
@@ -100,36 +102,36 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     }
 }
 
-/// Which values does the function take over a box? At each real point of the box where it is
-/// defined, its value is within the bounds; the facts say where it is defined and continuous.
+/// Bounds of the function's values over a box. At each real point of the box where the function is
+/// defined, its value is within them. The facts tell where it is defined and continuous.
 #[derive(Clone, Copy, Debug)]
 pub struct Enclose;
 
-/// May a box hold a zero of the function? A lane whose bit in [`Zeros::possible`] is clear has
-/// none; nothing is claimed of other lanes, nor of the function's values.
+/// Whether a box may hold a zero of the function. A lane whose bit in [`Zeros::possible`] is clear
+/// has none. Nothing is claimed about other lanes, or about the function's values.
 #[derive(Clone, Copy, Debug)]
 pub struct FindZeros;
 
-/// Which gradients does the function have over a box, and is it differentiable there? The tape
-/// computes the function and its three partial derivatives.
+/// Bounds of the function's gradient over a box, and whether the function is differentiable there.
+/// The tape computes the function and its three partial derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct EncloseGradient;
 
-/// Between which ends of a segment of a ray do all zeros lie that it has in the domain, and do its
-/// ends prove one?
+/// The part of a segment of a ray that contains all zeros it has in the domain, and whether the
+/// signs at its ends prove a zero.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractSegments;
 
-/// As [`ContractSegments`], for all rays of a tile at once, and by what linear function.
+/// The same as [`ContractSegments`] for all rays of a tile at once, and a linear approximation.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractTiles;
 
-/// About what is the function's value at a point? Computed in `T` rounded up; no error bound is
+/// Approximate value of the function at a point, computed in `T` and rounded up. No error bound is
 /// claimed.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample;
 
-/// About what are value and gradient at a point? As [`Sample`]; the tape computes the function and
+/// Approximate value and gradient at a point, as for [`Sample`]. The tape computes the function and
 /// its three partial derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleGradient;
@@ -163,7 +165,7 @@ impl Query for FindZeros {
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
         let masks = if let Some(possible) = tape.vanishing_together(m, loader) {
-            // Only the possible lanes are known; nothing is claimed of the others.
+            // Only the mask `possible` is known; the other two claim nothing.
             vec![possible, Fact::False, Fact::False]
         } else {
             let value = tape.evaluate(m, &mut Bounds(loader))[0];
@@ -196,7 +198,7 @@ impl Query for EncloseGradient {
         let (function, derivatives) = values.split_first().expect("a function");
         let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
         for derivative in derivatives {
-            // Where the rule for a derivative gives no value, it bounds none.
+            // Where the formula of a derivative is undefined, it does not bound the derivative.
             lipschitz = lipschitz.and(m, derivative.value.facts.defined);
             differentiable = differentiable.and(m, derivative.value.facts.defined);
         }
@@ -244,7 +246,7 @@ impl Query for ContractTiles {
     }
 }
 
-/// Samples of all that a tape computes.
+/// Samples all expressions that a tape computes.
 fn samples<T: Real, M: Machine>(
     tape: &Tape<T>,
     m: &mut M,

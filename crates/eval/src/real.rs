@@ -6,7 +6,6 @@ use std::ops::Neg;
 use zeroset_interval::{Format, Interval, Vector128 as Vector, round::f32_up};
 
 /// A float type in which kernels compute: `f32` or `f64`.
-///
 pub trait Real:
     sealed::Sealed
     + Copy
@@ -19,27 +18,27 @@ pub trait Real:
     + Sync
     + 'static
 {
-    /// The type of the lanes.
+    /// Format of the lanes.
     const FORMAT: Format;
-    /// Lanes of a vector of the [software machine](zeroset_interval::Software).
+    /// Number of lanes of a vector of the [software machine](zeroset_interval::Software).
     const VECTOR_LANES: usize;
-    /// The largest finite number.
+    /// Largest finite number.
     const LARGEST: Self;
 
-    /// The least normal number.
+    /// Least positive normal number.
     const LEAST_NORMAL: Self;
-    /// What a sum that is rounded up errs by, as a share of itself, at most.
+    /// Largest error of a sum that is rounded up, relative to the sum.
     const UNIT: f64;
 
-    /// `value` rounded to nearest.
+    /// Returns `value` rounded to nearest.
     fn nearest(value: f64) -> Self;
-    /// `value` rounded up.
+    /// Returns `value` rounded up.
     fn above(value: f64) -> Self;
-    /// The vector with this index, of those that `lanes` fill.
+    /// Loads vector number `index` of `lanes`.
     fn load(lanes: &Lanes<Self>, index: usize) -> Vector;
-    /// Writes the vector with this index, of those that `lanes` fill.
+    /// Stores `vector` as number `index` of `lanes`.
     fn store(vector: Vector, index: usize, lanes: &mut Lanes<Self>);
-    /// The lanes of a vector in which a mask is set: a bit each, the lowest for the first.
+    /// The lanes in which a mask is set, a bit each, the lowest for the first.
     fn bits(mask: Vector) -> u32;
 }
 
@@ -99,14 +98,14 @@ fn gather<const N: usize>(set: [bool; N]) -> u32 {
     (0..N).map(|lane| u32::from(set[lane]) << lane).sum()
 }
 
-/// The bounds with ends in `T`, rounded outward.
+/// Rounds bounds outward to ends in `T`.
 pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
     Interval { lo: -T::above(-bounds.lo).into(), hi: T::above(bounds.hi).into() }
 }
 
-/// A number of `T` within the bounds, near their middle; 0 for all reals.
+/// Returns a number of `T` within the bounds and near their middle; 0 if they are all reals.
 pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
-    // Nothing is known of some constants, like 0 times one beyond all floats.
+    // Some constants have no known bounds, such as 0 times one beyond all floats.
     let middle = if bounds == Interval::ENTIRE { 0.0 } else { 0.5 * bounds.lo + 0.5 * bounds.hi };
     let most = T::LARGEST.into();
     let nearest: f64 = T::nearest(middle.clamp(-most, most)).into();

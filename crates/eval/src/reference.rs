@@ -9,9 +9,9 @@ use crate::value_domain::Loader;
 use std::marker::PhantomData;
 use zeroset_interval::{Software, Vector128 as Vector};
 
-/// A tape with its parameters bound that answers a question in software, without native code.
+/// Answers a query in software: a tape with its parameters bound.
 ///
-/// It gives the bits that native kernels give; it is some hundred times slower.
+/// Results have the same bits as those of native kernels, but take some hundred times as long.
 #[derive(Clone, Debug)]
 pub struct Reference<Q: Query, T: Real = f32> {
     tape: Tape<T>,
@@ -20,18 +20,18 @@ pub struct Reference<Q: Query, T: Real = f32> {
 }
 
 impl<Q: Query, T: Real> Reference<Q, T> {
-    /// A reference for `tape` under `binding`.
+    /// Creates an evaluator of `tape` under `binding`.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the question needs, or assumes
-    /// another number of parameters than are bound, or, in debug builds, other values.
+    /// If the tape computes another number of expressions than the query needs, or if its number of
+    /// parameters is not that of the binding. In debug builds also if a value is outside its range.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Self {
         Q::check(&tape, &binding);
         Self { tape, binding, question: PhantomData }
     }
 }
 
-/// A batch that is read one vector after another.
+/// A reader of a batch, one vector after another.
 struct Cursor<'a, Q: Query, T: Real> {
     input: &'a Q::Input<T>,
     binding: &'a Binding<T>,

@@ -1,4 +1,4 @@
-//! One function as a method sees it: the kernels that answer for it.
+//! The kernels of one function, as methods use them.
 
 use crate::batch::{Boxes, Zeros};
 use crate::query::{
@@ -10,69 +10,68 @@ use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
-/// Why a kernel cannot be had.
+/// The reason why a kernel is not available.
 pub type KernelError = Arc<dyn Error + Send + Sync>;
 
-/// A kernel, or why there is none.
+/// A kernel, or the reason why it is not available.
 pub type KernelResult<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
 
-/// What may be asked of one function, in either precision.
+/// The kernels of one function, in either precision.
 ///
-/// A kernel is made when it is first asked for, so only what a picture needs should be. What an
-/// implementation leaves out is not answered.
+/// A kernel is compiled when it is first requested, so request only what a picture needs. Kernels
+/// that an implementation leaves out are not available.
 pub trait SurfaceKernels: Sync {
-    /// Kernels that compute in `f32`.
+    /// Returns the kernels that compute in `f32`.
     fn single(&self) -> &dyn Kernels<f32> {
         &NoKernel
     }
-    /// Kernels that compute in `f64`.
+    /// Returns the kernels that compute in `f64`.
     fn double(&self) -> &dyn Kernels<f64> {
         &NoKernel
     }
 }
 
-/// The kernels of one function in one precision; each may be impossible to make, for a reason that
-/// is told.
+/// The kernels of one function in one precision. Each may fail to compile; the error is the reason.
 #[allow(clippy::missing_errors_doc, reason = "the same for each, and said above")]
 pub trait Kernels<T: Real>: Sync {
-    /// May a box hold a zero?
+    /// The kernel that tests whether boxes may hold a zero.
     fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
         Err(Arc::new(NoKernel))
     }
-    /// Bounds of the function.
+    /// The kernel that bounds the function.
     fn bounds(&self) -> KernelResult<'_, Enclose, T> {
         Err(Arc::new(NoKernel))
     }
-    /// Bounds of the numerator and of the denominator of the function's cleared form, if it has
-    /// one: where the function is defined, it vanishes where the numerator does and the denominator
-    /// does not, and it has its poles where the denominator vanishes.
+    /// The kernels that bound the numerator and the denominator of the function's rational form, if
+    /// it has one. Where the function is defined, it is 0 where the numerator is and the
+    /// denominator is not. Its poles are where the denominator is 0.
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Err(Arc::new(NoKernel))
     }
-    /// Contractions of segments of rays: of the numerator of the function's cleared form, if it has
-    /// one, else of the function.
+    /// The kernel that narrows segments of rays to their zeros. It computes the numerator of the
+    /// function's rational form if there is one, else the function.
     fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
         Err(Arc::new(NoKernel))
     }
-    /// Contractions of tiles of rays, of the same function as [`Kernels::segments`].
+    /// Like [`Kernels::segments`], for tiles of rays.
     fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
         Err(Arc::new(NoKernel))
     }
-    /// Bounds of function and gradient.
+    /// The kernel that bounds the function and its gradient.
     fn gradient_bounds(&self) -> KernelResult<'_, EncloseGradient, T> {
         Err(Arc::new(NoKernel))
     }
-    /// Samples of the function.
+    /// The kernel that samples the function.
     fn values(&self) -> KernelResult<'_, Sample, T> {
         Err(Arc::new(NoKernel))
     }
-    /// Samples of function and gradient.
+    /// The kernel that samples the function and its gradient.
     fn gradients(&self) -> KernelResult<'_, SampleGradient, T> {
         Err(Arc::new(NoKernel))
     }
 }
 
-/// A float type by which a surface's kernels are picked.
+/// A float type that selects the kernels of a surface.
 pub trait KernelFloat: Real {
     /// The kernels of a surface that compute in this type.
     fn kernels(surface: &dyn SurfaceKernels) -> &dyn Kernels<Self>;
@@ -90,7 +89,7 @@ impl KernelFloat for f64 {
     }
 }
 
-/// Why there is no answer: the surface has no kernel for the question.
+/// The error that a surface has no kernel for a query.
 #[derive(Clone, Copy, Debug)]
 struct NoKernel;
 
@@ -103,16 +102,16 @@ impl fmt::Display for NoKernel {
 impl Error for NoKernel {}
 impl<T: Real> Kernels<T> for NoKernel {}
 
-/// Where a function may vanish, by up to three forms of it, each asked only where the one before
-/// leaves lanes open.
+/// Test of where a function may be 0, by up to three forms of it. Each is evaluated only if the one
+/// before leaves lanes undecided.
 pub struct ZeroTest<T: Real> {
-    /// The function.
+    /// The function itself.
     pub function: Box<dyn Kernel<FindZeros, T>>,
-    /// The numerator of its cleared form, which vanishes at the same points of the function's
-    /// domain: poles are proven empty by it, and a root near a pole has bounds.
+    /// The numerator of the rational form, which has the same zeros in the domain of definition. It
+    /// proves poles empty, and has finite bounds at a root near a pole.
     pub numerator: Option<Box<dyn Kernel<FindZeros, T>>>,
-    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)), asked where it
-    /// may jump.
+    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)), evaluated where
+    /// the function may jump.
     pub branches: Option<Box<dyn Kernel<FindZeros, T>>>,
 }
 
@@ -120,8 +119,8 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     #[inline]
     fn eval(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
         self.function.eval(boxes, zeros);
-        // What a kernel leaves in lanes that are not in use has no meaning, and is asked no
-        // further.
+        // Bits of lanes that are not in use have no meaning, and must not cause further
+        // evaluations.
         zeros.possible &= u16::MAX >> (u16::BITS - boxes.count);
         if let Some(numerator) = &self.numerator
             && zeros.possible != 0
@@ -139,8 +138,8 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     }
 }
 
-/// Asks about some lanes of a batch: gathered, if that leaves at most half of it. Of other lanes
-/// nothing is known.
+/// Evaluates some lanes of a batch, gathered if they are at most half of it. The result says
+/// nothing about other lanes.
 fn ask_some<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
     let mut zeros = Zeros::default();
     if 2 * lanes.count_ones() > boxes.count {
@@ -165,8 +164,7 @@ mod tests {
     use zeroset_ir::{Axis, Graph};
     use zeroset_ops::Op;
 
-    /// Lanes not in use hold zeros here, which are out of the domain: asking about them would be
-    /// refused.
+    /// Unused lanes hold zeros here, outside the domain: evaluating these would panic.
     #[test]
     fn lanes_that_are_not_in_use_are_asked_no_further() {
         let mut graph = Graph::new();

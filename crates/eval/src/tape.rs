@@ -15,8 +15,7 @@ use zeroset_interval::{
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// What code may take for granted: it is only ever asked about boxes and parameters within these
-/// bounds.
+/// What code takes for granted: boxes and parameters are always within these bounds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assumptions {
     /// Bounds of x, y and z.
@@ -26,12 +25,12 @@ pub struct Assumptions {
 }
 
 impl Assumptions {
-    /// Nothing is known of the coordinates or of `parameters` parameters.
+    /// Assumes nothing about the coordinates or about `parameters` parameters.
     pub fn none(parameters: usize) -> Self {
         Self { domain: [Interval::ENTIRE; 3], parameters: vec![Interval::ENTIRE; parameters] }
     }
 
-    /// The same bounds with ends in `T`, rounded outward.
+    /// Returns the same bounds with ends in `T`, rounded outward.
     fn outward<T: Real>(&self) -> Self {
         Self {
             domain: self.domain.map(outward::<T>),
@@ -47,14 +46,14 @@ pub enum Step {
     Coordinate(Axis),
     /// Reads a parameter, by its number.
     Parameter(u32),
-    /// A constant, by its bounds, and what it is as an exponent.
+    /// A constant: its bounds, and its kind of exponent.
     Constant(Interval, Exponent),
     /// An operation on earlier steps.
     Apply(Op, Vec<usize>),
 }
 
 impl Step {
-    /// What the step's value is as an exponent.
+    /// The kind of exponent that the step's value is.
     pub(crate) fn exponent(&self) -> Exponent {
         match self {
             Self::Constant(_, exponent) => *exponent,
@@ -63,23 +62,23 @@ impl Step {
     }
 }
 
-/// Steps that compute one or more expressions over packets of `T`.
+/// The steps that compute one or more expressions over batches of `T`.
 #[derive(Clone, Debug)]
 pub struct Tape<T: Real = f32> {
     steps: Vec<Step>,
     ranges: Vec<Interval>,
     outputs: Vec<usize>,
-    /// Their bounds, constants and ranges have ends in `T`.
+    /// Bounds with ends in `T`, as constants and ranges have.
     assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
     branches: Option<Arc<Branches>>,
 }
 
 impl<T: Real> Tape<T> {
-    /// The steps that `roots` need, with the range of each under `assumptions`.
+    /// Lays out the steps that `roots` need, with the range of each under `assumptions`.
     ///
     /// # Panics
-    /// If a parameter's number has no bounds in `assumptions`.
+    /// If a parameter has no bounds in `assumptions`.
     pub fn new(graph: &Graph, roots: &[NodeId], assumptions: &Assumptions) -> Self {
         let needed = graph.reachable(roots);
         let mut place = vec![usize::MAX; graph.len()];
@@ -113,14 +112,14 @@ impl<T: Real> Tape<T> {
         tape
     }
 
-    /// Steps that tell where `roots` may all vanish, branch by branch where they jump: they answer
-    /// [`FindZeros`](crate::FindZeros), and nothing else.
+    /// Lays out steps that find where `roots` may all be 0, branch by branch where they jump. They
+    /// answer [`FindZeros`](crate::FindZeros) and nothing else.
     ///
-    /// `None` if the last root does not jump, or the steps are too many to be written for two
-    /// branches.
+    /// `None` if the last root does not jump, or if code for two branches would have too many
+    /// steps.
     ///
     /// # Panics
-    /// If there is no root, or a parameter's number has no bounds in `assumptions`.
+    /// If there is no root, or a parameter has no bounds in `assumptions`.
     pub fn branches(graph: &Graph, roots: &[NodeId], assumptions: &Assumptions) -> Option<Self> {
         let tape = Self::new(graph, roots, assumptions);
         let branches = Branches::new(&tape)?;
@@ -132,38 +131,38 @@ impl<T: Real> Tape<T> {
         &self.steps
     }
 
-    /// Bounds that hold for a step's value in every sample.
+    /// Bounds of a step's value in every sample.
     pub(crate) fn range(&self, index: usize) -> Interval {
         self.ranges[index]
     }
 
-    /// The steps that compute the expressions.
+    /// Indices of the steps that compute the expressions.
     pub(crate) fn outputs_at(&self) -> &[usize] {
         &self.outputs
     }
 
-    /// What the last of an operation's operands is as an exponent.
+    /// The kind of exponent that the last operand of an operation is.
     pub(crate) fn exponent(&self, operands: &[usize]) -> Exponent {
         operands.last().map_or(Exponent::Real, |&i| self.steps[i].exponent())
     }
 
-    /// The number of expressions computed.
+    /// Number of expressions computed.
     pub fn outputs(&self) -> usize {
         if self.branches.is_some() { 1 } else { self.outputs.len() }
     }
 
-    /// What the code may take for granted, its bounds rounded outward to `T`.
+    /// What the code takes for granted, with bounds rounded outward to `T`.
     pub fn assumptions(&self) -> &Assumptions {
         &self.assumptions
     }
 
-    /// The number of parameters that the caller passes, used or not.
+    /// Number of parameters that a binding must have, used or not.
     pub fn parameters(&self) -> usize {
         self.assumptions.parameters.len()
     }
 
-    /// The number of operations: steps that are neither coordinates, parameters nor constants, and
-    /// each as often as it is written for another branch.
+    /// Number of operations: steps other than coordinates, parameters and constants. A step that is
+    /// repeated for several branches counts each time.
     pub fn operations(&self) -> usize {
         if let Some(branches) = &self.branches {
             return branches.operations();
@@ -177,10 +176,10 @@ impl<T: Real> Tape<T> {
         -largest <= range.lo && range.hi <= largest
     }
 
-    /// Writes the values of all outputs on `m`, in a domain of values.
+    /// Computes all outputs on `m`, in a domain of values.
     ///
     /// # Panics
-    /// If the tape only finds zeros ([`Tape::branches`]).
+    /// If the tape is one of [`Tape::branches`], which only find zeros.
     pub fn evaluate<M: Machine, D: ValueDomain<T, M>>(
         &self,
         m: &mut M,
@@ -210,7 +209,7 @@ impl<T: Real> Tape<T> {
         self.outputs.iter().map(|&output| terms[output].value).collect()
     }
 
-    /// Writes in which lanes all outputs may vanish together, branch by branch; `None` if this tape
+    /// Computes in which lanes all outputs may be 0 together, branch by branch; `None` if this tape
     /// is not one of [`Tape::branches`].
     pub(crate) fn vanishing_together<M: Machine>(
         &self,
@@ -222,7 +221,7 @@ impl<T: Real> Tape<T> {
     }
 }
 
-/// Lanes in which an expression may be 0.
+/// The lanes in which a value may be 0.
 pub(crate) fn may_vanish<M: Machine>(
     m: &mut M,
     format: Format,
@@ -235,13 +234,13 @@ pub(crate) fn may_vanish<M: Machine>(
     holds_zero.and(m, somewhere)
 }
 
-/// Values computed together with their twins and not yet asked for, by operation and the step of
-/// its operand.
+/// Values that were computed together with their twins and not used yet, by operation and the step
+/// of its operand.
 struct Twins<V>(HashMap<(Op, usize), V>);
 
 impl<V> Twins<V> {
-    /// The value of `op` at a step: kept, or from `both`, which gives it before its twin's; `None`
-    /// if it has no twin.
+    /// Returns `op` at a step: a stored value, or the first of the two that `both` returns; the
+    /// second is stored for the twin. `None` if they are not computed together.
     fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
         let twin = op.row().twin?;
         if let Some(value) = self.0.remove(&(op, operand)) {
@@ -253,11 +252,11 @@ impl<V> Twins<V> {
     }
 }
 
-/// How far, relatively, bounds of an elementary function over a part may stick out of those over
-/// the whole: its approximation is not exactly monotone. Far above twice the error of any text.
+/// Relative amount by which bounds of an elementary function over a part may exceed those over the
+/// whole, since approximations are not exactly monotone. Far above twice the error of any of them.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 
-/// A step's value over everything that `assumptions` allow: since rules are isotone, it bounds
+/// A step's value over everything that `assumptions` allow. Since rules are isotone, it bounds
 /// every later value.
 fn range_of<T: Real>(
     step: &Step,
@@ -276,7 +275,7 @@ fn range_of<T: Real>(
         Step::Apply(op, operands) => {
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
             let value = enclose(&mut Software::new(), T::FORMAT, *op, &operands);
-            // 0 − x gives 0 for a zero of either sign.
+            // 0 − x makes a zero of either sign +0.
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
             let nowhere =
                 T::bits(value.facts.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
@@ -296,16 +295,16 @@ fn range_of<T: Real>(
     }
 }
 
-/// The number in the first lane.
+/// The number in the first lane of a vector.
 fn first<T: Real>(vector: Vector) -> f64 {
     let mut lanes = Lanes::default();
     T::store(vector, 0, &mut lanes);
     lanes[0].into()
 }
 
-/// The range, widened by as much as bounds over a branch may stick out of it: relatively, and below
-/// the normal numbers by `excess`, the most that an enclosure of the operation is too wide by
-/// there. An end at 0 stays, as no approximation changes the sign of a value.
+/// The range, widened by what bounds over a branch may exceed it by. This is relative, but at least
+/// `excess`: below the normal numbers, an enclosure of the operation is too wide by up to that. An
+/// end at 0 stays, because no approximation changes the sign of a value.
 fn inflate(range: Interval, excess: f64) -> Interval {
     let out = |end: f64, sign: f64| match end {
         0.0 => end,

@@ -1,7 +1,7 @@
-//! What a tape computes with: a domain of values, such as intervals or points.
+//! Domains of values that a tape computes with, such as intervals or points.
 //!
-//! A tape is walked in one place; what a step means is said here, by one implementation for each
-//! domain.
+//! Tapes know the order of steps only. Each domain has its own implementation of what a step
+//! computes.
 
 use crate::real::{Real, middle};
 use zeroset_interval::{
@@ -10,48 +10,48 @@ use zeroset_interval::{
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
 
-/// A domain of values over a machine's lanes.
+/// A kind of values, such as intervals or points, in the lanes of a machine.
 pub trait ValueDomain<T: Real, M: Machine> {
-    /// Lanes of values.
+    /// A value in each lane.
     type Value: Copy;
 
-    /// A coordinate.
+    /// Returns a coordinate.
     fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value;
-    /// The parameter with this number.
+    /// Returns the parameter with this number.
     fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value;
-    /// A constant known by bounds with ends in `T`.
+    /// Returns a constant known by bounds with ends in `T`.
     fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value;
-    /// An operation on earlier values.
+    /// Applies an operation to earlier values.
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value;
-    /// An operation and its [twin](zeroset_ops::Row::twin) on the same value, if they share work
-    /// there.
+    /// Applies an operation and its [twin](zeroset_ops::Row::twin) to the same value, such as sine
+    /// and cosine. `None` if they share no work.
     fn apply_twins(
         &mut self,
         m: &mut M,
         op: Op,
         operand: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]>;
-    /// A value that is known to be within `range`: see [`Machine::held`].
+    /// Returns a value that is known to be within `range`, see [`Machine::held`].
     fn held(&mut self, _m: &mut M, value: Self::Value, _range: Interval) -> Self::Value {
         value
     }
 }
 
-/// Where code finds what it reads.
+/// Loads what code reads.
 pub trait Loader<M: Machine> {
-    /// The next lanes of the input's quantity with this number.
+    /// Returns the next lanes of the input's quantity with this number.
     fn input(&mut self, m: &mut M, quantity: usize) -> M::V;
-    /// The quantity with this number of the [`Binding`](crate::Binding).
+    /// Returns the quantity with this number of the [`Binding`](crate::Binding).
     fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V;
 }
 
-/// Intervals with facts, of boxes and parameters in memory.
+/// The domain of intervals with facts, for boxes and parameters in memory.
 pub(crate) struct Bounds<'a, I>(pub &'a mut I);
 
-/// Values at points in memory, without error bounds.
+/// The domain of values at points in memory, without error bounds.
 pub(crate) struct Samples<'a, I>(pub &'a mut I);
 
-/// Quantities of a parameter in a [`Binding`](crate::Binding): −lo, hi, and a value between.
+/// Number of quantities per parameter in a [`Binding`](crate::Binding): −lo, hi, a value between.
 pub(crate) const PARAMETER_QUANTITIES: usize = 3;
 
 impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {

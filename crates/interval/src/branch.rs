@@ -15,18 +15,18 @@ use zeroset_ops::{Class, Continuity, Law, Op};
 pub enum Branch {
     /// The whole box.
     Whole,
-    /// Where an integer-valued function takes its lowest value in the box, a choice takes its first
-    /// branch, a divisor is negative, or an angle is below its cut.
+    /// The part where an integer-valued function takes its lowest value, a choice its first branch,
+    /// where a divisor is negative, or an angle below its cut.
     Low,
     /// The box without [`Branch::Low`].
     Rest,
-    /// Where an integer-valued function takes neither its lowest nor its highest value in the box.
+    /// The part where an integer-valued function takes neither its lowest nor its highest value.
     Middle,
-    /// Where an integer-valued function takes its highest value in the box.
+    /// The part where an integer-valued function takes its highest value.
     High,
 }
 
-/// How an operation splits a box into branches.
+/// The way in which an operation splits a box into branches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
     /// Not at all.

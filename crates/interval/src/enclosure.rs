@@ -10,7 +10,7 @@ pub struct Enclosure<V> {
     pub neg_lo: V,
     /// The upper ends. Never NaN, never −∞.
     pub hi: V,
-    /// Where the expression is defined and continuous.
+    /// Facts about the expression's domain of definition and continuity.
     pub facts: Claims<V>,
 }
 
@@ -26,7 +26,7 @@ impl<V: Copy> Enclosure<V> {
     }
 }
 
-/// What is proven about an expression's domain of definition: three facts per lane.
+/// Proven facts about an expression's domain of definition, three per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Claims<V> {
     /// Lanes where the expression is defined at no point of the box.
@@ -139,7 +139,7 @@ pub enum Exponent {
     Integer(i32),
     /// A constant integer that does not fit `i32`.
     LargeInteger {
-        /// Whether it is odd.
+        /// Whether the integer is odd.
         odd: bool,
     },
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::BitOr;
 
-/// What is proven about a function over a box, besides its bounds: a set of three bits.
+/// Properties of a function that are proven over a box, besides its bounds: a set of three bits.
 ///
 /// A missing bit claims nothing. [`Facts::NOWHERE`] excludes the other two.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -14,7 +14,7 @@ use zeroset_ops::{Class, Op};
 pub struct Decorated {
     /// Interval that contains all its values.
     pub bounds: Interval,
-    /// Where it is defined and continuous.
+    /// Facts about its domain of definition and continuity.
     pub facts: Facts,
     /// Its kind as an exponent.
     pub exponent: Exponent,
@@ -30,8 +30,8 @@ impl From<(Interval, Facts)> for Decorated {
 /// Encloses `op` over boxes of operands in `f64`, rounded outward, and returns bounds and facts.
 ///
 /// If the result is defined nowhere, its bounds are all reals. Bounds of sums, products, quotients,
-/// squares, square roots, comparisons and roundings to integers are the tightest. This holds for
-/// infinite operands, too, where kernels may be less tight.
+/// squares, square roots, minima, maxima, choices and roundings to integers are the tightest. This
+/// holds for infinite operands, too, where kernels may be less tight.
 ///
 /// ```
 /// use zeroset_interval::{Facts, Interval, fold};

@@ -1,6 +1,6 @@
-//! The primitive lane operations in which every rule is written.
+//! The lane operations over which every rule is written.
 
-/// The type of the lanes of a 128-bit vector.
+/// The type of the lanes of a vector; sizes are those of a 128-bit vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
     /// Four lanes of `f32`.
@@ -10,7 +10,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// What is meant for this format.
+    /// Returns the value for this format.
     pub(crate) fn pick<T>(self, f32: T, f64: T) -> T {
         match self {
             Self::F32 => f32,
@@ -19,8 +19,8 @@ impl Format {
     }
 }
 
-/// Whether this processor has an instruction for a·b + c that rounds once, and code that is made
-/// for it uses that. All machines do as it does, so that they agree.
+/// Whether this processor can compute a·b + c with one rounding, so that compiled code does. Every
+/// [`Machine`] rounds in the same way, so that all agree.
 #[must_use]
 pub fn has_fma() -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -29,21 +29,20 @@ pub fn has_fma() -> bool {
     cfg!(target_arch = "aarch64")
 }
 
-/// A machine with vectors that rounds up. Rules are written for 128 bits; since they do the same to
-/// each lane, code may run on wider ones.
+/// The lane operations of a processor that rounds up.
 ///
 /// Rules are written once over this trait. One implementation emits native code, the other
-/// ([`Software`](crate::Software)) computes; both give the same bits (NaN apart, which no rule lets
-/// through). Arithmetic rounds to +∞, subnormals are kept, nothing is fused but
-/// [`Machine::mul_add`]. Operands of one call share a [`Format`]. A mask is a vector whose lanes
-/// are all ones or all zeros.
+/// ([`Software`](crate::Software)) computes. Both give the same bits, except for NaN, which no rule
+/// returns. Arithmetic rounds to +∞, subnormals are kept, and only [`Machine::mul_add`] fuses. All
+/// operands of a call have the same [`Format`]. A mask is a vector whose lanes are all ones or all
+/// zeros. Vectors have 128 bits here; wider ones work as well, since every lane is treated alike.
 pub trait Machine {
     /// A vector.
     type V: Copy;
 
-    /// The same number in all lanes; `value` must be exact in `format`.
+    /// Returns a vector with `value` in all lanes; it must be exact in `format`.
     fn number(&mut self, format: Format, value: f64) -> Self::V;
-    /// The same bits in all lanes (the low 32 for `F32`).
+    /// Returns a vector with the same bits in all lanes (the low 32 for `F32`).
     fn bits(&mut self, format: Format, bits: u64) -> Self::V;
 
     /// a + b.
@@ -52,12 +51,12 @@ pub trait Machine {
     fn sub(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// a · b.
     fn mul(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// a · b + c: rounded once where the processor [can](crate::has_fma), else after each step. A
-    /// product too large is then no ∞ before c is added: together with a c of −∞ it makes −∞, not
-    /// NaN. On x86-64 the instruction overwrites a, which is best a value that is not needed any
-    /// more.
+    /// a · b + c, rounded once where the processor [can](crate::has_fma), else after each step.
+    /// With one rounding, a finite product that overflows is not ∞ before c is added: with c = −∞
+    /// the result is −∞, not NaN. On x86-64 the instruction overwrites a, so pass a value there
+    /// that is not needed again.
     fn mul_add(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
-    /// a · b − c, rounded as [`Machine::mul_add`].
+    /// a · b − c, rounded as by [`Machine::mul_add`].
     fn mul_sub(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
         let opposite = self.neg(c);
         self.mul_add(a, b, opposite)
@@ -78,9 +77,9 @@ pub trait Machine {
     fn floor(&mut self, a: Self::V) -> Self::V;
     /// Smallest integer ≥ a.
     fn ceil(&mut self, a: Self::V) -> Self::V;
-    /// a without its fraction.
+    /// a without its fraction, rounded toward 0.
     fn trunc(&mut self, a: Self::V) -> Self::V;
-    /// The nearest integer, halves to even.
+    /// The integer nearest to a, halves to even.
     fn nearest(&mut self, a: Self::V) -> Self::V;
 
     /// Mask of a < b; false for NaN.
@@ -101,24 +100,23 @@ pub trait Machine {
     /// a where the sign bit of `sign` is set, else b: −0 and negative NaN select a.
     fn select_signed(&mut self, sign: Self::V, a: Self::V, b: Self::V) -> Self::V;
 
-    /// Lane bits a + b as integers, wrapping.
+    /// a + b of the lanes' bits as integers, wrapping.
     fn int_add(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// Lane bits a − b as integers, wrapping.
+    /// a − b of the lanes' bits as integers, wrapping.
     fn int_sub(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// Lane bits shifted left.
+    /// The lanes' bits shifted left.
     fn shift_left(&mut self, a: Self::V, by: u8) -> Self::V;
-    /// Lane bits shifted right, zeros entering.
+    /// The lanes' bits shifted right, filled with zeros.
     fn shift_right(&mut self, a: Self::V, by: u8) -> Self::V;
 
-    /// All `f32` lanes as two vectors of `f64`: those of the lower half, then those of the upper.
-    /// Exact.
+    /// All `f32` lanes as two vectors of `f64`, the lower half first. Exact.
     fn widen(&mut self, a: Self::V) -> [Self::V; 2];
     /// The inverse of [`Machine::widen`], rounded up.
     fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;
 
-    /// Applies `routine` to each row of inputs, all `F64`; native code does so in a loop, so that
+    /// Applies `routine` to each row of inputs, all `F64`. Native code does so in a loop, so that
     /// it is emitted once (a kernel with nine cosines compiles in half the time, and runs a sixth
-    /// faster). What `routine` computes must not be used but through its results.
+    /// faster). Use what `routine` computes only through its results.
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         inputs: [[Self::V; IN]; ROWS],
@@ -130,26 +128,29 @@ pub trait Machine {
         inputs.map(|row| routine(self, row))
     }
 
-    // What follows means nothing to a machine that rounds up. It tells another, which rounds to
-    // nearest and moves each result, what needs no moving and what moving might break.
+    // The methods below have no effect on a machine that rounds up. A machine that rounds to
+    // nearest and then widens each result learns from them which results it need not or must not
+    // widen.
 
-    /// Writes what need be no bound: it is exact, or what it rounds by is counted elsewhere.
+    /// Runs `text`, whose results need not be bounds: they are exact, or their rounding is counted
+    /// elsewhere.
     fn nearly<R>(&mut self, text: impl FnOnce(&mut Self) -> R) -> R
     where
         Self: Sized,
     {
         text(self)
     }
-    /// A bound that was written by [`Machine::nearly`], of which only the last rounding counts.
+    /// Returns a bound that [`Machine::nearly`] computed and whose last rounding is not counted
+    /// elsewhere.
     fn outward(&mut self, bound: Self::V) -> Self::V {
         bound
     }
-    /// A bound that no rounding up takes beyond `most`, as rules rely on; `most` is exact in
-    /// `format`.
+    /// Returns a bound that rounding up does not take beyond `most`, on which rules rely. `most` is
+    /// exact in `format`.
     fn held(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
         bound
     }
-    /// Whether forms are to hold what rounding adds to them.
+    /// Whether affine forms include rounding in their errors.
     fn counts_rounding(&self) -> bool {
         true
     }

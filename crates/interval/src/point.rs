@@ -1,7 +1,7 @@
-//! The value of every operation at points, written once over [`Machine`].
+//! Values of operations at points, written once over [`Machine`].
 //!
-//! Values carry no bound: they shade pictures and start searches. Where an operation is undefined
-//! the value is NaN, or infinite at a pole.
+//! These values carry no error bounds: they shade pictures and start searches. Where an operation
+//! is undefined the value is NaN, or infinite at a pole.
 
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
@@ -9,8 +9,8 @@ use crate::machine::{Format, Machine};
 use crate::rules::{Approximation, Approximator, Base, HalfPi, Rule, by_halves};
 use zeroset_ops::Op;
 
-/// Evaluates `op` over lanes of operands, all in `format`; `exponent` says what the last operand is
-/// as one.
+/// Evaluates `op` over lanes of operands, all in `format`. `exponent` is the last operand's kind as
+/// an exponent.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
@@ -38,8 +38,7 @@ pub fn evaluate<M: Machine>(
         }
         Op::Sqr => rule.m.mul(a, a),
         Op::Sqrt => {
-            // That of −0, as which a difference may come out, is −0, and the reciprocal of that on
-            // the wrong side.
+            // A difference may be −0, and so is its root. The reciprocal of −0 has the wrong sign.
             let root = rule.m.sqrt(a);
             rule.m.abs(root)
         }
@@ -77,7 +76,7 @@ pub fn evaluate<M: Machine>(
             rule.m.sub(a, multiple)
         }
         Op::Atan2 => rule.angle_of(a, operands[1]),
-        // Either operand NaN: NaN, which min and max alone would drop.
+        // NaN if either operand is NaN, which min and max alone would drop.
         Op::Min => {
             let least = rule.m.min(a, operands[1]);
             rule.nan_where_unordered(least, a, operands[1])
@@ -120,8 +119,8 @@ pub fn evaluate<M: Machine>(
     }
 }
 
-/// Evaluates `op` and its twin over lanes of their operand, which lie in `range`, or `None` if they
-/// share no work there.
+/// Evaluates `op` and its twin over lanes of their operand, which lies in `range`. Returns `None`
+/// if they share no work there.
 pub fn evaluate_twins<M: Machine>(
     m: &mut M,
     format: Format,
@@ -144,7 +143,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     fn nan(&mut self) -> M::V {
-        // A quiet NaN, by bits: its arithmetic is the same everywhere.
+        // A quiet NaN with fixed bits, so that arithmetic with it is the same on every machine.
         let bits = self.format.pick(u64::from(f32::NAN.to_bits()), f64::NAN.to_bits());
         self.m.bits(self.format, bits)
     }
@@ -155,7 +154,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(ordered, value)
     }
 
-    /// An elementary routine at points; NaN at NaN.
+    /// Applies an elementary routine at points; NaN at NaN.
     fn at_halves(
         &mut self,
         a: M::V,
@@ -177,7 +176,7 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// A routine for finite operands, of a function that is infinite with its operand.
+    /// Applies a routine for finite operands; the function is infinite where its operand is.
     fn unbounded_at(
         &mut self,
         a: M::V,
@@ -189,7 +188,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.select(unbounded, a, value)
     }
 
-    /// A routine for operands from −1 to 1, both included if `closed`.
+    /// Applies a routine for operands from −1 to 1, both included if `closed`.
     fn within_one_at(
         &mut self,
         a: M::V,
@@ -202,11 +201,10 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(inside, value)
     }
 
-    /// The angle of the point (b, a); NaN at the origin and where either is NaN.
+    /// The angle of the point (b, a); NaN at the origin and where a or b is NaN.
     fn angle_of(&mut self, a: M::V, b: M::V) -> M::V {
         let zero = self.zero();
-        // A zero of either sign is on the upper side and on the right, whatever rounding left of
-        // it.
+        // Turns −0 into +0: a zero counts as above and to the right, whatever its sign.
         let (a, b) = (self.m.add(a, zero), self.m.add(b, zero));
         let [value] = by_halves(self.m, self.format, [a, b], |approx, [a, b]| {
             let near = approx.angle(a, b);

@@ -1,15 +1,14 @@
-//! Arithmetic rounded up, in software: what one lane of a kernel computes while the rounding mode
-//! is +∞.
+//! Arithmetic rounded up, in software: the results of one lane of a kernel under rounding mode +∞.
 //!
-//! Nothing here reads or sets the rounding mode of the processor: each function corrects the result
-//! rounded to nearest by the sign of its exact error. NaN and infinities behave as in IEEE 754.
+//! Nothing here reads or sets the rounding mode of the processor. Each function computes the result
+//! rounded to nearest and corrects it by the sign of its exact error. NaN and infinities behave as
+//! in IEEE 754.
 
-/// `f32` results rounded up. Sums, products and remainders of two `f32` are computed in `f64`,
-/// where they are exact but for sums of very different magnitude, which carry their error along.
+/// `f32` results rounded up. Sums, products and remainders of two `f32` are computed in `f64`.
+/// Products and remainders are exact there; sums carry their error along.
 pub mod f32_up {
-    /// `value + error`, where `|error|` is at most half a unit in the last place of `value`, or NaN
-    /// where `value` is not finite, rounded up to `f32`. The next float above −∞ is the lowest
-    /// finite one.
+    /// Returns `value + error`, rounded up to `f32`. `|error|` is at most half an ulp of `value`,
+    /// or NaN where `value` is not finite. The next float above −∞ is the lowest finite one.
     fn demote(value: f64, error: f64) -> f32 {
         let nearest = value as f32;
         let back = f64::from(nearest);
@@ -65,8 +64,7 @@ pub mod f32_up {
 
 /// `f64` results rounded up.
 pub mod f64_up {
-    /// Exponents in this range leave room for the error of a product, quotient or root to be a
-    /// float.
+    /// For exponents in this range, the error of a product, quotient or root is a float.
     const COMFORT: std::ops::RangeInclusive<i32> = -400..=400;
 
     /// `a + b`.
@@ -75,7 +73,7 @@ pub mod f64_up {
         if sum.is_finite() {
             return if super::sum_error(a, b, sum) > 0.0 { sum.next_up() } else { sum };
         }
-        // That of finite numbers is finite and so, rounded up, not −∞.
+        // A sum of finite numbers is finite, so rounding up cannot give −∞.
         if a.is_finite() && b.is_finite() { sum.max(-f64::MAX) } else { sum }
     }
 
@@ -98,7 +96,7 @@ pub mod f64_up {
     /// `a · b + c`, rounded once.
     pub fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         if c.is_infinite() && a.is_finite() && b.is_finite() {
-            return c; // though a·b alone may be too large
+            return c; // a·b alone may overflow
         }
         if !(a.is_finite() && b.is_finite() && c.is_finite()) || a == 0.0 || b == 0.0 {
             return add(a * b, c);
@@ -106,8 +104,7 @@ pub mod f64_up {
         if c == 0.0 {
             return mul(a, b);
         }
-        // Both terms as whole numbers: the product of 105 or 106 bits, c of 53, each with an
-        // exponent.
+        // Both terms as integers with exponents: the product has 105 or 106 bits, c has 53.
         let whole = |a: f64| {
             let (a, exponent) = split(a);
             ((a * power(52)) as i128, exponent - 52)
@@ -115,8 +112,7 @@ pub mod f64_up {
         let ((a, i), (b, j), (c, k)) = (whole(a), whole(b), whole(c));
         let (product, places) = (a * b, k - (i + j));
         match places {
-            // What of c lies below the product's last place is no more than a sign that there is
-            // something.
+            // Bits of c below the product's last place only tell that the sum is not exact.
             ..0 => {
                 let below = places.unsigned_abs().min(64);
                 round_up(product + (c >> below), c % (1 << below) != 0, i + j)
@@ -129,14 +125,15 @@ pub mod f64_up {
         }
     }
 
-    /// (`whole` + δ) · 2^`exponent` rounded up, where δ is between 0 and 1 if there is `more`, else
-    /// 0; then `whole` has more than 54 bits.
+    /// Returns (`whole` + δ) · 2^`exponent` rounded up, where 0 < δ < 1 if `more`, else δ = 0. If
+    /// `more`, `whole` has more than 54 bits.
     fn round_up(whole: i128, more: bool, exponent: i32) -> f64 {
-        // Below 0 the size goes down, by what is more, too.
+        // For a negative number, rounding up and δ both reduce the magnitude.
         let down = whole < 0;
         let size = whole.unsigned_abs() - u128::from(down && more);
         let bits = 128 - size.leading_zeros() as i32;
-        // The last place of the result, above that of the least number.
+        // Number of bits to cut below the last place of the result, which is at least the least
+        // subnormal.
         let cut = (bits - 53).max(-1074 - exponent).max(0);
         let (kept, rest) = if cut < 128 { (size >> cut, size % (1 << cut)) } else { (0, size) };
         let up = !down && (more || rest != 0);
@@ -173,7 +170,7 @@ pub mod f64_up {
         scale(root, (-root).mul_add(root, a), i / 2)
     }
 
-    /// A finite nonzero number as `(m, e)` with `m · 2^e` exact and 1 ≤ |m| < 2.
+    /// Returns a finite nonzero number as `(m, e)`, where `m · 2^e` is exact and 1 ≤ |m| < 2.
     fn split(a: f64) -> (f64, i32) {
         let exponent = |a: f64| ((a.to_bits() >> 52) & 0x7ff) as i32 - 1023;
         let unit = |a: f64| f64::from_bits((a.to_bits() & !(0x7ff << 52)) | (1023 << 52));
@@ -185,20 +182,20 @@ pub mod f64_up {
         }
     }
 
-    /// 2^n for a normal result.
+    /// 2^n; the result must be normal.
     fn power(n: i32) -> f64 {
         f64::from_bits(((n + 1023) as u64) << 52)
     }
 
-    /// `(value + error) · 2^n` rounded up, for 1/4 < |value| < 4 and |error| at most half its last
-    /// place; only the sign of `error` is used.
+    /// Returns `(value + error) · 2^n` rounded up, for 1/4 < |value| < 4 and |error| at most half
+    /// an ulp. Only the sign of `error` is used.
     fn scale(value: f64, error: f64, n: i32) -> f64 {
         if COMFORT.contains(&n) {
             let nearest = value * power(n); // exact: no underflow
             return if error > 0.0 { nearest.next_up() } else { nearest };
         }
-        // Two exact steps at most, then the one that rounds; compare the result with the exact
-        // value by undoing it.
+        // At most one step rounds, after at most two exact ones. Undoing the steps compares the
+        // result with the exact value.
         let clamped = n.clamp(-1200, 1200); // beyond, the result is 0 or infinite in any case
         let half = clamped / 2;
         let nearest = value * power(half) * power(clamped - half);
@@ -208,11 +205,11 @@ pub mod f64_up {
     }
 }
 
-/// The exact error of `sum = a + b` rounded to nearest (Dekker's fast two-sum), or 0 if the sum is
-/// not finite.
+/// Returns the exact error of `sum = a + b` rounded to nearest (Dekker's fast two-sum), or 0 if the
+/// sum is not finite.
 ///
-/// Taking the larger operand away first is exact and cannot overflow: what is left is about the
-/// smaller one. Knuth's two-sum, which needs no order, overflows for sums like −MAX/2 + MAX.
+/// Subtracting the larger operand first is exact and cannot overflow: the difference is about the
+/// smaller operand. Knuth's two-sum, which needs no order, overflows for sums like −MAX/2 + MAX.
 fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
     if !sum.is_finite() {
         return 0.0;

@@ -1,9 +1,9 @@
-//! The machine that computes: the reference for every kernel.
+//! The machine that computes in software: the reference for every kernel.
 
 use crate::machine::{Format, Machine, has_fma};
 use crate::round::{f32_up, f64_up};
 
-/// A vector's lanes, as bits.
+/// The lanes of a vector, as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vector128 {
     /// Four `f32`.
@@ -62,19 +62,18 @@ impl Vector128 {
     }
 }
 
-/// A [`Machine`] that computes each lane in software, rounding up whatever the processor's rounding
-/// mode.
+/// A [`Machine`] that computes each lane in software. It rounds up regardless of the processor's
+/// rounding mode.
 #[derive(Clone, Copy, Debug)]
 pub struct Software {
     fuses: bool,
 }
 
 impl Software {
-    /// As on this processor and on one of the other kind, which has an instruction for a·b + c, or
-    /// has none.
+    /// The machines of processors with an instruction for a·b + c and of those without one.
     pub const BOTH: [Self; 2] = [Self { fuses: true }, Self { fuses: false }];
 
-    /// As on this processor.
+    /// The machine that agrees with this processor.
     #[must_use]
     pub fn new() -> Self {
         Self { fuses: has_fma() }

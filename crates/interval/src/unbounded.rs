@@ -1,13 +1,13 @@
-//! Products and quotients of intervals, the tightest whatever the operands: infinite ends and
-//! divisors that contain 0.
+//! The tightest products and quotients of intervals, for infinite ends and divisors that contain 0,
+//! too.
 //!
-//! Kernels are this tight on finite operands only, for they guard against 0·∞ with few
+//! Kernels are this tight only on finite operands, since they guard against 0·∞ with few
 //! instructions.
 
 use crate::bounds::Interval;
 use crate::round::f64_up;
 
-/// a·b, where an infinite end times 0 is 0.
+/// a·b, where the product of an infinite end and 0 is 0.
 pub(crate) fn product(a: Interval, b: Interval) -> Interval {
     let largest = |[a_lo, a_hi]: [f64; 2]| {
         let times = |x: f64, y: f64| if x == 0.0 || y == 0.0 { 0.0 } else { f64_up::mul(x, y) };
@@ -17,8 +17,7 @@ pub(crate) fn product(a: Interval, b: Interval) -> Interval {
     Interval { lo: 0.0 - largest([-a.lo, -a.hi]), hi: 0.0 + largest([a.lo, a.hi]) }
 }
 
-/// a/b over the members of b that are not 0. Nothing is claimed for b = [0, 0], where there are
-/// none.
+/// a/b over all numbers in b but 0. For b = [0, 0] the bounds claim nothing.
 pub(crate) fn quotient(a: Interval, b: Interval) -> Interval {
     if a == Interval::ZERO {
         return a;
@@ -30,7 +29,7 @@ pub(crate) fn quotient(a: Interval, b: Interval) -> Interval {
         let negated = |a: Interval| Interval { lo: -a.hi, hi: -a.lo };
         return quotient(negated(a), negated(b));
     }
-    // A positive bound is largest over the smallest divisor, another over the largest.
+    // A positive bound is largest over the smallest divisor, a negative one over the largest.
     let bound = |end: f64| match end {
         0.0 => 0.0,
         end if end < 0.0 => f64_up::div(end, b.hi),
@@ -46,22 +45,22 @@ mod tests {
 
     const ENDS: [f64; 9] =
         [f64::NEG_INFINITY, -3.0, -1.0, -0.25, 0.0, 0.5, 1.0, 7.0, f64::INFINITY];
-    /// Stands for ∞ among the members of an interval, and its reciprocal for what is next to 0.
+    /// Replaces ∞ among the numbers of an interval; its reciprocal replaces the numbers next to 0.
     const HUGE: f64 = 1e100;
 
     fn intervals() -> Vec<Interval> {
         ENDS.iter().flat_map(|lo| ENDS.iter().filter_map(|hi| Interval::new(*lo, *hi))).collect()
     }
 
-    /// Members at which a product or quotient comes near its extremes.
+    /// Numbers in the interval at which a product or quotient comes near its extremes.
     fn members(a: Interval) -> Vec<f64> {
         let candidates = ENDS.map(|end| end.clamp(-HUGE, HUGE));
         let near = [-1.0 / HUGE, 1.0 / HUGE];
         candidates.into_iter().chain(near).filter(|x| a.contains(*x)).collect()
     }
 
-    /// Checks bounds against samples: they hold them all, and each end is one of them, or as large
-    /// as they get.
+    /// Checks that bounds contain all samples, and that each end is close to a sample, or infinite
+    /// if samples are huge.
     fn check(of: fn(Interval, Interval) -> Interval, f: fn(f64, f64) -> f64) {
         for a in intervals() {
             for b in intervals() {

@@ -1,8 +1,8 @@
-//! Building expressions with the obvious steps taken at once: zeros, ones and exact numbers vanish.
+//! Builders of expressions that simplify on the spot: zeros, ones and exact numbers vanish.
 //!
-//! For passes that make many terms which are mostly trivial. A factor 0 drops the other factor with
-//! its domain of definition, so these are for derivatives and cleared forms, not for
-//! [`simplify`](crate::simplify()).
+//! They serve passes whose many terms are mostly trivial. A factor 0 removes the other factor
+//! together with its domain of definition. So these builders are for derivatives and rational
+//! forms, not for [`simplify`](crate::simplify()).
 
 use crate::constant::Constant;
 use crate::graph::{Graph, NodeId};
@@ -47,7 +47,7 @@ pub(crate) fn sub(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     sum(graph, Op::Sub, a, b)
 }
 
-/// The sum, or the difference if `op` is one.
+/// `a + b`, or `a - b` if `op` is [`Op::Sub`].
 pub(crate) fn sum(graph: &mut Graph, op: Op, a: NodeId, b: NodeId) -> NodeId {
     let minus = op == Op::Sub;
     if is_zero(graph, b) {
@@ -90,7 +90,7 @@ pub(crate) fn mul(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     graph.apply(Op::Mul, &[a, b])
 }
 
-/// `a / b`; as written where `b` is the number 0.
+/// `a / b`, left as written if `b` is the number 0.
 pub(crate) fn div(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     if is_one(graph, b) || (is_zero(graph, a) && !is_zero(graph, b)) {
         return a;

@@ -1,7 +1,7 @@
-//! RationalForm forms: a function with poles as a quotient of two functions without.
+//! Rational forms: a function with poles as a quotient of two functions without poles.
 //!
-//! Near a pole every enclosure of `1/x − y` is unbounded and so proves nothing. Its numerator
-//! `1 − x·y` is tame: where that has no zero the function has none, pole or not.
+//! Near a pole every enclosure of `1/x − y` is unbounded and proves nothing. The numerator `1 −
+//! x·y` is bounded. Where it has no zero the function has none, at the pole or elsewhere.
 
 use crate::algebra::{div, is_one, is_zero, mul, neg, powi, sum};
 use crate::graph::{Graph, Node, NodeId};
@@ -9,36 +9,36 @@ use crate::rank::{Variability, ranks};
 use std::collections::{BTreeMap, BTreeSet};
 use zeroset_ops::{Class, Op};
 
-/// Quotients with more distinct factors below the line stay as they are: each new one costs a
-/// product of all others.
+/// Most distinct factors in a denominator. Quotients with more stay as they are, since each further
+/// factor costs a product of all others.
 const FACTOR_LIMIT: usize = 16;
-/// Powers beyond this stay as they are.
+/// Largest exponent of a factor; higher powers stay as they are.
 const EXPONENT_LIMIT: u32 = 64;
 
-/// A function f in cleared form.
+/// A function f in rational form.
 ///
-/// Within the domain of f, its zeros are the points where the numerator is 0. Where the denominator
-/// is 0, f is undefined. The quotient of the two is f, or, if a division by a function with poles
-/// of its own was cleared, f but for a factor that has no zero in the domain.
+/// Within the domain of definition of f, its zeros are the points where the numerator is 0. Where
+/// the denominator is 0, f is undefined. The quotient of the two is f, except after a division by a
+/// function with poles: then it may lack a factor of f that has no zero in the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RationalForm {
-    /// The node that is 0 where f is.
+    /// Node that is 0 where f is 0.
     pub numerator: NodeId,
-    /// The node that is 0 at the poles.
+    /// Node that is 0 at the poles of f.
     pub denominator: NodeId,
 }
 
 /// Bases and their exponents.
 type Factors = BTreeMap<NodeId, u32>;
 
-/// `numerator · Π above / Π below`, where none of `above`, `below` and `excluded` is 0.
+/// `numerator · Π above / Π below`. No base in `above`, `below` or `excluded` is 0 in the domain.
 #[derive(Clone)]
 struct Fraction {
     numerator: NodeId,
-    /// What was below the line of a divisor.
+    /// Factors from the denominators of divisors.
     above: Factors,
     below: Factors,
-    /// What has cancelled.
+    /// Bases that have cancelled.
     excluded: BTreeSet<NodeId>,
 }
 
@@ -52,7 +52,7 @@ impl Fraction {
         self.above.is_empty() && self.below.is_empty() && self.excluded.is_empty()
     }
 
-    /// Cancels what stands both above and below; refuses what has grown too large.
+    /// Cancels bases that are both above and below. `None` if the fraction has grown too large.
     fn reduced(mut self) -> Option<Self> {
         let common: Vec<(NodeId, u32)> = self
             .above
@@ -97,12 +97,11 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
     node
 }
 
-/// The cleared form of `root`, added to `graph`, or `None` if `root` has no pole that can be
-/// cleared.
+/// Adds the rational form of `root` to `graph`. `None` if `root` has no pole that can be cleared.
 ///
 /// Divisions, negative powers and tangents are cleared through sums, products, quotients and
-/// integer powers. Poles inside other functions stay where they are, and so do divisions by what
-/// depends on no coordinate: those are not poles in space.
+/// integer powers. Poles inside other functions stay. So do divisions by expressions without
+/// coordinates, which are not poles in space.
 pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
     let mut ranks = ranks(graph);
     ranks.truncate(root.index() + 1);
@@ -122,7 +121,7 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
         fractions[id.index()] = fraction.and_then(Fraction::reduced).filter(|f| !f.is_whole());
     }
     let fraction = fractions[root.index()].take()?;
-    // What stands above has no zero in the domain; dropped there, it must still count as a pole.
+    // Factors above have no zero in the domain. The numerator omits them, but they count as poles.
     let mut below = fraction.below;
     for base in fraction.above.into_keys().chain(fraction.excluded) {
         below.entry(base).or_insert(1);
@@ -190,7 +189,7 @@ fn combine(
     }
 }
 
-/// Over the least common denominator, so that shared denominators are not multiplied.
+/// The sum or difference over the least common denominator: shared factors are not multiplied.
 fn added(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
     let mut below = a.below.clone();
     for (base, n) in &b.below {
@@ -235,9 +234,9 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
     }
 }
 
-/// `1/a`; `None` if a is the number 0.
+/// `1/a`, or `None` if `a` is the number 0 or has too many factors.
 fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Variability]) -> Option<Fraction> {
-    // The numerator's own factors go below one by one, so that other denominators can share them.
+    // The numerator's factors go below one by one, so that other denominators can share them.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
     let mut pending = vec![(a.numerator, 1_u32)];
@@ -246,7 +245,7 @@ fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Variability]) -> Option<Fr
             return None;
         }
         let node = graph.node(id).clone();
-        // Nodes beyond the table are new: made of at least one that varies, or exact.
+        // Nodes beyond the table are new: they are exact, or at least one operand varies.
         let fixed = ranks.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
             || matches!(node, Node::Constant(_));
         let class = match &node {
@@ -288,7 +287,7 @@ mod tests {
         Some([cleared.numerator, cleared.denominator].map(|id| display(&graph, id, &["w"])))
     }
 
-    #[allow(clippy::unnecessary_wraps)] // compared with what may be None
+    #[allow(clippy::unnecessary_wraps)] // compared with an `Option`
     fn pair(numerator: &str, denominator: &str) -> Option<[String; 2]> {
         Some([numerator.into(), denominator.into()])
     }
@@ -332,7 +331,7 @@ mod tests {
 
     #[test]
     fn poles_with_the_same_bounds_are_not_the_same_pole() {
-        // Both are 1/3 to 150 digits, too many to be kept exactly, and share their bounds.
+        // Both are 1/3 to 157 digits: too many to be kept exactly, and with the same bounds.
         let digits = "3".repeat(157);
         let sheet = Sheet::default();
         let [x, y, z] = sheet.xyz();
@@ -394,8 +393,8 @@ mod tests {
                 }
                 compared += 1;
                 assert!(d != 0.0 || ed > 0.0, "{}", context());
-                // A value that is clearly not 0 has a numerator that may not be 0, and the other
-                // way round.
+                // If the value is clearly not 0, the numerator may not be 0, and the other way
+                // round.
                 assert!(f.abs() <= ef || n.abs() + en > 0.0, "{}", context());
                 assert!(n.abs() <= en || f.abs() + ef > 0.0, "{}", context());
             }

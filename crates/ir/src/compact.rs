@@ -1,8 +1,8 @@
-//! Copying only what some roots need into a graph of its own.
+//! Copying of the nodes that some roots need to a new graph.
 
 use crate::graph::{Graph, Node, NodeId};
 
-/// A graph that holds only what `roots` need, in the same order, and the roots in it.
+/// Returns a graph that holds only what `roots` need, in the same order, and the roots in it.
 ///
 /// # Panics
 /// If a root does not belong to `graph`.
@@ -10,7 +10,7 @@ pub fn compact(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
     replaced(graph, roots, |_, _, _| None)
 }
 
-/// The same, but for what `replacement` puts into the new graph instead of a node.
+/// Like [`compact`], but `replacement` may put another node into the new graph in place of a node.
 pub(crate) fn replaced(
     graph: &Graph,
     roots: &[NodeId],
@@ -29,7 +29,7 @@ pub(crate) fn replaced(
     (copy, roots)
 }
 
-/// Adds `node` to `graph`, its operands translated by `place`.
+/// Adds a copy of `node` to `graph`; `place` translates its operands.
 pub(crate) fn copy_node(
     graph: &mut Graph,
     node: &Node,
@@ -46,7 +46,7 @@ pub(crate) fn copy_node(
     }
 }
 
-/// The new place of a node whose users come later.
+/// The new id of a node that has been copied already.
 pub(crate) fn place(places: &[Option<NodeId>], id: NodeId) -> NodeId {
     places[id.index()].expect("operands come before their users")
 }

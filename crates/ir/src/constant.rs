@@ -1,4 +1,4 @@
-//! Constants as the real numbers that were typed.
+//! Constants: the real numbers that were typed, exact where possible.
 
 use num_bigint::BigInt;
 use num_rational::BigRational;
@@ -7,22 +7,23 @@ use zeroset_interval::{Decorated, Exponent, Facts, Interval};
 
 /// Exact numerators and denominators stay below this many bits; larger results become enclosures.
 pub(crate) const EXACT_BITS: u64 = 512;
-/// Decimal exponents beyond this exceed every float by far and are enclosed at once.
+/// Decimals of a larger or smaller order of magnitude are far outside the floats, and are enclosed
+/// at once.
 const EXPONENT_LIMIT: i64 = 2000;
-/// Digits beyond these cannot move either end of an f64 enclosure by more than its last place, but
-/// they cost quadratic time; a remainder widens the enclosure instead.
+/// Further digits cost quadratic time, but move either end of an `f64` enclosure by at most its
+/// last place. The enclosure is widened to cover them instead.
 const KEPT_DIGITS: usize = 1200;
 
-/// A real constant: exactly, while it is a rational number of moderate size or has a name, else
-/// enclosed by two floats.
+/// A real constant. It is exact while it is a rational number of moderate size or has a name;
+/// otherwise two floats enclose it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Constant {
     /// This rational number.
     Exact(BigRational),
     /// This irrational number.
     Named(NamedConstant),
-    /// Some real number within these bounds (the bits of an [`Interval`], so that equality is that
-    /// of bits). Two of them with the same bounds need not be the same number.
+    /// Some real number within these bounds, which are stored as the bits of an [`Interval`] to be
+    /// compared and hashed. Two constants with the same bounds need not be the same number.
     Enclosed([u64; 2]),
 }
 
@@ -40,10 +41,10 @@ pub enum NamedConstant {
 }
 
 impl NamedConstant {
-    /// All of them.
+    /// All named constants.
     pub const ALL: [Self; 4] = [Self::Pi, Self::Tau, Self::E, Self::Phi];
 
-    /// How it is written.
+    /// Its name in formulas.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pi => "pi",
@@ -53,10 +54,11 @@ impl NamedConstant {
         }
     }
 
-    /// The floats on both sides of it.
+    /// The two neighboring floats around the number.
     fn bounds(self) -> Interval {
-        // The doubles nearest to π, τ and e are below them (OEIS A000796, A001113); that nearest to
-        // φ = 1.618033988749894848204586834365638117720309… (A001622) is 1.6180339887498949025…
+        // The doubles nearest to π, τ and e are below them (OEIS A000796, A001113). The double
+        // nearest to φ = 1.618033988749894848204586834365638117720309… (A001622) is above:
+        // 1.6180339887498949025…
         let lo = match self {
             Self::Pi => std::f64::consts::PI,
             Self::Tau => std::f64::consts::TAU,
@@ -79,7 +81,7 @@ impl Constant {
             .then(|| Self::Exact(BigRational::new(numerator.into(), denominator.into())))
     }
 
-    /// A rational number; enclosed if it is too large to be kept exactly.
+    /// The rational number `value`, enclosed if it is too large to be kept exactly.
     pub fn rational(value: BigRational) -> Self {
         if bits(&value) <= EXACT_BITS {
             Self::Exact(value)
@@ -88,7 +90,7 @@ impl Constant {
         }
     }
 
-    /// Some number within `bounds`; exact if there is only one.
+    /// Some number within `bounds`; exact if they contain only one.
     pub fn enclosed(bounds: Interval) -> Self {
         match bounds.singleton().and_then(BigRational::from_float) {
             Some(value) if bits(&value) <= EXACT_BITS => Self::Exact(value),
@@ -96,8 +98,8 @@ impl Constant {
         }
     }
 
-    /// The number that a decimal like `12`, `.5`, `1.` or `2.5e-3` stands for, exactly. `None` if
-    /// `text` is not one.
+    /// The value of a decimal like `12`, `.5`, `1.` or `2.5e-3`: exact unless it is too large or
+    /// too long. `None` if `text` is not a decimal.
     pub fn decimal(text: &str) -> Option<Self> {
         let (mantissa, exponent) = match text.split_once(['e', 'E']) {
             Some((mantissa, exponent)) => (mantissa, Some(exponent)),
@@ -115,7 +117,8 @@ impl Constant {
                 if unsigned.is_empty() || !unsigned.bytes().all(|b| b.is_ascii_digit()) {
                     return None;
                 }
-                // Digits only, so the one failure is an exponent too long for 64 bits.
+                // All characters are digits, so parsing fails only if the exponent does not fit 64
+                // bits.
                 let saturated = if text.starts_with('-') { i64::MIN / 2 } else { i64::MAX / 2 };
                 text.parse().unwrap_or(saturated)
             }
@@ -171,12 +174,12 @@ impl Constant {
         }
     }
 
-    /// The number as an integer, if it is one that fits.
+    /// The number as an `i64`, if it is an integer that fits.
     pub fn as_integer(&self) -> Option<i64> {
         self.exact().filter(|value| value.is_integer()).and_then(|value| value.numer().to_i64())
     }
 
-    /// What the number is as an exponent.
+    /// The kind of exponent that the number is: a small integer, a large integer or a real number.
     pub fn exponent(&self) -> Exponent {
         match self.exact() {
             Some(value) if value.is_integer() => {
@@ -187,7 +190,7 @@ impl Constant {
         }
     }
 
-    /// The number's bounds and properties.
+    /// The number's bounds, facts and kind of exponent.
     pub fn value(&self) -> Decorated {
         Decorated { bounds: self.bounds(), facts: Facts::TOTAL, exponent: self.exponent() }
     }
@@ -203,7 +206,7 @@ impl Constant {
     }
 }
 
-/// Bits above or below the line, whichever are more.
+/// Number of bits of the numerator or of the denominator, whichever is larger.
 pub(crate) fn bits(value: &BigRational) -> u64 {
     value.numer().bits().max(value.denom().bits())
 }
@@ -216,17 +219,18 @@ fn enclose(value: &BigRational) -> Interval {
     }
 }
 
-/// The integer as a float, if it has at most 53 bits: floats hold all of those.
+/// The integer as a float, if it has at most 53 bits and so is represented exactly.
 fn small(value: &BigInt) -> Option<f64> {
     let is_small = value.bits() <= u64::from(f64::MANTISSA_DIGITS);
     value.to_i64().filter(|_| is_small).map(|value| value as f64)
 }
 
-/// The same for the quotient of integers of at most 53 bits, the second of them positive.
+/// The tightest `f64` interval around a quotient of integers of at most 53 bits, if `denominator >
+/// 0`.
 fn enclose_quotient(numerator: f64, denominator: f64) -> Interval {
     let near = numerator / denominator;
-    // What a division rounded to nearest leaves is a float where nothing underflows, and quotients
-    // are within 2^±53 here: this is exact.
+    // The remainder of a division rounded to nearest is a float unless something underflows.
+    // Quotients are within 2^±53 here, so `rest` is exact.
     let rest = near.mul_add(-denominator, numerator);
     Interval {
         lo: if rest < 0.0 { near.next_down() } else { near },
@@ -234,13 +238,13 @@ fn enclose_quotient(numerator: f64, denominator: f64) -> Interval {
     }
 }
 
-/// The same for any.
+/// The tightest `f64` interval around any rational number.
 fn enclose_large(value: &BigRational) -> Interval {
     if value.is_negative() {
         let positive = enclose_large(&-value);
         return Interval { lo: -positive.hi, hi: -positive.lo };
     }
-    // A guess, then exact comparisons: correct whatever the rounding of the guess.
+    // The guess may be rounded in any direction: exact comparisons correct it.
     let mut lo = value.to_f64().filter(|guess| !guess.is_nan()).unwrap_or(f64::MAX).min(f64::MAX);
     let exact = |x: f64| BigRational::from_float(x).unwrap_or_else(BigRational::zero);
     while exact(lo) > *value {
@@ -301,7 +305,7 @@ mod tests {
 
     #[test]
     fn known_constants_lie_inside_their_bounds() {
-        // Integer arithmetic on published digits, independent of float parsing.
+        // Integer arithmetic on published digits does not depend on how floats are parsed.
         let digits =
             |text: &str| Constant::decimal(text).and_then(|c| c.exact().cloned()).expect("exact");
         for (constant, text) in [

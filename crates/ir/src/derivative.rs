@@ -1,21 +1,20 @@
 //! Symbolic partial derivatives.
 //!
-//! Forward accumulation: one loop over the nodes carries the three partial derivatives of each, as
+//! Forward accumulation: one loop over the nodes finds the three partial derivatives of each, as
 //! nodes of the same graph. Unlike reverse accumulation it keeps the branches of a choice apart, so
-//! that the derivative of the branch not taken need not exist, and it encloses min and max by the
-//! hull of two derivatives, not by their sum. The rules are the column `derivative` of the table of
-//! operations; nothing here evaluates anything.
+//! the derivative of the branch not taken need not exist. It also encloses derivatives of min and
+//! max by a hull, not by a sum. The rules are the column `derivative` of the table of operations.
 
 use crate::algebra::{add, div, is_zero, mul, neg, pow, sub};
 use crate::graph::{Axis, Graph, Node, NodeId};
 use zeroset_ops::{Class, Op, TABLE};
 
-/// The partial derivatives of `root` by x, y and z, added to `graph`.
+/// Adds the partial derivatives of `root` by x, y and z to `graph`, and returns them.
 ///
-/// Each is the derivative at every point where `root` is differentiable and the rules' intermediate
-/// results exist. Where two operands of min or max are equal it is the mean of their derivatives;
-/// at other kinks, that of one side or between those of both. Jumps count as flat. The domain of a
-/// derivative is not that of `root`: it may be smaller (`sqrt` at 0) or larger.
+/// Each is the derivative wherever `root` is differentiable and the rules' intermediate results
+/// exist. Where two operands of min or max are equal, it is the mean of their derivatives. At other
+/// kinks it is the derivative of one side or lies between both. Jumps count as flat. Its domain of
+/// definition may be smaller than that of `root` (`sqrt` at 0) or larger.
 ///
 /// The graph grows by at most a small constant times the number of nodes that `root` needs.
 ///
@@ -31,8 +30,7 @@ use zeroset_ops::{Class, Op, TABLE};
 pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
     let ids = graph.needed_by(root);
     let (zero, one) = (graph.integer(0), graph.integer(1));
-    // Only the nodes up to the root have an entry; those that the rules add are never
-    // differentiated here.
+    // Only nodes up to the root have an entry: nodes that the rules add are not differentiated.
     let mut partials = vec![[zero; 3]; root.index() + 1];
     for id in ids {
         match graph.node(id).clone() {
@@ -66,10 +64,10 @@ fn chain(graph: &mut Graph, op: Op, operands: &[NodeId], inner: &[NodeId]) -> No
     derivative
 }
 
-/// Makes a node of two.
+/// Builds a node from two operands.
 type Join = fn(&mut Graph, NodeId, NodeId) -> NodeId;
 
-/// Reads the formula of a row as nodes, and panics where that is none.
+/// Parses the derivative of a row into nodes. Panics if the formula is malformed.
 struct Reader<'a> {
     graph: &'a mut Graph,
     operands: &'a [NodeId],
@@ -99,7 +97,7 @@ impl Reader<'_> {
         self.joined(first, Self::power, [("*", mul), ("/", div)])
     }
 
-    /// What comes of `first` and all parts that follow it after one of the symbols.
+    /// Combines `first` with all parts that follow it, each after one of the symbols.
     fn joined(
         &mut self,
         first: NodeId,
@@ -283,7 +281,7 @@ mod tests {
                 let central = (c - b) / (2.0 * STEP);
                 let wide = (d - a) / (4.0 * STEP);
                 let narrow = (f - e) / (1.4 * STEP);
-                // Where the steps disagree there is a kink, a jump or a steep bend nearby.
+                // If the steps disagree, there is a kink, a jump or a steep bend nearby.
                 let close = |other: f64| (central - other).abs() <= 1e-6 * (1.0 + central.abs());
                 if !close(wide) || !close(narrow) {
                     continue;

@@ -1,7 +1,7 @@
-//! Expressions as text in the project's language.
+//! Printing of expressions in the project's language.
 //!
-//! The text reads back as the same graph, up to how constants known by bounds only are printed. No
-//! recursion: the depth of a graph is not limited by the stack, and its length by [`TEXT_LIMIT`].
+//! The text reads back as the same graph, except for constants known by their bounds only. Printing
+//! does not recurse, so deep graphs are safe; [`TEXT_LIMIT`] limits the length.
 
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
@@ -9,12 +9,11 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Notation};
 
-/// Longer text is cut off with `…`: a shared expression is spelt out at each use, so text may be
-/// exponentially longer than its graph.
+/// Length in bytes beyond which text is cut off with `…`. A shared expression is written out at
+/// each use, so text may be exponentially longer than its graph.
 pub const TEXT_LIMIT: usize = 1 << 12;
 
-/// How tightly a piece of text binds; brackets are needed where a looser piece stands in a tighter
-/// place.
+/// How tightly a piece of text binds. A looser piece in a tighter place needs brackets.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     Sum,
@@ -29,8 +28,8 @@ enum Piece {
     Node(NodeId, Binding),
 }
 
-/// `id` in the language, with as few brackets as it reads back with. Parameters are called by
-/// `names`; those beyond its end `p0`, `p1`, … by number.
+/// The text of `id`, with only the brackets that reading back needs. Parameters are called by
+/// `names`; those beyond its end are called `p0`, `p1`, … by their number.
 pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
     let mut text = String::new();
     let mut pending = vec![Piece::Node(id, Binding::Sum)];
@@ -57,7 +56,7 @@ pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
     text
 }
 
-/// One node: how tightly its text binds, and its pieces.
+/// The text of one node: how tightly it binds, and its pieces.
 fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
     let text = |text: &str| Piece::Text(text.into());
     match graph.node(id) {
@@ -118,7 +117,7 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
     }
 }
 
-/// A number: as a decimal where it is one of few digits, else as a quotient; by its name; or as
+/// The text of a number and how tightly it binds: a decimal of few digits, a quotient, a name, or
 /// bounds `[lo, hi]`.
 fn number(constant: &Constant) -> (Binding, String) {
     let value = match constant {
@@ -137,7 +136,7 @@ fn number(constant: &Constant) -> (Binding, String) {
 }
 
 fn decimal(value: &BigRational) -> Option<String> {
-    /// Longer fractions read better as quotients.
+    /// Most digits after the point: longer fractions read better as quotients.
     const PLACES: usize = 6;
     let mut denominator = value.denom().clone();
     let mut places = 0;

@@ -1,12 +1,12 @@
-//! What can go wrong with a graph.
+//! Errors of passes over a graph.
 
 use thiserror::Error;
 
-/// No pass takes or makes a graph of more nodes than this: code for it would take seconds to
+/// Largest number of nodes that a pass accepts or creates. Code for more would take seconds to
 /// compile.
 pub const NODE_LIMIT: usize = 1 << 18;
 
-/// Why a graph cannot be simplified.
+/// The reason why a graph cannot be simplified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum IrError {
     /// The expression is too large.

@@ -1,8 +1,8 @@
-//! Exponents that depend on parameters become constants.
+//! Replacement of parameters in exponents by their values.
 //!
-//! Where a power is defined depends on whether its exponent is an integer, so a parameter there is
-//! not a number like any other: its exact value decides which function is meant. Changing it means
-//! compiling again.
+//! Where a power is defined depends on whether its exponent is an integer. So the exact value of a
+//! parameter in an exponent decides which function is meant, and changing it requires compiling
+//! again.
 
 use crate::compact::{compact, copy_node, place};
 use crate::constant::Constant;
@@ -10,12 +10,12 @@ use crate::graph::{Graph, Node, NodeId};
 use crate::rank::{Variability, ranks};
 use zeroset_ops::Class;
 
-/// The same expressions with each parameter replaced by its value, by number, in exponents that
-/// depend on no coordinate. The values of other parameters leave no trace, not even in the order of
-/// nodes.
+/// Returns the expressions after replacing parameters by `values`, which are indexed by parameter
+/// number, in all exponents that depend on no coordinate. The values of other parameters have no
+/// effect, not even on the order of nodes.
 ///
 /// # Panics
-/// If a root does not belong to `graph`, or such a parameter has no value.
+/// If a root does not belong to `graph`, or a parameter to be replaced has no value.
 pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (Graph, Vec<NodeId>) {
     let ranks = ranks(graph);
     let is_uniform = |id: NodeId| ranks[id.index()] != Variability::Varying;
@@ -29,7 +29,7 @@ pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (G
         .collect();
     let in_exponent = graph.reachable(&exponents);
     let mut fixed = Graph::new();
-    // Each node twice: as it stands, and with its parameters replaced.
+    // Each node is copied twice: as it stands, and with its parameters replaced.
     let mut places: Vec<Option<NodeId>> = Vec::with_capacity(graph.len());
     let mut replaced: Vec<Option<NodeId>> = Vec::with_capacity(graph.len());
     for (id, node) in graph.iter() {

@@ -1,4 +1,4 @@
-//! The graph itself.
+//! The expression graph.
 
 use crate::constant::Constant;
 use num_rational::BigRational;
@@ -20,7 +20,7 @@ impl Axis {
     /// All three, in order.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
-    /// How it is written.
+    /// Its name in formulas.
     pub fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -30,12 +30,12 @@ impl Axis {
     }
 }
 
-/// A node's place in its [`Graph`]. Operands have smaller ids than the nodes that use them.
+/// Index of a node in its [`Graph`]. Operands have smaller ids than the nodes that use them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(u32);
 
 impl NodeId {
-    /// The place as an index into per-node tables.
+    /// The index of the node in per-node tables.
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -46,7 +46,7 @@ impl NodeId {
 pub enum Node {
     /// A coordinate of the sample point.
     Variable(Axis),
-    /// A named value that may change without recompiling: a slider or time, by its number.
+    /// A named value that may change without recompiling (a slider or the time), by its number.
     Parameter(u32),
     /// A fixed real number.
     Constant(Constant),
@@ -57,7 +57,7 @@ pub enum Node {
 /// One to three operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Operands {
-    // Unused places repeat the first operand, so that equality and hashing need no length.
+    // Unused slots repeat the first operand, so that equality and hashing need no length.
     ids: [NodeId; 3],
     len: u8,
 }
@@ -77,11 +77,11 @@ impl std::ops::Deref for Operands {
     }
 }
 
-/// A growing set of expressions, each stored once: one node is one real function, so what holds for
-/// equal numbers holds for equal nodes. Constants known by their bounds only may be different
-/// numbers, so each of them has a node of its own.
+/// A growing set of expressions, each stored once, so that passes may take equal nodes for equal
+/// numbers. A constant known only by its bounds may be any number within them, so each one has a
+/// node of its own.
 ///
-/// Graphs are equal if the same nodes have the same places.
+/// Two graphs are equal if they hold the same nodes in the same order.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -110,7 +110,7 @@ impl Graph {
         self.nodes.is_empty()
     }
 
-    /// What `id` computes.
+    /// The operation, constant or input that `id` is.
     ///
     /// # Panics
     /// If `id` belongs to a larger graph.
@@ -118,7 +118,7 @@ impl Graph {
         &self.nodes[id.index()]
     }
 
-    /// The number that `id` is, if it is one.
+    /// The constant at `id`, or `None` if the node is not a constant.
     ///
     /// # Panics
     /// If `id` belongs to a larger graph.
@@ -129,7 +129,7 @@ impl Graph {
         }
     }
 
-    /// The rational number that `id` is, if it is known exactly.
+    /// The exact value of the constant at `id`; `None` if it is enclosed, or not a constant.
     pub(crate) fn exact(&self, id: NodeId) -> Option<&BigRational> {
         self.number(id)?.exact()
     }
@@ -147,24 +147,23 @@ impl Graph {
         self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))
     }
 
-    /// The nodes from the `first` one on, counted from 0: those added since the graph had that
-    /// many.
+    /// The nodes from index `first` on: those added since the graph had `first` nodes.
     pub fn since(&self, first: usize) -> impl Iterator<Item = (NodeId, &Node)> {
         let later = self.nodes.get(first..).unwrap_or_default();
         later.iter().zip(first..).map(|(node, index)| (NodeId(index as u32), node))
     }
 
-    /// A coordinate.
+    /// Returns the node of a coordinate, added if it is new.
     pub fn variable(&mut self, axis: Axis) -> NodeId {
         self.intern(Node::Variable(axis))
     }
 
-    /// The parameter with this number.
+    /// Returns the node of the parameter with this number, added if it is new.
     pub fn parameter(&mut self, number: u32) -> NodeId {
         self.intern(Node::Parameter(number))
     }
 
-    /// A real number; a new node each time if it is known by its bounds only.
+    /// Returns the node of a number. A constant known only by its bounds gets a new node each time.
     pub fn constant(&mut self, value: Constant) -> NodeId {
         match value {
             Constant::Exact(_) | Constant::Named(_) => self.intern(Node::Constant(value)),
@@ -172,12 +171,12 @@ impl Graph {
         }
     }
 
-    /// A small integer.
+    /// Returns the node of a small integer.
     pub fn integer(&mut self, value: i64) -> NodeId {
         self.constant(Constant::integer(value))
     }
 
-    /// `op` applied to `operands`, as written: nothing is simplified.
+    /// Returns the node of `op` applied to `operands`, as written: nothing is simplified.
     ///
     /// # Panics
     /// If the number of operands is not the arity of `op`, or one of them does not exist.
@@ -187,7 +186,7 @@ impl Graph {
         self.intern(Node::Apply(op, Operands::new(operands)))
     }
 
-    /// Where `op` applied to `operands` stands already.
+    /// The existing node of `op` applied to `operands`, if there is one.
     pub(crate) fn find(&self, op: Op, operands: &[NodeId]) -> Option<NodeId> {
         self.index.get(&Node::Apply(op, Operands::new(operands))).copied()
     }
@@ -207,13 +206,13 @@ impl Graph {
         id
     }
 
-    /// The nodes that `root` needs, operands before users.
+    /// The nodes that `root` depends on, itself included, operands before users.
     pub(crate) fn needed_by(&self, root: NodeId) -> Vec<NodeId> {
         let needed = self.reachable(&[root]);
         self.iter().map(|(id, _)| id).filter(|id| needed[id.index()]).collect()
     }
 
-    /// Whether each node is needed by one of `roots`, by index.
+    /// For each node, by index, whether it is a root or one of `roots` depends on it.
     pub fn reachable(&self, roots: &[NodeId]) -> Vec<bool> {
         let mut needed = vec![false; self.nodes.len()];
         for root in roots {

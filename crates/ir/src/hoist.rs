@@ -1,20 +1,20 @@
-//! What is the same at every point of a picture: expressions of parameters alone.
+//! Hoisting of expressions of parameters alone, which are the same at every point of a picture.
 //!
-//! This pass only finds and replaces them; who evaluates them, and how exactly, is not known here.
+//! This pass only finds and replaces such expressions. It does not know who evaluates them, or how.
 
 use crate::compact::{compact, replaced};
 use crate::graph::{Graph, Node, NodeId};
 use crate::rank::{Variability, ranks};
 
-/// A graph in which expressions of parameters alone have become parameters.
+/// A graph in which parameters have replaced the expressions of parameters alone.
 #[derive(Clone, Debug)]
 pub struct Hoisted {
-    /// The graph that is left, and nothing that it does not need.
+    /// The graph after the replacement, with only what the roots need.
     pub graph: Graph,
-    /// The roots in it.
+    /// The roots in the new graph.
     pub roots: Vec<NodeId>,
-    /// Each fresh parameter's number, counting up, and the node of the original graph whose value
-    /// it takes. That value may be undefined; then everything that uses it is.
+    /// Number of each fresh parameter, ascending, and the node of the original graph that computes
+    /// its value. Where that is undefined, everything that uses the parameter is undefined.
     pub uniforms: Vec<(u32, NodeId)>,
 }
 
@@ -22,8 +22,8 @@ pub struct Hoisted {
 /// parameter, so that it is evaluated once per picture and not once per sample. Bare parameters and
 /// constants stay.
 ///
-/// Fresh parameters are numbered from `first`, or from past the largest number in use, whichever is
-/// larger.
+/// Fresh parameters are numbered from `first`, or from one past the largest number in use,
+/// whichever is larger.
 ///
 /// ```
 /// use zeroset_ir::{Axis, Graph, hoist};
@@ -47,7 +47,7 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
     for (id, node) in graph.iter() {
         match node {
             Node::Parameter(number) => fresh = fresh.max(number.saturating_add(1)),
-            // A maximal expression is one that a node with coordinates uses.
+            // A maximal expression is an operand of a node that depends on coordinates.
             Node::Apply(_, operands)
                 if needed[id.index()] && ranks[id.index()] == Variability::Varying =>
             {

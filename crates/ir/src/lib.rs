@@ -1,7 +1,8 @@
 //! The expression graph: hash-consed nodes over exact constants.
 //!
-//! Nothing here knows text, kernels or pictures. A graph only grows, and a node's operands always
-//! come before it, so the order of ids is a topological order and every pass is one loop.
+//! This crate knows nothing of text, kernels or pictures. A graph only grows, and operands always
+//! precede the nodes that use them. Ids are therefore in topological order, and every pass is one
+//! loop.
 
 mod algebra;
 mod clear;

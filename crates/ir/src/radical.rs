@@ -1,9 +1,8 @@
-//! The same zeros, each simple: squares and other powers are left away where only zeros matter.
+//! Functions with the same zeros, but simple ones: powers are dropped, since only zeros matter.
 //!
-//! At a double root a function touches 0 without a change of sign, so that no evaluation can prove
-//! that it gets there. Where it is a square or has one for a factor, its zeros are those of what is
-//! squared. A sum of even powers vanishes where all of them do, as the sum of squares does, which
-//! is less flat there.
+//! At a double root a function touches 0 without a change of sign, so no evaluation can prove the
+//! zero. The zeros of a square, or of a factor that is a square, are those of its base. A sum of
+//! even powers is 0 where all of them are. So is the sum of squares, which is less flat there.
 
 mod sum;
 
@@ -15,22 +14,22 @@ use zeroset_ops::Op;
 /// Functions with more factors than this stay as they are.
 const FACTOR_LIMIT: usize = 256;
 
-/// Vanish where their operand does and nowhere else, and touch 0, bend or are steep there where
-/// that does not. A power does, too, with a whole positive exponent.
+/// Operations that are 0 exactly where their operand is, but touch 0, bend or are steep there.
+/// Powers with a positive integer exponent are treated alike.
 const LIKE_THEIR_OPERAND: [Op; 7] =
     [Op::Abs, Op::Sqr, Op::Cbrt, Op::Sinh, Op::Tanh, Op::Asinh, Op::Atan];
 
-/// Vanish where their first operand does, unless they are undefined there.
+/// Operations that are 0 where their first operand is, unless they are undefined there.
 const LIKE_THEIR_FIRST: [Op; 5] =
     [Op::Div, Op::WhereNonneg, Op::WherePositive, Op::WhereNonzero, Op::WhereDefined];
 
-/// A function that is defined where `root` is and has the same zeros, but none that is multiple
-/// because a factor is a power, or because a polynomial in one variable is: added to `graph`, or
-/// `root` itself where there is nothing to be made simple.
+/// Returns a function that is defined where `root` is and has the same zeros. Zeros that are
+/// multiple because a factor is a power, or in a polynomial in one variable, become simple. The
+/// function is added to `graph`; it is `root` itself if there is nothing to simplify.
 ///
-/// Its sign may be another one: that of a product in which squares count once.
+/// The sign may differ from that of `root`: it is that of a product in which squares count once.
 pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
-    // What a function is divided by, or where it is cut off, stays.
+    // Divisors and restrictions stay.
     let mut around = Vec::new();
     let mut inner = root;
     while let Node::Apply(op, operands) = graph.node(inner)
@@ -46,7 +45,7 @@ pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
     simple
 }
 
-/// The product of the distinct factors of `root`; `None` if that is the same, or vanishes nowhere.
+/// The product of the distinct factors of `root`; `None` if it is not simpler or has no factor.
 fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     let mut found = Vec::new();
     let mut is_simpler = factors(graph, root, &[Op::Neg], &LIKE_THEIR_OPERAND, &mut found)?;
@@ -70,9 +69,9 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
 }
 
-/// Adds the factors of `root` to `found`, each once. Operations of `same` and `simpler`, and whole
-/// powers, give way to their operands. Whether the product of the factors is simpler: without one
-/// of `simpler`, a power, or a factor that is there again. `None` where there are too many.
+/// Adds the factors of `root` to `found`, each once. Operands replace operations of `same` and
+/// `simpler`, and integer powers. Returns whether this is simpler: whether a repeated factor, a
+/// power or an operation of `simpler` was dropped. `None` if there are too many factors.
 fn factors(
     graph: &Graph,
     root: NodeId,
@@ -109,7 +108,7 @@ fn factors(
     Some(is_simpler)
 }
 
-/// A node's value, if that is a whole number above 0.
+/// The value of a node, if it is an integer above 0.
 fn whole(graph: &Graph, id: NodeId) -> Option<i64> {
     graph.number(id)?.as_integer().filter(|n| *n > 0)
 }
@@ -163,7 +162,7 @@ mod tests {
             g.apply(Op::WhereNonneg, &[square, y])
         });
         assert!(cut.contains("where_nonneg") && !cut.contains('^'), "{cut}");
-        // A factor may vanish where its name says nothing of it, and 0 does everywhere.
+        // A parameter may be 0, so it stays a factor.
         let maybe = shown(|g, [x, ..]| {
             let (square, parameter) = (g.apply(Op::Sqr, &[x]), g.parameter(0));
             g.apply(Op::Mul, &[square, parameter])
@@ -193,7 +192,7 @@ mod tests {
             g.apply(Op::Sub, &[one, other])
         });
         assert_eq!(common, "y*(sqr(x) + sqr(z))");
-        // y² + y⁴ √x⁴ is left where √x is defined.
+        // The simpler form of y² + y⁴ √x⁴ still contains √x, which keeps its domain.
         let kept = shown(|g, [x, y, _]| {
             let root = g.apply(Op::Sqrt, &[x]);
             let [square, fourth, other] = [power(g, y, 2), power(g, y, 4), power(g, root, 4)];
@@ -236,7 +235,7 @@ mod tests {
             g.apply(Op::Pow, &[x, minus])
         };
         assert_eq!(shown(inverse), "the same");
-        // 2 · 3² has no zero at all.
+        // 2 · 3² has no zero.
         let number = |g: &mut Graph, _: [NodeId; 3]| {
             let (two, three) = (g.integer(2), g.integer(3));
             let square = g.apply(Op::Sqr, &[three]);

@@ -1,19 +1,19 @@
-//! What expressions vary with.
+//! The inputs that expressions depend on: none, parameters or coordinates.
 
 use crate::graph::{Graph, Node};
 
-/// What an expression varies with.
+/// The inputs that an expression depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Variability {
-    /// Nothing.
+    /// No input.
     Constant,
     /// Parameters only.
     Uniform,
-    /// Coordinates.
+    /// Coordinates, and perhaps parameters.
     Varying,
 }
 
-/// What each node, by index, varies with as it is written.
+/// The variability of each node, by index, as it is written: `x - x` counts as varying.
 pub fn ranks(graph: &Graph) -> Vec<Variability> {
     let mut ranks: Vec<Variability> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {

@@ -1,4 +1,4 @@
-//! For tests: formulas by operators, a point evaluator in `f64`, and random graphs.
+//! Helpers for tests: formulas by operators, a point evaluator in `f64`, and random graphs.
 
 use crate::{Axis, Constant, Graph, NamedConstant, Node, NodeId};
 use std::cell::RefCell;
@@ -95,10 +95,9 @@ operator!(Sub, sub, Op::Sub);
 operator!(Mul, mul, Op::Mul);
 operator!(Div, div, Op::Div);
 
-/// The value of every node at a point, in `f64`; `None` where it is undefined.
+/// The value of every node at a point, in `f64`, or `None` where it is undefined.
 ///
-/// With it goes a bound on how far rounding may have moved it, grown generously: tests skip what is
-/// unstable.
+/// Each value comes with a generous bound on its rounding error: tests skip unstable points.
 pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<Option<(f64, f64)>> {
     let mut values: Vec<Option<(f64, f64)>> = Vec::with_capacity(graph.len());
     let mut fixed: Vec<bool> = Vec::with_capacity(graph.len());
@@ -118,7 +117,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
             Node::Apply(Op::SelectNegative, operands) => {
                 values[operands[0].index()].and_then(|(a, e)| {
                     let chosen = values[operands[if a < 0.0 { 1 } else { 2 }].index()];
-                    // An undecided condition makes the choice unstable, not wrong.
+                    // If the sign is uncertain, the choice is unstable, not wrong.
                     chosen.map(|(v, w)| (v, if a.abs() <= e { f64::INFINITY } else { w }))
                 })
             }
@@ -135,7 +134,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
                             && fixed[operands[1].index()]
                             && matches!(graph.node(operands[1]), Node::Apply(..));
                         if computed && v[0].0 - v[0].1 <= 0.0 {
-                            // Whether an exponent like 4/2 is an integer is not seen in floats.
+                            // Floats cannot tell whether an exponent like 4/2 is an integer.
                             return Some((0.0, f64::INFINITY));
                         }
                         point(*op, &v, integer)
@@ -152,7 +151,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
 fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
     let (a, ea) = v[0];
     let (b, eb) = v.get(1).copied().unwrap_or((0.0, 0.0));
-    // Whether an operand could as well lie on the other side of an end of the domain.
+    // Infinite if the operand may lie on either side of 0, an end of the domain.
     let unsure = |x: f64, e: f64| if x.abs() <= e { f64::INFINITY } else { 0.0 };
     let jump = |x: f64, e: f64| {
         if (x - x.round()).abs() <= e || (x + 0.5 - (x + 0.5).round()).abs() <= e {
@@ -161,7 +160,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
             0.0
         }
     };
-    // To the base that has this natural logarithm.
+    // The logarithm to the base whose natural logarithm is `of_base`.
     let logarithm = |of_base: f64| {
         if a <= 0.0 {
             return if -a <= ea && ea > 0.0 { Some((0.0, f64::INFINITY)) } else { None };
@@ -265,7 +264,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
                 return if exact { None } else { Some((0.0, f64::INFINITY)) };
             }
             let cut = if b < 0.0 { unsure(a, ea) } else { 0.0 };
-            // A zero that is exact is on the upper side.
+            // An exact 0 is on the upper side of the cut.
             let cut = if ea == 0.0 { 0.0 } else { cut };
             ((a + 0.0).atan2(b + 0.0), cut + 4.0 * (ea + eb) / a.hypot(b))
         }
@@ -292,7 +291,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
         }
         Op::WhereDefined => (a, if eb.is_finite() { ea } else { eb }),
     };
-    // NaN and ∞ come of overflow only.
+    // NaN and ∞ arise from overflow only.
     if !value.is_finite() {
         return Some((0.0, f64::INFINITY));
     }
@@ -300,7 +299,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
     Some((value, if error.is_nan() { f64::INFINITY } else { error }))
 }
 
-/// A sequence of random numbers (splitmix64; Steele, Lea, Flood 2014).
+/// A generator of random numbers (splitmix64; Steele, Lea, Flood 2014).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -316,8 +315,7 @@ impl Random {
         (self.next() % end as u64) as usize
     }
 
-    /// A coordinate in [-2, 2], often a small integer or half: where domains end and powers are
-    /// exact.
+    /// A coordinate in [-2, 2], often an integer or a half: there domains end and powers are exact.
     pub(crate) fn coordinate(&mut self) -> f64 {
         match self.below(4) {
             0 => self.below(5) as f64 - 2.0,
@@ -326,7 +324,8 @@ impl Random {
         }
     }
 
-    /// A graph of up to `size` operations over coordinates, two parameters and small constants.
+    /// A random graph of up to `size` operations over coordinates, two parameters and small
+    /// constants.
     pub(crate) fn graph(&mut self, size: usize) -> (Graph, NodeId) {
         let mut graph = Graph::new();
         let mut nodes: Vec<NodeId> = Axis::ALL.iter().map(|axis| graph.variable(*axis)).collect();
@@ -340,7 +339,7 @@ impl Random {
         nodes.push(graph.constant(Constant::Named(NamedConstant::Pi)));
         let leaves = nodes.len();
         for _ in 0..size {
-            // Sums, products and powers are drawn more often: most rules are about them.
+            // Most rules are about sums, products and powers, so these are drawn more often.
             let op = match self.below(3) {
                 0 => [Op::Add, Op::Sub, Op::Mul, Op::Mul, Op::Div, Op::Neg, Op::Sqr, Op::Pow]
                     [self.below(8)],
@@ -352,7 +351,7 @@ impl Random {
                     if op == Op::Pow && place == 1 && self.below(4) > 0 {
                         return nodes[5 + self.below(8)];
                     }
-                    // Recent nodes more often, so that graphs grow deep.
+                    // Recent nodes are drawn more often, so that graphs grow deep.
                     let from = if self.below(2) == 0 {
                         nodes.len().saturating_sub(4).max(leaves.min(nodes.len() - 1))
                     } else {

@@ -8,22 +8,22 @@ use num_traits::{One, Zero};
 use std::collections::HashMap;
 use zeroset_ops::Op;
 
-/// Polynomials of a higher degree are not looked at.
+/// Polynomials of a higher degree are left alone.
 const DEGREE_LIMIT: usize = 64;
-/// Nor are numbers with more bits than this, above or below the line.
+/// Polynomials are left alone if a numerator or denominator has more bits than this.
 const BITS_LIMIT: u64 = 4096;
-/// Nor expressions of more operations.
+/// Expressions with more nodes are left alone.
 const NODE_LIMIT: usize = 2048;
-/// What exact arithmetic may take for all factors of one function, in products of two words: some
-/// tenths of a second.
+/// Budget of exact arithmetic for all factors of one function, in products of two 64-bit words:
+/// some tenths of a second.
 pub(crate) const WORK_LIMIT: u64 = 2_500_000;
 
-/// Coefficients from the constant on; the last is not 0.
+/// Coefficients from the constant term on; the last is not 0.
 type Polynomial = Vec<BigRational>;
 
-/// A polynomial with the zeros of `root`, each simple, if `root` is a polynomial in one variable
-/// with a multiple root: added to `graph`. Takes what it does from `work`, and gives up when that
-/// is used up.
+/// Adds a polynomial to `graph` that has the zeros of `root`, each of them simple. `None` if `root`
+/// is not a polynomial in one variable with a multiple root, or if it is too large. The cost is
+/// taken from `work`; `None`, too, when that is used up.
 pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Option<NodeId> {
     let (axis, polynomial) = expanded(graph, root, work)?;
     let common = gcd(polynomial.clone(), derivative(&polynomial), work)?;
@@ -42,8 +42,8 @@ pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Opt
     Some(value)
 }
 
-/// The coefficients of `root` and the axis that they belong to, if it is a polynomial in one
-/// variable of degree 2 or more.
+/// The axis and the coefficients of `root`, if it is a polynomial in one variable of degree 2 or
+/// more.
 fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polynomial)> {
     let ids = graph.needed_by(root);
     if ids.len() > NODE_LIMIT {
@@ -91,7 +91,7 @@ fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polyno
 fn power(base: &Polynomial, exponent: &Constant, work: &mut u64) -> Option<Polynomial> {
     let exponent = usize::try_from(exponent.as_integer()?).ok()?;
     if exponent > DEGREE_LIMIT {
-        return None; // a power of 0 costs nothing, and is never too large
+        return None; // powers of the polynomial 0 take nothing from `work`
     }
     let one = vec![BigRational::one()];
     (0..exponent).try_fold(one, |power, _| product(&power, base, work))
@@ -115,7 +115,7 @@ fn sum(a: &Polynomial, b: &Polynomial) -> Polynomial {
     trimmed(sum)
 }
 
-/// `None` if it is too large, or takes too long.
+/// The product, or `None` if it is too large or `work` is used up.
 fn product(a: &Polynomial, b: &Polynomial, work: &mut u64) -> Option<Polynomial> {
     if a.is_empty() || b.is_empty() {
         return Some(Polynomial::new());
@@ -133,8 +133,8 @@ fn product(a: &Polynomial, b: &Polynomial, work: &mut u64) -> Option<Polynomial>
     is_moderate(&product).then_some(product)
 }
 
-/// Takes a product of two numbers, and the common divisor that its sum with another asks for, from
-/// `work`.
+/// Takes the cost of one product of two numbers from `work`, including the common divisor that is
+/// needed to add the product to a third. `None` if `work` is used up.
 fn spend(work: &mut u64, a: &BigRational, b: &BigRational) -> Option<()> {
     let words = |value: &BigRational| 1 + bits(value) / 64;
     *work = work.checked_sub((words(a) + words(b)).pow(2))?;
@@ -151,7 +151,7 @@ fn derivative(polynomial: &Polynomial) -> Polynomial {
     trimmed(polynomial.iter().enumerate().skip(1).map(term).collect())
 }
 
-/// Quotient and remainder; `None` if numbers grow too large, or it takes too long.
+/// Quotient and remainder, or `None` if numbers grow too large or `work` is used up.
 fn divided(
     mut rest: Polynomial,
     by: &Polynomial,
@@ -175,8 +175,8 @@ fn divided(
     Some((quotient, rest))
 }
 
-/// The common divisor with leading coefficient 1 (Euclid); `None` if numbers grow too large, or it
-/// takes too long.
+/// The common divisor with leading coefficient 1, by Euclid's algorithm, or `None` if numbers grow
+/// too large or `work` is used up.
 fn gcd(mut a: Polynomial, mut b: Polynomial, work: &mut u64) -> Option<Polynomial> {
     while let Some(last) = b.last() {
         let monic = scaled(&b, &last.recip());
@@ -191,7 +191,8 @@ mod tests {
     use super::*;
     use crate::display::display;
 
-    /// Of a polynomial in x with these coefficients, from the constant on, typed out.
+    /// The text of a polynomial with simple roots, from the coefficients of one in x, the constant
+    /// first.
     fn simple(coefficients: &[i64]) -> Option<String> {
         let mut graph = Graph::new();
         let x = graph.variable(Axis::X);
@@ -209,11 +210,11 @@ mod tests {
     fn multiple_roots_become_simple() {
         // (x − 1)⁷
         assert_eq!(simple(&[-1, 7, -21, 35, -35, 21, -7, 1]).as_deref(), Some("x + (-1)"));
-        // (x² − 2)², whose roots are no fractions
+        // (x² − 2)², whose roots are irrational
         assert_eq!(simple(&[4, 0, -4, 0, 1]).as_deref(), Some("sqr(x) + (-2)"));
         // (x − 1)² (x + 2)
         assert!(simple(&[2, -3, 0, 1]).is_some());
-        // (x² + 1)² has no real root, and keeps none.
+        // (x² + 1)² has no real root, nor has the result.
         assert_eq!(simple(&[1, 0, 2, 0, 1]).as_deref(), Some("sqr(x) + 1"));
     }
 

@@ -34,28 +34,27 @@ pub struct Code {
     entry: Entry,
     /// Size of the machine code in bytes.
     pub bytes: usize,
-    /// Bytes of the vectors that it computes with.
+    /// Width in bytes of the vectors that the code computes with.
     pub width: usize,
 }
 
 impl Code {
-    /// The function that was finished in `memory` as `id`.
+    /// Takes the function `id`, which has been finalized in `memory`.
     pub fn new(memory: Memory, id: FuncId, bytes: usize, width: usize) -> Self {
         let entry = memory.0.get_finalized_function(id);
         Self { _memory: memory, entry, bytes, width }
     }
 
-    /// The function. It must not be called after this value is dropped.
+    /// Entry point of the function. It must not be called after this value is dropped.
     #[inline]
     pub fn entry(&self) -> Entry {
         self.entry
     }
 }
 
-// SAFETY: after it is finished the code is read-only. `JITModule` has interior mutability, but
-// nothing reaches it through `&Code`: the module is only touched again by `drop`, which has
-// exclusive access.
+// SAFETY: finished code is read-only. `JITModule` has interior mutability, but nothing reaches it
+// through `&Code`: only `drop`, which has exclusive access, touches the module again.
 unsafe impl Send for Code {}
-// SAFETY: see above; `entry` may run on many threads at once since kernels write only to their
+// SAFETY: as above. Many threads may run `entry` at once, since kernels write only to their
 // outputs.
 unsafe impl Sync for Code {}

@@ -1,8 +1,8 @@
-//! The same kernels in other arithmetics, to measure what rigour costs.
+//! The same kernels in other arithmetics, to measure what rigor costs.
 //!
-//! Nothing that is shown may come of these: it is why they are left out unless a feature asks for
-//! them, and why they are no [`Native`](crate::Native). The texts of all rules are those of the
-//! product, over a [`Machine`] that moves results.
+//! Results of these kernels must never be shown. So they are behind a feature, and not of type
+//! [`Native`](crate::Native). The rules are those of the product, over a [`Machine`] that moves
+//! results.
 
 use crate::code::Code;
 use crate::compiler::{Cursor, compile_for_comparison};
@@ -16,23 +16,23 @@ use zeroset_interval::{Format, Machine, has_fma};
 /// How results are rounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Arithmetic {
-    /// To nearest, and what rounding adds to forms is left out. **Not sound**: bounds may miss
+    /// To nearest, without counting the rounding in affine forms. **Not sound**: bounds may miss
     /// values.
     Unsound,
-    /// To nearest, and every result that has to be a bound is moved up to the next float by further
-    /// operations, as is done where no rounding mode can be set. Sound.
+    /// To nearest, with further operations that move each bound up to the next float, as is done
+    /// where no rounding mode can be set. Sound.
     Widened,
-    /// Up, by the processor's rounding mode, as the product does.
+    /// Up, by the processor's rounding mode, as in the product.
     Upward,
 }
 
 impl Arithmetic {
-    /// All, from the one that promises least.
+    /// All arithmetics, from the one that guarantees least.
     pub const ALL: [Self; 3] = [Self::Unsound, Self::Widened, Self::Upward];
 }
 
-/// A kernel in some arithmetic. All are made by the same tier of the compiler, so that only
-/// arithmetic differs.
+/// A kernel in some arithmetic. The same compiler tier compiles all, so only the arithmetic
+/// differs.
 pub struct Compared<Q: Query, T: Real = f32> {
     code: Code,
     arithmetic: Arithmetic,
@@ -48,7 +48,7 @@ impl<Q: Query, T: Real> Compared<Q, T> {
     /// If the processor is not supported or the formula too large.
     ///
     /// # Panics
-    /// As [`Native::new`](crate::Native::new).
+    /// As for [`Native::new`](crate::Native::new).
     pub fn new(tape: Tape<T>, binding: Binding<T>, arithmetic: Arithmetic) -> Result<Self, Error> {
         let code = compile_for_comparison::<Q, T>(&tape, |emitter, cursor| match arithmetic {
             Arithmetic::Upward => Q::answer(&tape, emitter, cursor),
@@ -89,12 +89,12 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Compared<Q, T> {
     }
 }
 
-/// A machine for code that runs while results are rounded to nearest.
+/// A machine for code that runs while rounding to nearest.
 struct Nearest<'a, 'b, 'c> {
     emitter: &'a mut Emitter<'b, 'c>,
-    /// Whether results are moved at all.
+    /// Whether any results are moved up.
     widens: bool,
-    /// Whether those are that come next.
+    /// Whether the next results are moved up.
     is_widening: bool,
 }
 
@@ -109,19 +109,19 @@ impl<T: Real> Loader<Nearest<'_, '_, '_>> for Cursor<T> {
 }
 
 impl Nearest<'_, '_, '_> {
-    /// `result`, or the next float above it.
+    /// Returns `result`, or the next float above it if results are being moved up.
     fn widened(&mut self, result: Vector) -> Vector {
         if self.is_widening { self.next_up(result) } else { result }
     }
 
-    /// The next float: one more in its bits, or one less below 0. +∞ and what is no number stay so.
+    /// Returns the next float up: its bits plus 1, or minus 1 if it is negative. +∞ and NaN stay.
     fn next_up(&mut self, a: Vector) -> Vector {
         let m = &mut *self.emitter;
         let format = m.format(a);
         let (zero, two) = (m.number(format, 0.0), m.bits(format, 2));
         let infinity = m.number(format, f64::INFINITY);
         let a = m.add(a, zero); // +0 for −0
-        let finite = m.lt(a, infinity); // a set mask is −1
+        let finite = m.lt(a, infinity); // a lane that is set is −1
         let sign = m.shift_right(a, if format == Format::F32 { 30 } else { 62 });
         let twice = m.and(sign, two);
         let moved = m.int_sub(a, finite);
@@ -129,7 +129,7 @@ impl Nearest<'_, '_, '_> {
     }
 }
 
-/// Operations that are exact, or that round as the processor does and whose results are no bounds.
+/// Operations that are exact, or whose rounded results are no bounds.
 macro_rules! kept {
     ($($name:ident($($operand:ident: $kind:ty),*) -> $result:ty;)*) => {
         $(fn $name(&mut self, $($operand: $kind),*) -> $result {
@@ -138,7 +138,7 @@ macro_rules! kept {
     };
 }
 
-/// Operations that round.
+/// Operations that round, and whose results may be bounds.
 macro_rules! rounded {
     ($($name:ident($($operand:ident: $kind:ty),*);)*) => {
         $(fn $name(&mut self, $($operand: $kind),*) -> Vector {
@@ -216,7 +216,7 @@ impl Machine for Nearest<'_, '_, '_> {
         self.widened(once)
     }
 
-    /// Only where rules rely on it: on signs, on domains from −1 to 1, on what is finite.
+    /// Limits a bound only where rules rely on it: for signs, domains from −1 to 1, and finiteness.
     fn held(&mut self, format: Format, bound: Vector, most: f64) -> Vector {
         let huge = match format {
             Format::F32 => f64::from(f32::MAX / 2.0),

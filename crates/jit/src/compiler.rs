@@ -1,4 +1,4 @@
-//! From a tape to native code.
+//! Compilation of a tape to native code.
 
 use crate::code::{Code, Memory};
 use crate::count::Counter;
@@ -23,40 +23,39 @@ use std::sync::OnceLock;
 use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Query, QueryResult, Real, Tape};
 use zeroset_interval::Fact;
 
-/// Operations in one kernel, at most: beyond this even the fast tier takes too long.
+/// Most operations in a kernel: with more, even the fast tier takes too long.
 const LIMIT: usize = 20_000;
-/// Instructions in one kernel, at most: some operations are a hundred of them and more. So many
-/// become 2 MB of code.
+/// Most instructions in a kernel; some operations take a hundred and more. This many make 2 MB of
+/// code.
 const INSTRUCTIONS: usize = 200_000;
-/// Bytes of stack that a kernel uses, at most: a quarter of what a thread has by default.
+/// Most bytes of stack that a kernel uses: a quarter of what a thread has by default.
 const STACK: u32 = 512 << 10;
-/// Instructions from which on code is made fast rather than made to be fast: backtracking register
-/// allocation takes about 1.2 µs an instruction, so that larger kernels would come near 2 ms. Its
-/// code then runs up to 1.2 times as long (up to 1.7 times for polynomials, which have to be huge
+/// Kernels with more instructions than this are compiled by the fast tier. Backtracking register
+/// allocation takes about 1.2 µs per instruction, so larger kernels would come near 2 ms. Code of
+/// the fast tier runs up to 1.2 times as long (up to 1.7 times for polynomials, which must be huge
 /// to get here).
 const FAST_TIER_FROM: usize = 1_200;
 
-/// How much work code generation spends.
+/// How much effort code generation spends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tier {
     /// Backtracking register allocation.
     Optimised,
-    /// One pass over the code.
+    /// Register allocation in a single pass.
     Fast,
 }
 
-/// Who looks whether there is room on the stack before it is used, so that large frames do not
-/// reach past the guard page unseen.
+/// Which code probes the stack before it is used, so that a large frame cannot skip the guard page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Looks {
-    /// The code, as Cranelift writes it.
+    /// The code that Cranelift generates.
     Code,
-    /// Whoever makes it wider.
+    /// The code that is added when Cranelift's is widened.
     #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "nobody does"))]
     Later,
 }
 
-/// The processor this runs on, as a code generation target: built once.
+/// The code generation target for this processor, built once per setting.
 fn target(tier: Tier, looks: Looks) -> Result<OwnedTargetIsa, Error> {
     static TARGETS: [[OnceLock<Option<OwnedTargetIsa>>; 2]; 2] =
         [const { [const { OnceLock::new() }; 2] }; 2];
@@ -69,9 +68,9 @@ fn target(tier: Tier, looks: Looks) -> Result<OwnedTargetIsa, Error> {
             };
             let flag = |is_set: bool| if is_set { "true" } else { "false" };
             for (name, value) in [
-                // The graph has no common sub-expressions left, and the optimiser moves constants
-                // out of the loop and then spills them: compiling takes 1.3 times as long for code
-                // that is 2 % slower over the gallery.
+                // The graph has no common subexpressions left. The optimizer moves constants out of
+                // the loop and then spills them: compiling takes 1.3 times as long, for code that
+                // is 2 % slower over the gallery.
                 ("opt_level", "none"),
                 ("regalloc_algorithm", allocator),
                 ("enable_verifier", flag(cfg!(debug_assertions))),
@@ -102,8 +101,8 @@ fn check_processor() -> Result<(), Error> {
     }
 }
 
-/// Bytes of the vectors that kernels can compute with on this processor, the widest first, which
-/// they do. One that would use too much of the stack for them computes with narrower ones.
+/// Widths in bytes of the vectors that kernels can use on this processor, the widest first. A
+/// kernel uses the widest, or a narrower one if that would need too much stack.
 pub fn vector_widths() -> impl Iterator<Item = usize> {
     #[cfg(target_arch = "x86_64")]
     let wider = Width::ALL.into_iter().filter(|width| width.is_possible()).map(Width::bytes);
@@ -112,16 +111,16 @@ pub fn vector_widths() -> impl Iterator<Item = usize> {
     wider.chain([VECTOR])
 }
 
-/// Compiles what answers a question, for vectors of at most so many bytes.
+/// Compiles a tape for a query, with vectors of at most `widest` bytes.
 ///
 /// # Panics
-/// If the tape computes another number of expressions than the question needs.
+/// If the tape computes another number of expressions than the query needs.
 pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code, Error> {
     generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
-/// As [`compile`], written on the machine that `other` puts around the one that emits, by the
-/// slower tier whatever its size.
+/// Like [`compile`], but `other` computes the result on a machine around the emitter. The slower
+/// tier compiles it, whatever its size.
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Query, T: Real>(
     tape: &Tape<T>,
@@ -131,8 +130,8 @@ pub fn compile_for_comparison<Q: Query, T: Real>(
     generate(write, Some(Tier::Optimised), usize::MAX)
 }
 
-/// From intermediate code to memory. It is written for vectors of so many bytes, as many as the
-/// processor has of up to the `widest`; by a tier that its size tells, if none is given.
+/// Generates code in memory. `write` creates intermediate code for vectors of a given number of
+/// bytes; the widest possible up to `widest` are used. Without a `tier`, the code's size decides.
 fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,
@@ -156,8 +155,8 @@ fn generate(
     place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)
 }
 
-/// The same for vectors that are wider than Cranelift's; `None` if the code would use too much of
-/// the stack, or cannot be made so wide.
+/// Generates code for vectors wider than Cranelift's. `None` if it would use too much of the stack,
+/// or cannot be widened.
 #[cfg(target_arch = "x86_64")]
 fn generate_wide(
     function: Function,
@@ -173,7 +172,7 @@ fn generate_wide(
     wider.map(|bytes| place(&bytes, width.bytes() as u64, width.bytes())).transpose()
 }
 
-/// From intermediate code to machine code.
+/// Compiles intermediate code to machine code.
 fn machine_code(
     function: Function,
     tier: Option<Tier>,
@@ -194,7 +193,7 @@ fn machine_code(
     Ok(code)
 }
 
-/// Puts machine code where it can be called.
+/// Copies machine code to executable memory.
 fn place(bytes: &[u8], alignment: u64, width: usize) -> Result<Code, Error> {
     let builder =
         JITBuilder::with_isa(target(Tier::Optimised, Looks::Code)?, default_libcall_names());
@@ -218,13 +217,13 @@ fn check_stack(bytes: u32) -> Result<(), Error> {
 /// If the formula is too large.
 ///
 /// # Panics
-/// If the tape computes another number of expressions than the question needs.
+/// If the tape computes another number of expressions than the query needs.
 pub fn intermediate_code<Q: Query, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
     Ok(build::<Q, T>(tape, VECTOR)?.display().to_string())
 }
 
 fn signature() -> Signature {
-    // What the asm trampoline calls by, whatever the system's own convention is.
+    // The convention of the trampoline in assembly, whatever the system's own is.
     let convention = if cfg!(all(target_vendor = "apple", target_arch = "aarch64")) {
         CallConv::AppleAarch64
     } else {
@@ -235,7 +234,7 @@ fn signature() -> Signature {
     signature
 }
 
-/// Where a kernel finds what it reads in the current round of its loop.
+/// The addresses that a kernel reads from in the current iteration of its loop.
 pub struct Cursor<T> {
     input: Value,
     parameters: Value,
@@ -252,7 +251,7 @@ impl<T: Real> Loader<Emitter<'_, '_>> for Cursor<T> {
     }
 }
 
-/// For what is counted only: nothing is read.
+/// A loader for counting, which reads nothing.
 struct Unread;
 
 impl Loader<Counter> for Unread {
@@ -261,17 +260,17 @@ impl Loader<Counter> for Unread {
     fn parameter(&mut self, _: &mut Counter, _: usize) {}
 }
 
-/// All pointers passed to a kernel are valid and aligned to a packet.
+/// Flags of memory accesses: all pointers of a kernel are valid and aligned to a vector.
 fn trusted() -> MemFlagsData {
     MemFlagsData::trusted()
 }
 
-/// The function for vectors of so many bytes.
+/// Builds a kernel's intermediate code for vectors of `width` bytes.
 fn build<Q: Query, T: Real>(tape: &Tape<T>, width: usize) -> Result<Function, Error> {
     build_with::<Q, T>(tape, width, |emitter, cursor| Q::answer(tape, emitter, cursor))
 }
 
-/// The same with an answer that `write` writes.
+/// Like [`build`], but `write` computes the result.
 fn build_with<Q: Query, T: Real>(
     tape: &Tape<T>,
     width: usize,
@@ -298,8 +297,8 @@ fn build_with<Q: Query, T: Real>(
         unreachable!("the signature has five parameters");
     };
     let (body, end) = (builder.create_block(), builder.create_block());
-    // As parameters of the block: the batches from the lanes on that are next, the first of these
-    // lanes, and the masks.
+    // Parameters of the block: both batches, advanced to the next lanes; the first of these lanes;
+    // and the masks so far.
     let [input, output, lane, masks] = [(); 4].map(|()| builder.append_block_param(body, I64));
     let zero = builder.ins().iconst(I64, 0);
     builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));
@@ -357,7 +356,7 @@ fn args(values: &[Value]) -> Vec<BlockArg> {
     values.iter().map(|&value| value.into()).collect()
 }
 
-/// Where the quantity with this number starts in a batch, in bytes.
+/// Offset of a quantity in a batch, in bytes.
 fn offset<T: Real>(quantity: usize) -> i32 {
     (size_of::<Lanes<T>>() * quantity) as i32
 }

@@ -1,8 +1,8 @@
-//! The machine that counts: how long code will be, before any memory is spent on it.
+//! A machine that counts operations: how long code will be, before any memory is spent on it.
 
 use zeroset_interval::{Format, Machine};
 
-/// Counts the operations that the emitter would write; constants and copies cost nothing.
+/// Counts the operations that the emitter would emit. Constants and copies cost nothing.
 #[derive(Debug, Default)]
 pub struct Counter(pub usize);
 
@@ -55,7 +55,7 @@ impl Machine for Counter {
         narrow(halves: [(); 2]) -> () = ();
     }
 
-    /// Emitted once, in a loop.
+    /// The routine counts once, since native code runs it in a loop.
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         _: [[(); IN]; ROWS],

@@ -1,36 +1,36 @@
-//! Why a kernel could not be made.
+//! Errors of compiling a kernel.
 
-/// Why native code could not be made.
+/// The reason why native code could not be compiled.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// This processor lacks what kernels need.
+    /// This processor lacks a feature that kernels need.
     #[error("native kernels need {0}")]
     Unsupported(&'static str),
     /// The expression has more operations than a kernel may hold.
     #[error("the formula has {operations} operations; a kernel holds at most {limit}")]
     TooLarge {
-        /// Operations asked for.
+        /// Number of operations in the expression.
         operations: usize,
-        /// Operations allowed.
+        /// Largest number of operations allowed.
         limit: usize,
     },
-    /// The code would be too long, or take too long to make.
+    /// The code would be too long, or take too long to compile.
     #[error("the formula needs about {instructions} instructions; a kernel holds at most {limit}")]
     TooLong {
-        /// Instructions that would be emitted, before registers are allocated.
+        /// Number of instructions before register allocation.
         instructions: usize,
-        /// Instructions allowed.
+        /// Largest number of instructions allowed.
         limit: usize,
     },
-    /// The code would need too much stack for its intermediate results.
+    /// The intermediate results would need too much stack.
     #[error("the formula needs {bytes} bytes of stack; a kernel may use at most {limit}")]
     TooDeep {
-        /// Bytes needed.
+        /// Bytes of stack needed.
         bytes: u32,
-        /// Bytes allowed.
+        /// Most bytes of stack allowed.
         limit: u32,
     },
-    /// The code generator failed: a defect, with its report.
+    /// The code generator failed, which is a defect. This is its report.
     #[error("code generation failed: {0}")]
     Codegen(String),
 }

@@ -1,4 +1,4 @@
-//! Safe handles on compiled kernels.
+//! Safe handles to compiled kernels.
 
 use crate::code::Code;
 use crate::compiler::compile;
@@ -9,8 +9,8 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{Binding, Input, Kernel, Query, Real, Tape};
 
-/// Native code that answers a question, for any parameter values that it assumes. Clones share the
-/// code; it is freed with the last of them.
+/// Native code that answers a query, for all parameter values within its assumptions. Clones share
+/// the code, which is freed with the last of them.
 #[derive(Clone)]
 pub struct Compiled<Q: Query, T: Real = f32> {
     code: Arc<Code>,
@@ -25,19 +25,19 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
     /// If the processor is not supported or the formula too large.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the question needs.
+    /// If the tape computes another number of expressions than the query needs.
     pub fn new(tape: Tape<T>) -> Result<Self, Error> {
         Self::of_width(tape, usize::MAX)
     }
 
-    /// As [`Compiled::new`] for vectors of so many bytes at most, as processors run it that have no
-    /// wider ones: to be compared.
+    /// Like [`Compiled::new`], but with vectors of at most `widest` bytes, to compare with
+    /// processors that have no wider ones.
     ///
     /// # Errors
-    /// As [`Compiled::new`].
+    /// As for [`Compiled::new`].
     ///
     /// # Panics
-    /// As [`Compiled::new`].
+    /// As for [`Compiled::new`].
     #[cfg(feature = "comparison")]
     pub fn narrow(tape: Tape<T>, widest: usize) -> Result<Self, Error> {
         Self::of_width(tape, widest)
@@ -48,11 +48,11 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
         Ok(Self { code, tape: Arc::new(tape), question: PhantomData })
     }
 
-    /// The code with values for its parameters.
+    /// Binds values to the parameters of the code.
     ///
     /// # Panics
-    /// If the number of parameters differs, or, in debug builds, if a value is not within what the
-    /// tape assumes.
+    /// If the number of parameters differs. In debug builds also if a value is outside the range
+    /// that the tape assumes.
     pub fn bind(&self, binding: Binding<T>) -> Native<Q, T> {
         Q::check(&self.tape, &binding);
         Native { compiled: self.clone(), binding }
@@ -63,7 +63,7 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
         self.code.bytes
     }
 
-    /// Bytes of the vectors that it computes with.
+    /// Width in bytes of the vectors that the code computes with.
     pub fn vector_bytes(&self) -> usize {
         self.code.width
     }
@@ -71,9 +71,9 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
 
 /// A kernel in native code.
 ///
-/// It runs with the rounding mode set to +∞ and leaves the default one, to nearest, whatever the
-/// caller had set, and no exception flags of the caller. That is what Rust code assumes everywhere;
-/// who has set another mode must set it again.
+/// It runs with the rounding mode set to +∞. Afterwards the mode is the default, to nearest, as
+/// Rust code assumes everywhere; the caller's exception flags are lost. A caller that uses another
+/// mode must set it again.
 #[derive(Clone)]
 pub struct Native<Q: Query, T: Real = f32> {
     compiled: Compiled<Q, T>,
@@ -87,13 +87,13 @@ impl<Q: Query, T: Real> Native<Q, T> {
     /// If the processor is not supported or the formula too large.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the question needs, or as
+    /// If the tape computes another number of expressions than the query needs, or as for
     /// [`Compiled::bind`].
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Result<Self, Error> {
         Ok(Compiled::new(tape)?.bind(binding))
     }
 
-    /// The code without its values.
+    /// The code without bound values.
     pub fn compiled(&self) -> &Compiled<Q, T> {
         &self.compiled
     }
@@ -110,10 +110,10 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Native<Q, T> {
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         let Compiled { code, tape, .. } = &self.compiled;
         Q::check_input(tape, input);
-        // SAFETY: the code was compiled for this question and format, and reads and writes batches
-        // as the sealed trait `Batch` lays them out, at most as many lanes as were checked to be
-        // there; the binding has as many parameters as the tape, checked when they were bound.
-        // Batches are aligned by their type. Kernels do not unwind.
+        // SAFETY: the code was compiled for this query and format. It reads and writes batches in
+        // the layout of the sealed trait `Batch`, and at most the lanes that were checked to exist.
+        // `bind` has checked that there are as many parameters as in the tape. Batches are aligned
+        // by their type. Kernels do not unwind.
         unsafe {
             call_rounding_up(
                 code.entry(),

@@ -1,4 +1,4 @@
-//! The machine that emits: lane operations as Cranelift instructions.
+//! The machine that emits lane operations as Cranelift instructions.
 
 use cranelift_codegen::ir::condcodes::{FloatCC, IntCC};
 use cranelift_codegen::ir::immediates::V128Imm;
@@ -11,42 +11,40 @@ use cranelift_frontend::FunctionBuilder;
 use std::collections::HashMap;
 use zeroset_interval::{Format, Machine, has_fma};
 
-/// Bytes of a vector of Cranelift's.
+/// Bytes of a Cranelift vector.
 pub const VECTOR: usize = 16;
-/// The binary logarithm of that.
+/// Binary logarithm of [`VECTOR`].
 const VECTOR_ALIGNMENT: u8 = 4;
 
-/// A vector while code is made.
+/// A vector in the code that is being generated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Vector {
     /// Computed at run time.
     Value(Value),
-    /// Known: these bits.
+    /// Known when compiling: these bits.
     Constant(Format, u128),
 }
 
 /// Emits each operation into the current block of a function.
 ///
-/// Vectors are always of a float type; integer operations reinterpret them. Nothing here is a
-/// library call on x86-64 with SSE4.1 or on `AArch64`: sums with products are fused where
-/// [`has_fma`] only.
+/// Vectors always have a float type; integer operations reinterpret them. No operation is a library
+/// call on x86-64 with SSE4.1 or on `AArch64`: multiply-adds are fused only if [`has_fma`].
 ///
-/// A constant is one value wherever it is used. A load of its own for each use would not become
-/// that instruction's operand where its result is used twice, as nearly all of a form's are (frames
-/// take 3 % more instructions on Barth's sextic, 7 % on the gyroid, with loads).
+/// A constant is one value wherever it is used. Separate loads would not become operands of
+/// instructions whose results are used twice, as nearly all results in affine forms are. Frames
+/// would take 3 % more instructions on Barth's sextic, 7 % on the gyroid.
 pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
     /// Bytes of a vector when the code runs: a multiple of [`VECTOR`].
     width: usize,
-    /// Constants in use.
+    /// Constants in use, by type and bits.
     constants: HashMap<(Type, u128), Value>,
-    /// Products that were added to something: the error of a form is asked for by everything that
-    /// is made of it.
+    /// Fused multiply-adds, by operands: whatever is computed from a form requests its error again.
     fused: HashMap<[Value; 3], Value>,
 }
 
 impl<'a, 'b> Emitter<'a, 'b> {
-    /// An emitter that appends to the current block of `builder`, for vectors of so many bytes.
+    /// Creates an emitter for the current block of `builder` and vectors of `width` bytes.
     pub fn new(builder: &'a mut FunctionBuilder<'b>, width: usize) -> Self {
         Self { builder, width, constants: HashMap::new(), fused: HashMap::new() }
     }
@@ -56,7 +54,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder
     }
 
-    /// The vector as a value.
+    /// Returns the vector as a value of the function.
     pub fn value(&mut self, vector: Vector) -> Value {
         let (format, bits) = match vector {
             Vector::Value(value) => return value,
@@ -73,14 +71,14 @@ impl<'a, 'b> Emitter<'a, 'b> {
         value
     }
 
-    /// The sign bits of a vector's lanes, the lowest for the first.
+    /// Returns the sign bits of a vector's lanes, the lowest for the first lane.
     pub fn sign_bits(&mut self, vector: Vector) -> Value {
         let value = self.value(vector);
         let (_, integers) = self.integers(value);
         self.builder.ins().vhigh_bits(I32, integers)
     }
 
-    /// Both operands of an instruction.
+    /// Returns both vectors as values of the function.
     fn values(&mut self, a: Vector, b: Vector) -> (Value, Value) {
         (self.value(a), self.value(b))
     }
@@ -91,8 +89,8 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder.ins().bitcast(to, flags, value)
     }
 
-    /// A vector of two parts of 64 bits of two others, each given by its first byte among those of
-    /// both.
+    /// Joins two parts of 64 bits into a vector. A part is given by its first byte, counted through
+    /// both vectors.
     fn shuffle(&mut self, a: Value, b: Value, parts: [u8; 2]) -> Value {
         let is_one = a == b;
         let a = self.cast(I8X16, a);
@@ -114,14 +112,14 @@ impl<'a, 'b> Emitter<'a, 'b> {
         Vector::Value(self.compare(condition, a, b))
     }
 
-    /// The vector as integers, and its float type.
+    /// Returns the float type of a vector, and its lanes as integers.
     fn integers(&mut self, a: Value) -> (Type, Value) {
         let ty = self.builder.func.dfg.value_type(a);
         let integer = if ty == F32X4 { I32X4 } else { I64X2 };
         (ty, self.cast(integer, a))
     }
 
-    /// What its lanes are.
+    /// Returns the format of a vector's lanes.
     pub fn format(&self, a: Vector) -> Format {
         match a {
             Vector::Constant(format, _) => format,
@@ -131,8 +129,8 @@ impl<'a, 'b> Emitter<'a, 'b> {
     }
 }
 
-/// A loop that is being written over the rows of a table on the stack: per row, the inputs and then
-/// the outputs.
+/// A loop under construction over the rows of a table on the stack. A row holds inputs, then
+/// outputs.
 pub struct RowLoop {
     slot: StackSlot,
     body: Block,
@@ -144,13 +142,13 @@ pub struct RowLoop {
 }
 
 impl Emitter<'_, '_> {
-    /// Where a column of a row starts.
+    /// Offset of a column in its row, in bytes.
     fn at(&self, column: usize) -> i32 {
         (self.width * column) as i32
     }
 
-    /// Begins a loop over rows of inputs, all `F64`, each with room for `outputs`; the inputs of
-    /// the row that is next.
+    /// Begins a loop over rows of inputs, all `F64`, with space for `outputs` in each row. Returns
+    /// the inputs of the current row.
     pub fn begin_rows<const ROWS: usize, const IN: usize>(
         &mut self,
         inputs: [[Vector; IN]; ROWS],
@@ -180,7 +178,7 @@ impl Emitter<'_, '_> {
         (RowLoop { slot, body, row, last, width }, inputs)
     }
 
-    /// Ends the loop with the outputs of a row; those of all.
+    /// Ends the loop with the outputs of the current row. Returns the outputs of all rows.
     pub fn end_rows<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         rows: &RowLoop,
@@ -206,7 +204,7 @@ impl Emitter<'_, '_> {
     }
 }
 
-/// The type of a vector of such lanes.
+/// The type of a vector with lanes of this format.
 pub fn type_of(format: Format) -> Type {
     match format {
         Format::F32 => F32X4,
@@ -315,8 +313,8 @@ impl Machine for Emitter<'_, '_> {
     integer! { int_add => iadd, int_sub => isub }
     shift! { shift_left => ishl_imm_u, shift_right => ushr_imm_u }
 
-    // By a mask that stays in a register, since most formulas negate often: the instructions fneg
-    // and fabs would build theirs each time.
+    // The mask of sign bits stays in a register, since most formulas negate often. The instructions
+    // fneg and fabs would build theirs each time.
     fn neg(&mut self, a: Vector) -> Vector {
         let format = self.format(a);
         let sign = sign_bits(format);
@@ -332,7 +330,7 @@ impl Machine for Emitter<'_, '_> {
         let format = self.format(a);
         self.and(a, Vector::Constant(format, !sign_bits(format)))
     }
-    // This pattern becomes one minps or maxps on x86-64; fmin and fmax would take seven
+    // On x86-64 this pattern becomes one minps or maxps; fmin and fmax would take seven
     // instructions.
     fn min(&mut self, a: Vector, b: Vector) -> Vector {
         let (a, b) = self.values(a, b);
@@ -354,8 +352,8 @@ impl Machine for Emitter<'_, '_> {
     fn eq(&mut self, a: Vector, b: Vector) -> Vector {
         self.comparison(FloatCC::Equal, a, b)
     }
-    // A mask has its sign bit set where it is set, and one blend by sign bits beats what bitselect
-    // becomes.
+    // A mask sets the sign bit of each lane that is set. A blend by sign bits is faster than the
+    // code for bitselect.
     fn select(&mut self, mask: Vector, a: Vector, b: Vector) -> Vector {
         self.select_signed(mask, a, b)
     }
@@ -374,7 +372,7 @@ impl Machine for Emitter<'_, '_> {
         Vector::Value(self.cast(ty, chosen))
     }
 
-    // Halves of vectors are moved by these two shuffles alone: `wide` knows them.
+    // Only these two shuffles move halves of vectors: `wide` knows no others.
     fn widen(&mut self, a: Vector) -> [Vector; 2] {
         let a = self.value(a);
         let upper = self.shuffle(a, a, [8, 8]);
@@ -382,7 +380,7 @@ impl Machine for Emitter<'_, '_> {
     }
     fn narrow(&mut self, [low, high]: [Vector; 2]) -> Vector {
         let (low, high) = self.values(low, high);
-        // Both have their lanes in front.
+        // Each result is in the lower half of its vector.
         let [low, high] = [low, high].map(|half| self.builder.ins().fvdemote(half));
         Vector::Value(self.shuffle(low, high, [0, 16]))
     }

@@ -1,9 +1,9 @@
-//! Native kernels: a tape becomes Cranelift code, runs with the rounding mode set to +∞, and is
+//! Native kernels: a tape is compiled by Cranelift, runs with the rounding mode set to +∞, and is
 //! freed when dropped.
 //!
-//! The only crate with unsafe code, in three files: `rounding` (the call), `code` (the memory),
-//! `kernel` (the safe handles); and, only to be measured, `comparison`. It knows nothing of rays or
-//! text.
+//! This is the only crate with unsafe code, in three files: `rounding` (the call), `code` (the
+//! memory) and `kernel` (the safe handles). A fourth, `comparison`, is for measurements only. The
+//! crate knows nothing of rays or text.
 
 mod code;
 #[cfg(feature = "comparison")]

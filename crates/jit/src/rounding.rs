@@ -1,21 +1,21 @@
-//! The one place where the rounding mode changes: a call into native code and back.
+//! The calls into native code, the one place where the rounding mode changes.
 
-/// A kernel's first instruction. It is called by the System V convention on `x86_64` and by AAPCS64
-/// on `aarch64`, whatever the operating system's own may be, with: the input batch, the output
-/// batch, lanes in use, parameters, guard words (reserved: null for now).
+/// First instruction of a kernel. Kernels use the System V convention on `x86_64` and AAPCS64 on
+/// `aarch64`, on any operating system. Their arguments are the input batch, the output batch, the
+/// number of lanes in use, the parameters, and guard words (reserved, null).
 pub type Entry = *const u8;
 
-/// MXCSR: all exceptions masked, subnormals kept, rounding to +∞ or (the default everywhere else)
-/// to nearest.
+/// Values of MXCSR that mask all exceptions and keep subnormals. They round to +∞ or, as everywhere
+/// else, to nearest.
 #[cfg(target_arch = "x86_64")]
 static ROUND_UP: u32 = 0x5f80;
 #[cfg(target_arch = "x86_64")]
 static ROUND_NEAREST: u32 = 0x1f80;
 
-/// Calls `entry` with the rounding mode as it is: to nearest.
+/// Calls `entry` in the current rounding mode, which is to nearest.
 ///
 /// # Safety
-/// As [`call_rounding_up`].
+/// See [`call_rounding_up`].
 #[cfg(feature = "comparison")]
 #[inline]
 pub unsafe fn call_rounding_to_nearest(
@@ -29,8 +29,8 @@ pub unsafe fn call_rounding_to_nearest(
     type Kernel = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, usize);
     #[cfg(target_arch = "x86_64")]
     type Kernel = unsafe extern "sysv64" fn(*const u8, *mut u8, usize, *const u8, usize);
-    // SAFETY: the caller's promise; kernels have this signature and convention, and know nothing of
-    // the mode.
+    // SAFETY: the caller vouches for the kernel and the pointers. Kernels have this signature and
+    // convention, whatever the rounding mode.
     unsafe {
         let kernel: Kernel = std::mem::transmute(entry);
         kernel(input, output, count, parameters, 0);
@@ -40,7 +40,7 @@ pub unsafe fn call_rounding_to_nearest(
 /// Calls `entry` with the rounding mode set to +∞, and restores the default mode.
 ///
 /// # Safety
-/// `entry` must be a kernel whose input, output and parameters these pointers satisfy. It must not
+/// `entry` must be a kernel, and the pointers valid for what it reads and writes. It must not
 /// unwind.
 #[inline]
 pub unsafe fn call_rounding_up(
@@ -50,12 +50,12 @@ pub unsafe fn call_rounding_up(
     count: usize,
     parameters: *const u8,
 ) {
-    // SAFETY: the block declares every register that a function of this convention may change,
-    // keeps `entry` in one that the callee preserves, and leaves MXCSR at the default that Rust
-    // code assumes. The stack is given back as it was; until then what a kernel puts on it, below a
-    // return address and a register, is aligned as the widest vectors are, or each of them would
-    // lie in two lines of the cache. The two statics are plain memory that `ldmxcsr` reads. What
-    // the callee reads and writes is the caller's promise.
+    // SAFETY: the block declares every register that a function of this convention may change.
+    // `entry` is in a register that the callee preserves, and MXCSR is left at the default that
+    // Rust assumes. The stack pointer is restored. Until then a kernel's stack, below a return
+    // address and a saved register, is aligned to the widest vectors: else each would span two
+    // cache lines. The two statics are plain memory. The caller vouches for what the callee reads
+    // and writes.
     #[cfg(target_arch = "x86_64")]
     unsafe {
         std::arch::asm!(
@@ -78,8 +78,8 @@ pub unsafe fn call_rounding_up(
             clobber_abi("sysv64"),
         );
     }
-    // SAFETY: as above; FPCR bits 23:22 = 01 round to +∞, and 0 is the default. x20 to x22 are
-    // preserved by the callee.
+    // SAFETY: as above. FPCR bits 23:22 = 01 round to +∞, and 0 is the default. The callee
+    // preserves x20 to x22.
     #[cfg(target_arch = "aarch64")]
     unsafe {
         std::arch::asm!(

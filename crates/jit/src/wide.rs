@@ -1,11 +1,11 @@
-//! From code for vectors of 128 bits, all that Cranelift has, to code for 256 and 512.
+//! Widening of code from vectors of 128 bits, all that Cranelift has, to 256 and 512 bits.
 //!
-//! A kernel does the same to each lane of a vector, so an instruction for more lanes is the same
-//! instruction in its wider encoding. What it reads and writes of batches lies beside that anyway;
-//! constants are repeated, and what is kept on the stack is put farther apart. Only halves of
-//! vectors have to be moved otherwise: the [emitter](crate::lanes) does so in two ways, which are
-//! known here. Of 512 bits a comparison gives a bit a lane, which is made a vector again. Code with
-//! any instruction that is not known stays as it is.
+//! A kernel does the same to each lane, so an instruction for more lanes is the same instruction in
+//! a wider encoding. Batches have the further lanes next in memory. Constants are repeated, and
+//! spilled values lie farther apart on the stack. Only moves of halves of vectors differ: the
+//! [emitter](crate::lanes) does two kinds, which are recognized here. With 512 bits a comparison
+//! gives a bit per lane, which is expanded to a vector. Code with an unknown instruction is not
+//! widened.
 
 mod bytes;
 mod encodings;
@@ -19,25 +19,25 @@ use iced_x86::{
 };
 use std::collections::HashMap;
 
-/// Bytes of the vectors that code is made for.
+/// Bytes of the vectors in Cranelift's code.
 const NARROW: usize = 16;
 
-/// Where code is thought to be while it is read. What it refers to are distances.
+/// Address that code has while it is decoded. All references in it are relative.
 const ORIGIN: u64 = 0x1000;
-/// The stack may grow by less than this without a look at whether there is room.
+/// The stack may grow by less than this without a probe.
 const PAGE: i64 = 4096;
 
 /// Vectors that are wider than Cranelift's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Width {
-    /// Of 512 bits.
+    /// Vectors of 512 bits.
     Zmm,
-    /// Of 256 bits.
+    /// Vectors of 256 bits.
     Ymm,
 }
 
 impl Width {
-    /// All of them, the widest first.
+    /// All widths, the widest first.
     pub const ALL: [Self; 2] = [Self::Zmm, Self::Ymm];
 
     /// Bytes of a vector.
@@ -48,8 +48,8 @@ impl Width {
         }
     }
 
-    /// Whether this processor has instructions for such vectors, and does not lower its clock for
-    /// them: the first ones with 512 bits, before Ice Lake, do.
+    /// Whether this processor has instructions for such vectors and keeps its clock for them. The
+    /// first ones with 512 bits, before Ice Lake, lower it.
     pub fn is_possible(self) -> bool {
         match self {
             Self::Zmm => {
@@ -59,12 +59,12 @@ impl Width {
         }
     }
 
-    /// How many of Cranelift's vectors are as wide.
+    /// Number of Cranelift's vectors that are together as wide.
     fn times(self) -> usize {
         self.bytes() / NARROW
     }
 
-    /// The register that has this one as its lowest part.
+    /// The register whose lowest part is `register`.
     fn whole(self, register: Register) -> Register {
         let first = match self {
             Self::Zmm => Register::ZMM0,
@@ -77,7 +77,7 @@ impl Width {
         }
     }
 
-    /// The register for half a vector.
+    /// The register that holds half a vector.
     fn half(self, register: Register) -> Register {
         match self {
             Self::Zmm => Self::Ymm.whole(register),
@@ -86,13 +86,13 @@ impl Width {
     }
 }
 
-/// The same function for vectors of such a width. It was written for them, but for its
-/// instructions: where quantities are, and how large what it keeps in its first `slots` bytes of
-/// the stack. It does not look whether there is room on the stack; the new one does. `None` if it
-/// does what is not known here, or the new one would take more than `stack` bytes.
+/// Translates a function to vectors of this width. Its instructions are for 128 bits, but it must
+/// lay out quantities, and the first `slots` bytes of its stack, for this width. It must not probe
+/// the stack; the result does. `None` if the function has anything unknown, or if the result would
+/// take more than `stack` bytes.
 pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<u8>> {
     if !slots.is_multiple_of(width.bytes() as u32) {
-        // They were laid out with gaps, of which nothing is known.
+        // The slots were laid out with gaps, of which nothing is known.
         return None;
     }
     let frame = StackLayout {
@@ -127,7 +127,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
                 }
             } else if is_of_integers(&instruction) {
                 if instruction.code() == Code::Retnq {
-                    // Code for narrower vectors would wait for what is left in their upper parts.
+                    // Values left in the upper parts would slow down code with narrower vectors.
                     written.push(Instruction::with(Code::VEX_Vzeroupper));
                 }
                 written.push(instruction);
@@ -135,7 +135,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
                 return None;
             }
         }
-        // A branch to what was read leads to the first of what is written in its place.
+        // A branch to an instruction leads to the first of those written in its place.
         for (k, instruction) in written[first..].iter_mut().enumerate() {
             instruction.set_ip(if k == 0 { ip } else { 0 });
         }
@@ -149,8 +149,8 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
     bytes(&written, &constants.bytes, width.bytes())
 }
 
-/// The instructions of a function, without the constants behind them. Each branch leads to one of
-/// them.
+/// Decodes the instructions of a function, without the constants behind them. `None` if one is
+/// invalid, or a branch leads elsewhere.
 fn instructions(code: &[u8]) -> Option<Vec<Instruction>> {
     let mut decoder = Decoder::with_ip(64, code, ORIGIN, DecoderOptions::NONE);
     let (mut all, mut farthest) = (Vec::new(), ORIGIN);
@@ -170,17 +170,17 @@ fn instructions(code: &[u8]) -> Option<Vec<Instruction>> {
     None
 }
 
-/// Where a branch leads.
+/// The target of a branch.
 fn target(instruction: &Instruction) -> Option<u64> {
     (instruction.op0_kind() == OpKind::NearBranch64).then(|| instruction.near_branch_target())
 }
 
-/// Whether an instruction is one of those on integers that kernels have.
+/// Whether an instruction is one of those on integers that kernels use.
 fn is_of_integers(instruction: &Instruction) -> bool {
     use Mnemonic::{Add, And, Cmp, Lea, Mov, Or, Pop, Push, Shl, Shlx, Shr, Shrx, Sub, Test, Xor};
     match instruction.mnemonic() {
         Mnemonic::Call => false,
-        // Of a constant only what is in it is known.
+        // Only the contents of constants are known, not their new addresses.
         Lea => !instruction.is_ip_rel_memory_operand(),
         Add | And | Cmp | Mov | Or | Pop | Push | Shl | Shlx | Shr | Shrx | Sub | Test | Xor => {
             true
@@ -189,7 +189,7 @@ fn is_of_integers(instruction: &Instruction) -> bool {
     }
 }
 
-/// Constants that are used, each as often as there is room for it in a vector.
+/// The constants in use, each repeated to fill a vector.
 struct Constants {
     width: Width,
     places: HashMap<u64, usize>,
@@ -197,7 +197,7 @@ struct Constants {
 }
 
 impl Constants {
-    /// Where the constant at an address of the old code is among them.
+    /// Position among them of the constant at an address of the old code.
     fn place(&mut self, code: &[u8], address: u64, is_vector: bool) -> Option<usize> {
         let Self { width, places, bytes } = self;
         if let Some(place) = places.get(&address) {
@@ -205,7 +205,7 @@ impl Constants {
         }
         let first = usize::try_from(address.checked_sub(ORIGIN)?).ok()?;
         let rest = code.get(first..)?;
-        // The last one may be of a few bytes, for what is no vector.
+        // The last constant may have fewer bytes if it is not a vector.
         if rest.is_empty() || is_vector && rest.len() < NARROW {
             return None;
         }
@@ -219,23 +219,23 @@ impl Constants {
     }
 }
 
-/// How the stack is used: first by what the code was told the size of, then by what is put away.
+/// The layout of the stack: slots of a size that the code was told, then spilled values.
 struct StackLayout {
     slots: i64,
-    /// How large it may be.
+    /// Largest size allowed.
     most: i64,
-    /// How many times as far apart things are behind the slots.
+    /// Factor by which distances grow behind the slots.
     times: i64,
 }
 
 impl StackLayout {
-    /// Where something on the stack goes.
+    /// The new offset of what is at `offset`.
     fn moved(&self, offset: i64) -> i64 {
         if offset < self.slots { offset } else { self.slots + self.times * (offset - self.slots) }
     }
 
-    /// Takes the place of an instruction that makes room on the stack or gives it up; returns
-    /// whether this is one.
+    /// Replaces an instruction that allocates or frees stack; returns whether this is one. `None`
+    /// if it changes the stack pointer in an unknown way.
     fn takes(&self, instruction: &Instruction, written: &mut Vec<Instruction>) -> Option<bool> {
         if instruction.op0_register() != Register::RSP {
             return Some(false);
@@ -246,7 +246,7 @@ impl StackLayout {
             Code::Add_rm64_imm8 | Code::Add_rm64_imm32 => {
                 written.push(change(Code::Add_rm64_imm32, bytes())?);
             }
-            // To where it was before.
+            // Restores the stack pointer, whatever the size.
             Code::Mov_r64_rm64 | Code::Mov_rm64_r64
                 if instruction.op1_register() == Register::RBP =>
             {
@@ -257,8 +257,8 @@ impl StackLayout {
         Some(true)
     }
 
-    /// Makes room, page by page, so that a page that guards the end of the stack is not passed
-    /// over.
+    /// Allocates stack page by page, so that the page that guards its end is not skipped. `None` if
+    /// it is too much.
     fn make(&self, mut bytes: i64, written: &mut Vec<Instruction>) -> Option<()> {
         if !(self.slots..=self.most).contains(&bytes) {
             return None;
@@ -275,7 +275,7 @@ impl StackLayout {
         Some(())
     }
 
-    /// Lets an instruction find what it refers to on the stack.
+    /// Adapts the offset of an operand on the stack.
     fn move_operand(&self, instruction: &mut Instruction) -> Option<()> {
         let offset = instruction.memory_displacement64() as i64;
         if instruction.memory_index() != Register::None || offset < 0 {
@@ -293,7 +293,7 @@ impl StackLayout {
     }
 }
 
-/// Moves the end of the stack.
+/// Moves the stack pointer by `bytes`.
 fn change(code: Code, bytes: i64) -> Option<Instruction> {
     Instruction::with2(code, Register::RSP, i32::try_from(bytes).ok()?).ok()
 }

@@ -1,4 +1,4 @@
-//! Compiling and dropping kernels leaves no memory behind. Alone in its file, hence in its process.
+//! Compiling and dropping kernels leaks no memory. This test has a file, and so a process, alone.
 //!
 //! A long run:
 //! `ZEROSET_CYCLES=200000 cargo test --release -p zeroset-jit --test memory -- --nocapture`.
@@ -10,7 +10,7 @@ use zeroset_ir::{Axis, Graph};
 use zeroset_jit::Native;
 use zeroset_ops::Op;
 
-/// A thousandth of the long run, twice.
+/// Cycles of a short run, a hundredth of the long one.
 const CYCLES: usize = 2000;
 const ALLOWED_KILOBYTES: i64 = 2048;
 
@@ -39,7 +39,7 @@ fn cycle(n: usize) -> usize {
 fn cycles_leave_resident_memory_within_two_megabytes() {
     let cycles = std::env::var("ZEROSET_CYCLES").ok();
     let cycles = cycles.map_or(CYCLES, |text| text.parse().expect("a number"));
-    // First uses fill tables and the allocator's pools.
+    // The first cycles fill tables and the allocator's pools.
     let warm: usize = (0..200).map(cycle).sum();
     let before = resident_kilobytes();
     let code: usize = (0..cycles).map(cycle).sum();
@@ -47,7 +47,7 @@ fn cycles_leave_resident_memory_within_two_megabytes() {
     println!(
         "{cycles} cycles after {warm} bytes, {code} bytes of code; {before} kB resident, {grown} kB more"
     );
-    // Each kernel has at least a page to itself.
+    // Each kernel takes at least a page of 4 kB.
     assert!(cycles * 4 > 2 * ALLOWED_KILOBYTES as usize, "a leak would not be seen");
     assert!(grown <= ALLOWED_KILOBYTES, "{grown} kB more than {before} kB");
 }

@@ -36,17 +36,17 @@ pub enum Class {
     FunctionOfTwo,
 }
 
-/// Where a restriction keeps its first operand. The order is that in which the simplifier nests
-/// restrictions: the least is innermost.
+/// The condition under which a restriction keeps its first operand. The simplifier nests
+/// restrictions in this order, the first one innermost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Restriction {
-    /// Wherever the second operand is defined.
+    /// The second operand is defined.
     Defined,
-    /// Where the second operand is ≠ 0.
+    /// The second operand is ≠ 0.
     Nonzero,
-    /// Where the second operand is ≥ 0.
+    /// The second operand is ≥ 0.
     Nonneg,
-    /// Where the second operand is > 0.
+    /// The second operand is > 0.
     Positive,
 }
 
@@ -85,7 +85,7 @@ pub enum Rounding {
     TowardZero,
 }
 
-/// How the value of a function changes with the sign of its operand.
+/// Effect of the operand's sign on the value of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
     /// f(−a) = f(a)

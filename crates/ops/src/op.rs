@@ -76,18 +76,18 @@ pub struct Row {
     pub aliases: &'static [&'static str],
     /// Number of operands.
     pub arity: u8,
-    /// How it is written in a formula.
+    /// Its notation in a formula.
     pub notation: Notation,
-    /// Where it is defined, for operands that are themselves defined.
+    /// Its domain of definition, for operands that are themselves defined.
     pub domain: Domain,
-    /// Where it is continuous, within its domain.
+    /// Its continuity within its domain.
     pub continuity: Continuity,
     /// Integers at which a function may be continuous without a derivative. Wherever else it is
     /// continuous, it has a derivative. `None` if the points without a derivative are unknown.
     pub corners: Option<&'static [i32]>,
-    /// Which laws of algebra it obeys.
+    /// Its kind, by the laws of algebra that it obeys.
     pub class: Class,
-    /// How its value changes with the sign of its operand.
+    /// Effect of the operand's sign on its value.
     pub parity: Parity,
     /// Rational values of a function of one operand that follow from no law: pairs of integers,
     /// argument and value.
@@ -109,7 +109,7 @@ pub struct Row {
     pub doc: &'static str,
 }
 
-/// How an operation is written in a formula.
+/// The notation of an operation in a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
     /// By its name, with arguments in brackets.
@@ -125,30 +125,30 @@ pub enum Notation {
     Internal,
 }
 
-/// Where an operation is defined.
+/// Domain of definition of an operation, as a condition on its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
-    /// For all reals.
+    /// No condition: all reals.
     All,
-    /// Where the first operand is ≥ 0.
+    /// The first operand is ≥ 0.
     Nonneg,
-    /// Where the first operand is > 0.
+    /// The first operand is > 0.
     Positive,
-    /// Where the last operand is ≠ 0.
+    /// The last operand is ≠ 0.
     LastNonzero,
-    /// Where the last operand is ≥ 0.
+    /// The last operand is ≥ 0.
     LastNonneg,
-    /// Where the last operand is > 0.
+    /// The last operand is > 0.
     LastPositive,
-    /// Where the operand is in [−1, 1].
+    /// The operand is in [−1, 1].
     Unit,
-    /// Where the operand is in (−1, 1).
+    /// The operand is in (−1, 1).
     UnitInside,
-    /// Where the operand is ≥ 1.
+    /// The operand is ≥ 1.
     FromOne,
-    /// Where the cosine of the operand is ≠ 0.
+    /// The cosine of the operand is ≠ 0.
     CosineNonzero,
-    /// Where not all operands are 0.
+    /// Not all operands are 0.
     AnyNonzero,
     /// The domain of a power: all bases for an integer exponent ≥ 0, base ≠ 0 for a negative
     /// integer. Otherwise base > 0, or base = 0 with exponent > 0.

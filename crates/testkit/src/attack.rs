@@ -1,4 +1,4 @@
-//! A property against seeds and random bytes: what a fuzzer does, bounded, for `cargo test`.
+//! Checks of a property on seed files and random bytes: a bounded fuzzing run for `cargo test`.
 
 use crate::Effort;
 use crate::suite::{Failure, Tally};
@@ -8,17 +8,17 @@ use proptest::test_runner::{Config, RngSeed, TestCaseError, TestRunner};
 use std::cell::RefCell;
 use std::path::Path;
 
-/// Bytes of an input. Longer ones change nothing: generators have drawn all they need by then.
+/// Length of an input in bytes. More would change nothing: generators have drawn all they need.
 const LENGTH: std::ops::Range<usize> = 4..256;
-/// Simpler inputs tried after a failure.
+/// Number of simpler inputs tried after a failure.
 const SHRINKING: u32 = 500;
 
-/// Tries a property on each file of a directory, then on random bytes, and adds up what it
-/// compared.
+/// Checks a property on each file of the directory `seeds`, then on random bytes. Returns the sum
+/// of the property's counts.
 ///
 /// # Panics
-/// If the property fails: on the first such file, or on bytes that were made as simple as
-/// possible. If the directory cannot be read.
+/// If the property fails: on the first such file, or on bytes that were made as simple as possible.
+/// If the directory cannot be read.
 pub fn attack(
     property: &dyn Fn(&[u8]) -> Result<Tally, Failure>,
     seeds: &Path,

@@ -27,8 +27,8 @@ pub struct Case {
 
 impl Case {
     /// Returns a graph drawn by `options` over a random domain: all of space, or a box whose ends
-    /// need not be `f32`. The assumed range of a parameter is its value, a wider range, or all
-    /// reals.
+    /// need not be `f32`. Each parameter is assumed to have its value, to be in a wider range, or
+    /// to be any real.
     pub fn random(rng: &mut Rng, options: &GraphOptions) -> Self {
         let (graph, root) = random_graph(rng, options);
         let domain = random_domain(rng);
@@ -44,8 +44,8 @@ impl Case {
         Self { graph, root, assumptions, parameters }
     }
 
-    /// Returns a box for this case. Its ends are floats, so it may exceed the domain by one
-    /// rounding.
+    /// Returns a box for this case, rounded to floats. It exceeds the domain by one rounding at
+    /// most.
     pub fn random_box<T: Adversarial>(&self, rng: &mut Rng) -> [[T; 2]; 3] {
         let anywhere: [[T; 2]; 3] = random_box(rng, Ends::Infinite);
         let mut region = anywhere;

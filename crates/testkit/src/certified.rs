@@ -1,9 +1,8 @@
-//! The certified tracer: where on a ray a function first vanishes, proven with the oracle's
-//! arithmetic alone.
+//! The certified tracer: the first zero of a function on a ray, proven by the oracle's arithmetic.
 //!
-//! It exists to contradict the traversers, so it shares no code with them, with kernels or with
-//! software intervals, and it is slow. It knows no pictures and no cameras: a ray is a real line,
-//! given by floats that count as exact.
+//! It exists to contradict the project's tracers, so it shares no code with them, with kernels or
+//! with software intervals. It is slow. It knows no pictures and no cameras: a ray is a real line,
+//! given by floats that are taken as exact.
 
 mod line;
 mod search;
@@ -14,17 +13,17 @@ pub use line::{Along, Line};
 use search::Search;
 use zeroset_ir::{Constant, Graph, NodeId};
 
-/// What is certain of a function on the part of a line inside a box. Distances are multiples of the
-/// line's direction.
+/// Proven zeros of a function on the part of a line inside a box, and pieces without a zero.
+/// Distances are multiples of the line's direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
-    /// The pieces before the first certain crossing of which nothing could be decided, in order and
-    /// apart. The function has no zero before the first of them, nor between them.
+    /// Undecided pieces before the first certain crossing, in order and disjoint. The function has
+    /// no zero before the first of them, nor between them.
     pub unresolved: Vec<Unresolved>,
-    /// The first certain crossing; `None` if there is none, and then the function has no zero after
-    /// the last unresolved piece either.
+    /// The first certain crossing. If `None`, the function has no zero after the last unresolved
+    /// piece either.
     pub crossing: Option<Crossing>,
-    /// How often the function was evaluated.
+    /// Number of evaluations of the function.
     pub evaluations: u32,
 }
 
@@ -34,63 +33,63 @@ impl Certificate {
         self.unresolved.is_empty() && self.crossing.is_none()
     }
 
-    /// A distance before which the function certainly has no zero.
+    /// Returns a distance before which the function certainly has no zero.
     pub fn first(&self) -> f64 {
         let unresolved = self.unresolved.first().map_or(f64::INFINITY, |piece| piece.near);
         self.crossing.map_or(f64::INFINITY, |crossing| crossing.near).min(unresolved)
     }
 }
 
-/// Two distances between which the function is continuous and changes its sign, so that it has a
-/// zero there.
+/// Two distances between which the function is continuous and changes its sign, and so has a zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The function is not 0 here and has no zero between here and the last unresolved piece.
+    /// Lower end. The function is not 0 here, and has no zero from the last unresolved piece to
+    /// here.
     pub near: f64,
-    /// The function is not 0 here and has the other sign.
+    /// Upper end. The function is not 0 here and has the other sign.
     pub far: f64,
-    /// Whether the function is monotone in between: then there is one zero.
+    /// Whether the function is monotone in between, and so has just one zero.
     pub simple: bool,
 }
 
-/// A piece of a ray on which there may be a zero.
+/// A piece of a ray that may contain a zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unresolved {
-    /// Where it starts.
+    /// Distance at which it starts.
     pub near: f64,
-    /// Where it ends.
+    /// Distance at which it ends.
     pub far: f64,
-    /// Why it could not be decided.
+    /// The reason why it is undecided.
     pub reason: Reason,
 }
 
-/// Where a line comes into a box from outside.
+/// The place where a line enters a box from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// Bounds of the distance.
     pub distance: (f64, f64),
-    /// Whether the function is below 0 there, where that is certain; a function without a value is
-    /// not.
+    /// Whether the function is below 0 there, if that is certain. A function is not below 0 where
+    /// it is undefined.
     pub below: Option<bool>,
 }
 
-/// Why a piece of a ray could not be decided.
+/// The reason why a piece of a ray is undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Reason {
-    /// The function has the same sign on both sides: it touches zero, or nearly does, or crosses it
+    /// The sign is the same on both sides: the function touches zero, nearly so, or crosses it
     /// twice.
     Touching,
-    /// It may jump.
+    /// The function may jump.
     Jump,
-    /// It may be undefined.
+    /// The function may be undefined.
     Undefined,
-    /// The ray enters or leaves the box here: the zero may lie outside.
+    /// The ray enters or leaves the box here, so the zero may lie outside.
     Edge,
-    /// There was no time for more.
+    /// The budget of evaluations was used up.
     Budget,
 }
 
-/// Evaluations per ray, unless the caller wants others.
+/// Default number of evaluations per ray.
 pub const BUDGET: u32 = 50_000;
 
 /// A function prepared for tracing.
@@ -98,7 +97,7 @@ pub const BUDGET: u32 = 50_000;
 pub struct Function(Along);
 
 impl Function {
-    /// The function `root` of `graph`, as typed, with these values of its parameters.
+    /// Prepares the function `root` of `graph`, as typed, with these values of its parameters.
     ///
     /// # Panics
     /// If `root` does not belong to `graph`, or a parameter has no value.
@@ -106,14 +105,14 @@ impl Function {
         Self(Along::new(graph, root, parameters))
     }
 
-    /// What is certain on `line`, from its origin on and inside the box `region` (per axis, its
-    /// lower and upper end), within about `budget` evaluations.
+    /// Returns what is proven on `line`, from its origin on and inside the box `region` (per axis,
+    /// its lower and upper end). It takes about `budget` evaluations at most.
     pub fn trace(&self, line: &Line, region: &[[f64; 2]; 3], budget: u32) -> Certificate {
         Search::new(&self.0, line, budget).run(line.clip(region))
     }
 
-    /// Where `line` certainly comes into `region` from outside; `None` if it starts inside, misses
-    /// it or may do so.
+    /// Returns the place where `line` certainly enters `region` from outside. `None` if the line
+    /// starts inside the box, or certainly or possibly misses it.
     pub fn entry(&self, line: &Line, region: &[[f64; 2]; 3]) -> Option<Entry> {
         let clip = line.clip(region)?;
         let [near, far] = [clip.outer[0], clip.inner[0]];

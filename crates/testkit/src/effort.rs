@@ -1,23 +1,23 @@
-//! How long a random test runs, and from which seed.
+//! Length and seed of a random test.
 
 use std::env;
 use std::fmt;
 
-/// A seed and a number of inputs, which the environment may override: `ZEROSET_SEED` and
-/// `ZEROSET_CASES`, both decimal or hexadecimal after `0x`.
+/// A seed and a number of inputs. The environment may override them by `ZEROSET_SEED` and
+/// `ZEROSET_CASES`, both decimal, or hexadecimal after `0x`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
-    /// Where the random numbers start. The n-th case starts from `seed + n`.
+    /// Seed of the random numbers. The n-th case starts from `seed + n`.
     pub seed: u64,
-    /// How many inputs to look at, at least.
+    /// Least number of inputs to check.
     pub cases: u64,
 }
 
 impl Effort {
-    /// What the environment asks for, else these values; says so on the standard output.
+    /// Returns the values set in the environment, else these. Prints them to the standard output.
     ///
     /// # Panics
-    /// If a variable of the environment is set to something else than a number.
+    /// If a variable of the environment is set but is not a number.
     pub fn from_environment(seed: u64, cases: u64) -> Self {
         let or = |name: &str, default| env::var(name).map_or(default, |text| number(name, &text));
         let effort = Self { seed: or("ZEROSET_SEED", seed), cases: or("ZEROSET_CASES", cases) };

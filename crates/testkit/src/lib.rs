@@ -1,5 +1,4 @@
-//! Shared support for the tests, fuzz targets and benches of `zeroset`. No product code depends on
-//! it.
+//! Shared support for tests, fuzz targets and benches of `zeroset`. No product code depends on it.
 //!
 //! - The independent [`Oracle`] states what is certain about a function at one exact point.
 //! - The [`certified`] tracer finds the first root on a ray, slowly, with the oracle alone.
@@ -22,6 +21,7 @@ mod oracle;
 pub mod property;
 mod random;
 mod reproduce;
+pub mod simd;
 pub mod suite;
 
 pub use attack::attack;

@@ -1,9 +1,9 @@
-//! What measurements are taken on.
+//! Description of the computer that measurements are taken on.
 
 use std::fs::read_to_string;
 
-/// The processor's name with its family and model, which a name may not tell; "unknown processor"
-/// where there is no `/proc/cpuinfo`.
+/// Returns the processor's name with its family and model, since a name may not determine these.
+/// Returns "unknown processor" where there is no `/proc/cpuinfo`.
 pub fn processor() -> String {
     let text = read_to_string("/proc/cpuinfo").unwrap_or_default();
     let field = |name: &str| {
@@ -19,7 +19,7 @@ pub fn processor() -> String {
     }
 }
 
-/// How many threads it runs at a time.
+/// Number of threads that run in parallel.
 pub fn threads() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }

@@ -5,8 +5,7 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, compact};
 
 /// Returns a case no larger than `case` for which `fails` still holds. Parts of the function are
-/// cut out one at a time while that is possible. Then bounds of the domain that do not matter are
-/// dropped.
+/// cut out one at a time while possible. Then irrelevant bounds of the domain are dropped.
 ///
 /// `fails` is called a few times per node squared.
 pub fn minimise(case: &Case, fails: &mut dyn FnMut(&Case) -> bool) -> Case {

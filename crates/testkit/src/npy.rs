@@ -1,14 +1,14 @@
-//! Arrays of truth and of pictures, as stored in the `.npy` format.
+//! Arrays of reference values and of pictures in the `.npy` format.
 
 use npyz::WriterBuilder;
 use std::io::{Error, ErrorKind, Read, Result};
 
-/// An array in C order: the last index moves fastest.
+/// An array in C order: the last index varies fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Array<T> {
     /// The length of each dimension.
     pub shape: Vec<u64>,
-    /// As many elements as the product of `shape`.
+    /// The elements, as many as the product of `shape`.
     pub data: Vec<T>,
 }
 
@@ -36,7 +36,7 @@ pub fn read_u8(source: impl Read) -> Result<Array<u8>> {
     read(source)
 }
 
-/// The file that holds these numbers, as many in a row as `columns`.
+/// Returns the content of a file with these numbers in rows of `columns`.
 ///
 /// # Errors
 /// If the last row is not full.

@@ -1,10 +1,10 @@
 //! The oracle: a rigorous `f64` enclosure of a function, at one exact point or over a box.
 //!
-//! It exists to contradict the evaluators, so it shares no arithmetic with them: every operation is
-//! done in round-to-nearest `f64` (elementary functions by CORE-MATH, which rounds correctly) and
-//! widened by one unit in the last place unless it is known to be exact. `f32`, derivatives and
-//! simplified graphs are deliberately unknown here. Over boxes its bounds are those of plain
-//! interval arithmetic, so what it says of a box is true but may be wide.
+//! It exists to contradict the evaluators, so it shares no arithmetic with them. Every operation is
+//! done in round-to-nearest `f64` and widened by one ulp unless it is known to be exact. Elementary
+//! functions come from CORE-MATH, which rounds correctly. `f32`, derivatives and simplified graphs
+//! are deliberately unknown here. Over boxes the bounds are those of plain interval arithmetic:
+//! correct, but perhaps wide.
 
 #[cfg(test)]
 mod box_tests;
@@ -25,16 +25,16 @@ use zeroset_ir::{Graph, Node, NodeId};
 /// Whether a function is defined at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Defined {
-    /// It certainly is.
+    /// It is certainly defined.
     Yes,
-    /// It certainly is not.
+    /// It is certainly undefined.
     No,
     /// `f64` arithmetic cannot tell.
     Unknown,
 }
 
 impl Defined {
-    /// Defined where both are.
+    /// Combines two operands: defined where both are.
     fn and(self, other: Self) -> Self {
         match (self, other) {
             (Self::No, _) | (_, Self::No) => Self::No,
@@ -43,7 +43,7 @@ impl Defined {
         }
     }
 
-    /// `Yes` if it must hold, `No` if it cannot, else `Unknown`.
+    /// Returns `Yes` if it must hold, `No` if it cannot, else `Unknown`.
     fn decide(must: bool, may: bool) -> Self {
         match (must, may) {
             (true, _) => Self::Yes,
@@ -53,18 +53,18 @@ impl Defined {
     }
 }
 
-/// What is certain of a function's value at a point.
+/// The oracle's claim about a function's value at a point.
 ///
-/// If the function is defined there, its exact real value lies between `lo` and `hi`; an infinite
-/// bound means that no `f64` is known to bound the value. Neither bound is ever NaN, `lo ≤ hi`,
-/// `lo < +∞` and `hi > −∞`. Where `defined` is [`Defined::No`] the bounds are −∞ and +∞.
+/// If the function is defined there, its exact real value lies between `lo` and `hi`. An infinite
+/// bound means that no `f64` is known to bound the value. Neither bound is ever NaN, `lo ≤ hi`, `lo
+/// < +∞` and `hi > −∞`. If `defined` is [`Defined::No`], the bounds are −∞ and +∞.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Claim {
     /// Lower bound.
     pub lo: f64,
     /// Upper bound.
     pub hi: f64,
-    /// Whether there is a value at all.
+    /// Whether the function has a value.
     pub defined: Defined,
 }
 
@@ -79,31 +79,31 @@ impl Claim {
     }
 }
 
-/// What is certain of a function over a box.
+/// The oracle's claim about a function over a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxClaim {
-    /// Bounds on all values that the function has there; [`Defined::Yes`] if it is defined
-    /// throughout, [`Defined::No`] if nowhere.
+    /// Bounds of all values in the box. [`Defined::Yes`] if the function is defined throughout,
+    /// [`Defined::No`] if nowhere.
     pub values: Claim,
-    /// Whether it is certainly defined and continuous throughout.
+    /// Whether the function is certainly defined and continuous throughout.
     pub continuous: bool,
 }
 
-/// A graph prepared for many points: constants are enclosed once.
+/// A graph prepared for many points: its constants are enclosed once.
 #[derive(Clone, Debug)]
 pub struct Oracle<'a> {
     graph: &'a Graph,
     roots: Vec<NodeId>,
-    /// Per node, whether a root needs it.
+    /// Whether a root needs the node, per node.
     needed: Vec<bool>,
-    /// Per node, its value if it is a constant.
+    /// Value of the node if it is a constant, per node.
     constants: Vec<Span>,
-    /// Per node, what it would be as an exponent.
+    /// Kind of the node as an exponent, per node.
     exponents: Vec<Exponent>,
 }
 
 impl<'a> Oracle<'a> {
-    /// Prepares the nodes that `roots` need. Give it the graph as typed, before simplification.
+    /// Prepares the nodes that `roots` need. The graph should be as typed, not simplified.
     ///
     /// # Panics
     /// If a root does not belong to `graph`.
@@ -132,18 +132,18 @@ impl<'a> Oracle<'a> {
         Self { graph, roots: roots.to_vec(), needed, constants, exponents }
     }
 
-    /// What is certain at `point`, one claim per root.
+    /// Returns what is certain at `point`, one claim per root.
     ///
-    /// `parameters` holds, by number, two bounds of each parameter's value. A parameter that is
-    /// missing, or whose bounds are not in order, may be any real; so may a coordinate that is not
-    /// finite. The calling thread must round to nearest, as Rust code always does.
+    /// `parameters` holds two bounds of each parameter's value, by number. A parameter that is
+    /// missing, or whose bounds are not in order, may be any real number. So may a coordinate that
+    /// is not finite. The calling thread must round to nearest, as Rust code always does.
     pub fn at(&self, point: [f64; 3], parameters: &[(f64, f64)]) -> Vec<Claim> {
         let claims = self.claims(point.map(Span::point), parameters);
         self.roots.iter().map(|id| claims[id.index()]).collect()
     }
 
-    /// What is certain over the box with these ranges of x, y and z, one claim per root.
-    /// `parameters` are as for [`Oracle::at`]; a range whose bounds are not in order stands for all
+    /// Returns what is certain over the box with these ranges of x, y and z, one claim per root.
+    /// `parameters` are as for [`Oracle::at`]. A range whose bounds are not in order contains all
     /// reals.
     pub fn over(&self, ranges: [(f64, f64); 3], parameters: &[(f64, f64)]) -> Vec<BoxClaim> {
         let claims = self.claims(ranges.map(|(lo, hi)| Span::new(lo, hi)), parameters);
@@ -169,7 +169,7 @@ impl<'a> Oracle<'a> {
         self.roots.iter().map(claim).collect()
     }
 
-    /// What is certain of each node.
+    /// Returns what is certain about each node.
     fn claims(&self, coordinates: [Span; 3], parameters: &[(f64, f64)]) -> Vec<Claim> {
         let nowhere = Claim::new(Span::ENTIRE, Defined::No);
         let mut claims: Vec<Claim> = Vec::with_capacity(self.graph.len());
@@ -201,7 +201,7 @@ impl<'a> Oracle<'a> {
     }
 }
 
-/// What is certain of each root at `point`: see [`Oracle::at`], which is faster for many points.
+/// Returns what is certain about each root at `point`. [`Oracle::at`] is faster for many points.
 ///
 /// # Panics
 /// If a root does not belong to `graph`.
@@ -214,9 +214,9 @@ pub fn enclose_at(
     Oracle::new(graph, roots).at(point, parameters)
 }
 
-/// Two `f64` around an integer; equal if it is one.
+/// Returns two `f64` around an integer, equal if it is one.
 fn around(integer: &BigInt) -> Span {
-    // The conversion rounds to within a unit in the last place; only exactness needs a check.
+    // The conversion rounds to within an ulp, so only exactness needs a check.
     let nearest = integer.to_f64().unwrap_or(f64::NAN);
     if BigInt::from_f64(nearest).as_ref() == Some(integer) {
         Span::point(nearest)

@@ -1,7 +1,6 @@
-//! What must hold of single inputs: fuzz targets call these with a fuzzer's bytes, tests with
-//! random ones.
+//! Properties that must hold for every input. Fuzz targets and tests check them on bytes.
 //!
-//! Each property draws its input from bytes or a seed, says how much it compared, and prints a
+//! Each property draws its input from bytes or a seed, returns how much it compared, and prints a
 //! failing case so that it can be reproduced. Which bytes are worth trying is not known here.
 
 mod agreement;
@@ -36,7 +35,7 @@ use crate::suite::{Failure, Tally};
 use crate::{Case, GraphOptions, Rng};
 use zeroset_ops::TABLE;
 
-/// A case of any size, adversarial or plain, with parameters or without.
+/// Returns a case of any size, adversarial or plain, with parameters or without.
 pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
     let options = GraphOptions {
         size: rng.u32(1..=largest),
@@ -47,20 +46,20 @@ pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
     Case::random(rng, &options)
 }
 
-/// Operations in the largest formula that a fuzzer's bytes make.
+/// Operations in the largest formula drawn from a fuzzer's bytes.
 const LARGEST: u32 = 24;
-/// Derivatives grow, so they are taken of shorter formulas.
+/// The same limit for formulas that are differentiated, since derivatives grow.
 const LARGEST_DIFFERENTIATED: u32 = 8;
 
-/// [`read_and_print`] of a text in any encoding.
+/// Checks [`read_and_print`] on a text in any encoding.
 ///
 /// # Errors
-/// What went wrong, and the text.
+/// A message about the failure, and the text.
 pub fn parse(data: &[u8]) -> Result<Tally, Failure> {
     read_and_print(data)
 }
 
-/// [`keep`] of a case that bytes choose.
+/// Checks [`keep`] on a case drawn from bytes.
 ///
 /// # Errors
 /// The contradiction, with a line that reproduces it.
@@ -70,10 +69,10 @@ pub fn simplify(data: &[u8]) -> Result<Tally, Failure> {
     keep(&case, &mut rng)
 }
 
-/// [`agree`] for a case, a kind of kernel and a precision that bytes choose.
+/// Checks [`agree`] on a case, a kind of kernel and a precision drawn from bytes.
 ///
 /// # Errors
-/// The first input on which they differ, with a smaller case that still does.
+/// The first input on which the evaluators differ, with a smaller case that still shows it.
 pub fn jit_vs_reference(data: &[u8]) -> Result<Tally, Failure> {
     /// Inputs per kernel.
     const INPUTS: usize = 32;
@@ -89,10 +88,10 @@ pub fn jit_vs_reference(data: &[u8]) -> Result<Tally, Failure> {
     }
 }
 
-/// [`enclose`] for a case and a precision that bytes choose.
+/// Checks [`enclose`] on a case and a precision drawn from bytes.
 ///
 /// # Errors
-/// The first contradiction, made smaller, with a line that reproduces it.
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn jit_vs_oracle(data: &[u8]) -> Result<Tally, Failure> {
     /// Boxes per kernel.
     const BOXES: usize = 16;
@@ -105,10 +104,10 @@ pub fn jit_vs_oracle(data: &[u8]) -> Result<Tally, Failure> {
     }
 }
 
-/// [`bound`] for a case, an evaluator and a precision that bytes choose.
+/// Checks [`bound`] on a case, an evaluator and a precision drawn from bytes.
 ///
 /// # Errors
-/// The first contradiction, made smaller, with a line that reproduces it.
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn slopes(data: &[u8]) -> Result<Tally, Failure> {
     /// Boxes per kernel.
     const BOXES: usize = 16;
@@ -119,7 +118,7 @@ pub fn slopes(data: &[u8]) -> Result<Tally, Failure> {
     ask(native, &case, &mut rng, BOXES)
 }
 
-/// [`contract`] for a case and a precision that bytes choose, or [`linear`] for an operation.
+/// Checks [`contract`] on a case or [`linear`] on an operation. Bytes choose it and the precision.
 ///
 /// # Errors
 /// The first contradiction.
@@ -142,19 +141,19 @@ pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
     Ok(Tally { compared: points, defined: planes })
 }
 
-/// [`picture`] of a scene that bytes choose.
+/// Checks [`picture`] on a scene drawn from bytes.
 ///
 /// # Errors
-/// The first false claim, with the arguments of `zeroset render` that show it.
+/// The first false claim, with arguments of `zeroset render` that show it.
 pub fn render(data: &[u8], draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>) -> Result<Tally, Failure> {
     let mut rng = Rng::from_bytes(data);
     Scene::random(&mut rng).map_or(Ok(Tally::default()), |scene| picture(&scene, draw))
 }
 
-/// [`vanish`] for a formula and a precision that bytes choose.
+/// Checks [`vanish`] on a formula and a precision drawn from bytes.
 ///
 /// # Errors
-/// The first zero denied.
+/// The first zero that the kernel denies.
 pub fn zeros(
     data: &[u8],
     single: MakeZeros<f32>,

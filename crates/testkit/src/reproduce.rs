@@ -1,7 +1,7 @@
-//! A failing case as one line that `zeroset eval` reads.
+//! Printing of a failing case as one line that `zeroset eval` reads.
 //!
-//! Numbers are written so that they read back exactly. What no formula can spell is named in a
-//! `note` of the line, not hidden.
+//! Numbers are written so that they read back exactly. Parts that no formula can express are listed
+//! in a `note` of the line.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -10,30 +10,30 @@ use zeroset_interval::Format;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_ops::Notation;
 
-/// Expressions of more nodes are split into definitions: far below what `zeroset_ir::display` cuts
-/// off, and what a parser takes for nesting without end.
+/// Greatest number of nodes in one expression; longer ones are split into definitions. It is far
+/// below the text limit of `zeroset_ir::display` and the nesting limit of the parser.
 const LONGEST_PIECE: usize = 100;
 
-/// Where a function was evaluated.
+/// The point or box at which a function was evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
-    /// At a point.
+    /// A point.
     At([f64; 3]),
-    /// Over a box: per axis, its lower and upper end.
+    /// A box: per axis, its lower and upper end.
     Box([[f64; 2]; 3]),
 }
 
 impl Place {
-    /// A box of `f32` or `f64`.
+    /// Returns the place for a box of `f32` or `f64`.
     pub fn over<T: Real>(region: &[[T; 2]; 3]) -> Self {
         Self::Box(region.map(|range| range.map(Into::into)))
     }
 }
 
-/// A line of JSON for `zeroset eval -`: the function `root` of `graph`, and where.
+/// Returns a line of JSON for `zeroset eval -`: the function `root` of `graph`, and the place.
 ///
-/// `parameters` are bounds by number. Sub-expressions that are used several times become
-/// definitions of their own, so the line is about as long as the graph.
+/// `parameters` holds the bounds of each parameter, by number. Sub-expressions that are used
+/// several times become definitions, so the line is about as long as the graph.
 ///
 /// ```
 /// use zeroset_ir::{Axis, Graph};
@@ -66,7 +66,7 @@ pub fn reproduce(graph: &Graph, root: NodeId, parameters: &[(f64, f64)], place: 
     }
 }
 
-/// [`reproduce`], for kernels of `T`.
+/// Like [`reproduce`], for kernels of `T`.
 ///
 /// # Panics
 /// If `root` does not belong to `graph`.
@@ -83,8 +83,8 @@ pub fn reproduce_in<T: Real>(
     }
 }
 
-/// The function `root` of `graph` as a text that reads back as the same function, or `None` if it
-/// holds something that cannot be typed.
+/// Returns the function `root` of `graph` as a text that reads back as the same function, or `None`
+/// if part of it cannot be typed.
 ///
 /// # Panics
 /// If `root` does not belong to `graph`.
@@ -101,7 +101,7 @@ fn quoted(value: f64) -> String {
     format!("\"{}\"", hexadecimal(value))
 }
 
-/// `value` as a hexadecimal float like `0x1.8p-3`, exactly; else `inf`, `-inf` or `nan`.
+/// Returns `value` exactly as a hexadecimal float like `0x1.8p-3`, or as `inf`, `-inf` or `nan`.
 pub fn hexadecimal(value: f64) -> String {
     if value.is_nan() {
         return "nan".to_owned();
@@ -123,10 +123,10 @@ pub fn hexadecimal(value: f64) -> String {
     format!("{sign}0x{whole}{point}{digits}p{exponent}")
 }
 
-/// Text under construction.
+/// A text under construction.
 ///
-/// What is used several times, and pieces too long for one line, are cut out: in the graph `pieces`
-/// they are parameters, called by the name of their definition.
+/// Shared sub-expressions and expressions too long for one line become definitions. In the graph
+/// `pieces` each is a parameter with the name of its definition.
 #[derive(Default)]
 struct Document {
     pieces: Graph,
@@ -136,7 +136,7 @@ struct Document {
 }
 
 impl Document {
-    /// A new parameter of `pieces`, and its name.
+    /// Adds a parameter to `pieces` and returns it with its name.
     fn name(&mut self, prefix: &str, number: usize) -> (NodeId, String) {
         let name = letters(prefix, number);
         self.names.push(name.clone());
@@ -177,7 +177,7 @@ impl Document {
     }
 }
 
-/// The formula with its definitions, and what in it cannot be typed.
+/// Returns the formula with its definitions, and notes on the parts that cannot be typed.
 fn document(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> (String, BTreeSet<String>) {
     let needed = graph.reachable(&[root]);
     let mut uses = vec![0_u32; graph.len()];
@@ -187,7 +187,7 @@ fn document(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> (String, 
         }
     }
     let mut document = Document::default();
-    // Per node, its copy among the pieces and how many nodes its text spells out.
+    // Per node: its copy in `pieces`, and the number of nodes that its text spells out.
     let mut copies: Vec<(NodeId, usize)> = Vec::with_capacity(graph.len());
     let origin = document.pieces.variable(Axis::X);
     for (id, node) in graph.iter() {
@@ -221,20 +221,20 @@ fn document(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> (String, 
     (document.definitions + &formula, document.notes)
 }
 
-/// A name of letters only, since digits after a letter would read as a lost exponent.
+/// Returns a name of letters only, since digits after a letter would read as a lost exponent.
 fn letters(prefix: &str, mut number: usize) -> String {
     let mut name = prefix.to_owned();
     loop {
         name.push(char::from(b'a' + (number % 16) as u8));
         number /= 16;
         if number == 0 {
-            // No name of the language ends like that.
+            // No name of the language ends in q.
             return name + "q";
         }
     }
 }
 
-/// All digits of a finite float.
+/// Returns all digits of a finite float.
 fn decimal(value: f64) -> String {
     // The least subnormal ends at the 1074th digit.
     let digits = format!("{value:.1074}");

@@ -31,7 +31,7 @@ pub type Make<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, 
 pub struct Tally {
     /// Number of comparisons of a kernel's result with an oracle's claim.
     pub compared: u64,
-    /// Number of those where the function is certainly defined, so that values were compared.
+    /// Number of comparisons where the function is certainly defined, so that values were compared.
     pub defined: u64,
 }
 

@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// What is kept of pictures at most: one is traced while the last one is shown, and a layer beside
 /// what it is merged into.
-pub(crate) const PICTURES: usize = 2;
+pub const PICTURES: usize = 2;
 
 /// Room for so many times what is wanted is far too large, but for what is small anyway.
 const ROOMY: usize = 4;
@@ -16,18 +16,19 @@ const LEAST: usize = 1 << 12;
 
 /// Whether room serves for so much; what is far too large is given back to the system, so that a
 /// large picture leaves nothing behind once small ones follow.
-pub(crate) fn serves(room: usize, wanted: usize) -> bool {
+pub fn serves(room: usize, wanted: usize) -> bool {
     (wanted..=ROOMY * wanted.max(LEAST)).contains(&room)
 }
 
 /// Memory of one kind.
-pub(crate) struct BufferPool<T> {
+pub struct BufferPool<T> {
     kept: Mutex<Vec<T>>,
     /// How much of it is kept at most.
     most: usize,
 }
 
 impl<T> BufferPool<T> {
+    /// A pool that keeps at most `most` buffers.
     pub const fn new(most: usize) -> Self {
         Self { kept: Mutex::new(Vec::new()), most }
     }

@@ -2,18 +2,17 @@
 //!
 //! How a ray is followed is not known here.
 
-use crate::camera::Ray;
 use crate::gbuffer::{GBuffer, Kept};
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
-use crate::light::Light;
 use crate::method::{Segment, Start, Tracer};
-use crate::occlusion::{TURNS, turn};
 use crate::ray_result::RayResult;
 use crate::rows::{Rows, work_on};
 use crate::squares::RAYS;
+use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::Cell;
+use zeroset_space::Ray;
 
 /// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the
 /// side of its squares.
@@ -103,15 +102,16 @@ impl Driver<'_> {
         work
     }
 
-    /// Adds to `buffer.shadow` which painted points do not see the light: that of `lights` whose
-    /// turn it is, in squares of as many pixels. What is dark already is not asked about. A ray
+    /// Adds to `buffer.shadow` which painted points do not see the light. `towards` gives, for a
+    /// pixel's column and row and its point, the unit vector to the light and the distance. Points
+    /// that are dark already are left out. A ray
     /// starts `offset` away from its point (in world units), and what it meets before it is clear
     /// of that surface does not count: otherwise a surface would shade itself wherever enclosures
     /// are wide.
     pub fn shadows(
         &self,
         buffer: &mut GBuffer,
-        lights: &[Light; TURNS],
+        towards: impl Fn([usize; 2], DVec3) -> (DVec3, f64) + Sync,
         offset: f64,
     ) -> KernelStats {
         buffer.shadow.resize(buffer.status.len(), 0);
@@ -120,9 +120,9 @@ impl Driver<'_> {
         let width = self.rays.width();
         let segment = |pixel: usize| {
             let [column, row] = [pixel % width, pixel / width];
-            let (light, ray) = (&lights[turn([column, row])], self.rays.ray(column, row));
+            let ray = self.rays.ray(column, row);
             let t = ray.parameter(buffer.drawn[pixel]);
-            let (way, distance) = light.towards(ray.at(t));
+            let (way, distance) = towards([column, row], ray.at(t));
             // Off the surface on the side of the eye, then along the light.
             let origin = ray.at(t - ray.parameter(offset)) + way * offset;
             // That something is in the way is enough.

@@ -1,6 +1,6 @@
 //! The grid of rays of one picture: a camera together with a size in pixels.
 
-use crate::camera::{Basis, Camera, Projection, Ray};
+use crate::camera::{Basis, Camera, Projection};
 use crate::painted::Window;
 use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
@@ -8,9 +8,10 @@ use glam::{DVec3, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
+use zeroset_space::Ray;
 
 /// Pixels on the side of a [`Patch`].
-pub(crate) const SIDE: usize = LANES.isqrt();
+pub const SIDE: usize = LANES.isqrt();
 
 /// A square of 4×4 pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,10 +34,10 @@ pub struct RayGrid {
     /// in halves of a pixel.
     first: [i64; 2],
     /// Columns and rows of the picture before this part of it.
-    pub(crate) corner: [usize; 2],
+    pub corner: [usize; 2],
     /// What no screen coordinate exceeds: half the width and height of the whole picture that this
     /// is a part of, so that parts are traced as the whole is.
-    pub(crate) reach: [f64; 2],
+    pub reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
     /// In `f32`, since that is asked for at every window: the direction of view, and what a ray's
@@ -45,9 +46,9 @@ pub struct RayGrid {
     steps: [Vec3; 3],
     /// Half a pixel's height, which is half the distance of neighbouring pixels' screen
     /// coordinates: on the plane at distance 1, or in world units if parallel.
-    pub(crate) unit: f64,
+    pub unit: f64,
     /// Whether the picture is orthographic.
-    pub(crate) parallel: bool,
+    pub parallel: bool,
     patches: Option<Arc<[Patch]>>,
 }
 
@@ -104,13 +105,13 @@ impl RayGrid {
 
     /// The patch in this row, if these are the rays of patches.
     #[inline]
-    pub(crate) fn patch(&self, row: usize) -> Option<Patch> {
+    pub fn patch(&self, row: usize) -> Option<Patch> {
         self.patches.as_ref().map(|patches| patches[row])
     }
 
     /// Whether these are the rays of patches.
     #[inline]
-    pub(crate) fn is_patched(&self) -> bool {
+    pub fn is_patched(&self) -> bool {
         self.patches.is_some()
     }
 
@@ -186,7 +187,7 @@ impl RayGrid {
     /// ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin
     /// is moved so.
     #[inline]
-    pub(crate) fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
+    pub fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
         let [across, upward] = self.first;
         [across + columns as i64, upward - rows as i64].map(|place| place as f64 * self.unit)
     }
@@ -194,7 +195,7 @@ impl RayGrid {
     /// [Screen coordinates](Self::screen) of four points along an axis, by the sum of two columns,
     /// or of two rows, and by what that grows from one to the next.
     #[inline(always)]
-    pub(crate) fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
+    pub fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
         let [across, upward] = self.first;
         // Integers until the last step.
         let (first, step) = if axis == 0 {
@@ -214,7 +215,7 @@ impl RayGrid {
 
     /// About how wide a pixel is where a ray's t is 0, and how much that grows with t, in units of
     /// t.
-    pub(crate) fn pixel(&self) -> [f64; 2] {
+    pub fn pixel(&self) -> [f64; 2] {
         let width = 2.0 * self.unit;
         if self.parallel { [width, 0.0] } else { [0.0, width] }
     }
@@ -257,7 +258,7 @@ impl RayGrid {
     /// The points at these distances in world units on the rays of a window:
     /// `ray.at(ray.parameter(distance))`, bit for bit.
     #[inline(always)]
-    pub(crate) fn points<S: Simd>(
+    pub fn points<S: Simd>(
         &self,
         simd: S,
         window: Window,
@@ -296,7 +297,7 @@ impl RayGrid {
     /// Which way the rays of a window go, to some units in the last place of `f32`, which is enough
     /// for colors.
     #[inline(always)]
-    pub(crate) fn ways<S: Simd>(&self, simd: S, window: Window) -> Ways<S> {
+    pub fn ways<S: Simd>(&self, simd: S, window: Window) -> Ways<S> {
         let [forward, right, up] = self.steps;
         // In halves of a pixel: integers, so that a part of a picture has the same ways as the
         // whole.
@@ -332,7 +333,7 @@ impl RayGrid {
     /// They are off by some units in the last place of `f32`, of a point's coordinates or of how
     /// far it is from the ray through the picture's middle: by far less than a pixel.
     #[inline(always)]
-    pub(crate) fn points_along<S: Simd>(
+    pub fn points_along<S: Simd>(
         &self,
         simd: S,
         ways: &Ways<S>,
@@ -356,7 +357,7 @@ impl RayGrid {
 
 /// Which way the rays of a window go.
 #[derive(Clone, Copy)]
-pub(crate) struct Ways<S: Simd> {
+pub struct Ways<S: Simd> {
     /// The unit vectors from what is seen to where it is seen from.
     pub to_eye: [f32x16<S>; 3],
     /// How far a ray is from that through the middle of the whole picture: at the same distance

@@ -5,15 +5,15 @@
 //! [`Driver`](crate::Driver)'s.
 
 use crate::band::Band;
-use crate::camera::Ray;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::ray_result::RayResult;
-use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::squares::{RAYS, patches, squares};
 use std::fmt;
 use zeroset_eval::{KernelError, SurfaceKernels};
+use zeroset_space::Ray;
+use zeroset_space::Region;
 
 /// A way to find where rays first meet a surface: a row of [`METHODS`](crate::METHODS).
 #[derive(Clone, Copy)]

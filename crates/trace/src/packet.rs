@@ -6,12 +6,12 @@
 //! floats with explicit slack, and encloses the exact rays.
 
 use crate::method::Segment;
-use crate::region::Region;
 use crate::scalar::Scalar;
 use crate::simd_chunks::{Chunk, parts};
 use fearless_simd::prelude::*;
 use glam::DVec3;
 use zeroset_eval::{Boxes, LANES, Lanes, Segments};
+use zeroset_space::Region;
 
 /// The most rays in a packet.
 pub(crate) const RAYS: usize = LANES;

@@ -8,11 +8,11 @@ use zeroset_eval::LANES;
 
 /// Rows whose looks one thread deals with at a time: few enough for the nearest caches. Windows are
 /// the same whatever the number of threads.
-pub(crate) const BAND: usize = 8;
+pub const BAND: usize = 8;
 
 /// Pixels side by side, a lane each. The window may stick out of the row, and of the picture.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Window {
+pub struct Window {
     /// Of the first pixel, counted from the left edge of the picture.
     pub column: usize,
     /// Counted from its top.
@@ -24,7 +24,7 @@ pub(crate) struct Window {
 }
 
 /// All lanes.
-pub(crate) const FULL: u32 = (1 << LANES) - 1;
+pub const FULL: u32 = (1 << LANES) - 1;
 
 impl Window {
     /// The lanes that are wanted.
@@ -101,7 +101,7 @@ impl Window {
 
 /// The lanes for which something holds, as bits.
 #[inline]
-pub(crate) fn bits(holds: impl Fn(usize) -> bool) -> u32 {
+pub fn bits(holds: impl Fn(usize) -> bool) -> u32 {
     let (mut any, mut all) = (false, true);
     for lane in 0..LANES {
         any |= holds(lane);
@@ -117,7 +117,7 @@ pub(crate) fn bits(holds: impl Fn(usize) -> bool) -> u32 {
 
 /// The places of the bits that are set: the other way round.
 #[inline]
-pub(crate) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
+pub fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
         bits &= bits.wrapping_sub(1);
@@ -127,7 +127,7 @@ pub(crate) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
 
 /// Windows over all that is painted in a band that begins in row `first` of a picture of this
 /// width, given what its pixels are and how far. Each starts with a painted pixel; no two overlap.
-pub(crate) fn windows(
+pub fn windows(
     vectors: Level,
     status: &[Status],
     drawn: &[f64],
@@ -175,7 +175,7 @@ fn look<S: Simd>(
 
 /// Whether nothing is painted, since all of these are misses.
 #[inline]
-pub(crate) fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
+pub fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
     status.iter().fold(0, |any, status| any | *status as u8) == Status::Miss as u8
 }
 

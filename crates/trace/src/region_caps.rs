@@ -3,16 +3,16 @@
 //! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region
 //! already inside it.
 
-use crate::camera::Ray;
 use crate::driver::BAND_ROWS;
 use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
-use crate::region::{Entry, Region};
 use crate::rows::{Rows, work_on};
 use zeroset_eval::{Boxes, Enclose, Kernel, LANES, Real};
 use zeroset_interval::{Facts, Interval};
+use zeroset_space::Ray;
+use zeroset_space::{Entry, Region};
 
 /// Rays that are asked about at a time.
 const BATCH: usize = 256;
@@ -143,9 +143,9 @@ fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> Interval 
 mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
-    use crate::region::HalfSpace;
     use glam::DVec3;
     use zeroset_eval::Enclosures;
+    use zeroset_space::HalfSpace;
 
     /// The half-space x ≤ 0.25, as the function x − 0.25.
     struct LeftHalf;

@@ -6,7 +6,6 @@ use crate::gbuffer::{GBuffer, PixelCounts, distance};
 use crate::kernel_stats::KernelStats;
 use crate::painted::{Window, are_misses, windows};
 use crate::ray_result::{Status, UndecidedReason};
-use crate::shade::Seen;
 use crate::surface_ids::Numbers;
 use fearless_simd::{Level, Simd, dispatch};
 use std::cell::Cell;
@@ -38,7 +37,54 @@ pub struct Rows<'a> {
     pub(crate) occlusion: &'a mut [u8],
 }
 
+/// The columns of a G-buffer that shading reads, for neighbouring pixels.
+#[derive(Clone, Copy)]
+pub struct Columns<'a> {
+    /// [`GBuffer::status`].
+    pub status: &'a [Status],
+    /// [`GBuffer::drawn`].
+    pub drawn: &'a [f64],
+    /// [`GBuffer::surface`].
+    pub surface: Numbers<'a>,
+    /// [`GBuffer::normal`]; may be empty.
+    pub normal: &'a [[f32; 3]],
+    /// [`GBuffer::cap`]; may be empty.
+    pub cap: &'a [bool],
+    /// [`GBuffer::shadow`]; may be empty.
+    pub shadow: &'a [u8],
+    /// [`GBuffer::occlusion`]; may be empty.
+    pub occlusion: &'a [u8],
+}
+
 impl GBuffer {
+    /// The columns that shading reads, for a range of pixels.
+    ///
+    /// # Panics
+    /// If there are no such pixels.
+    pub fn columns(&self, pixels: Range<usize>) -> Columns<'_> {
+        Columns {
+            status: &self.status[pixels.clone()],
+            drawn: &self.drawn[pixels.clone()],
+            surface: self.surface.part(pixels.clone()),
+            normal: &self.normal[pixels.clone()],
+            cap: self.cap.get(pixels.clone()).unwrap_or_default(),
+            shadow: self.shadow.get(pixels.clone()).unwrap_or_default(),
+            occlusion: self.occlusion.get(pixels).unwrap_or_default(),
+        }
+    }
+
+    /// Does `work` on each part of so many rows, on all threads, and returns what it took.
+    ///
+    /// # Panics
+    /// As `work`, once the other threads are done.
+    pub fn each_rows(
+        &mut self,
+        rows: usize,
+        work: impl Fn(Rows<'_>) -> KernelStats + Sync,
+    ) -> KernelStats {
+        work_on(self.rows(rows), work)
+    }
+
     /// The picture in parts of so many rows each, from the top; the last may have fewer.
     pub(crate) fn rows(&mut self, rows: usize) -> Vec<Rows<'_>> {
         let width = self.width.max(1);
@@ -122,7 +168,7 @@ impl Rows<'_> {
     }
 
     /// Their pixels, counted from the picture's first.
-    pub(crate) fn pixels(&self) -> Range<usize> {
+    pub fn pixels(&self) -> Range<usize> {
         let first = self.first * self.width;
         first..first + self.status.len()
     }
@@ -157,13 +203,14 @@ impl Rows<'_> {
     }
 
     /// Where they are painted.
-    pub(crate) fn windows(&self) -> Vec<Window> {
+    pub fn windows(&self) -> Vec<Window> {
         windows(Level::new(), self.status, self.drawn, self.first, self.width)
     }
 
-    /// What is to be lit: where normals go, and all else that counts.
-    pub(crate) fn seen(&mut self) -> (&mut [[f32; 3]], Seen<'_>) {
-        let seen = Seen {
+    /// Where normals go, empty if they are not kept, and the columns that shading reads. The
+    /// columns' own normals are empty.
+    pub fn columns(&mut self) -> (&mut [[f32; 3]], Columns<'_>) {
+        let columns = Columns {
             status: self.status,
             drawn: self.drawn,
             surface: self.surface,
@@ -171,9 +218,8 @@ impl Rows<'_> {
             cap: self.cap,
             shadow: self.shadow,
             occlusion: self.occlusion,
-            paint: &[],
         };
-        (self.normal, seen)
+        (self.normal, columns)
     }
 
     /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is

@@ -55,27 +55,3 @@ impl<S: Simd, V: SimdBase<S>> Chunk<S, V> {
         (mask.to_bitmask() as u16) << self.first
     }
 }
-
-/// Whether with such vectors a product to which something is added is not rounded before.
-#[cfg(test)]
-pub(crate) fn is_fused(level: fearless_simd::Level) -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return level.as_avx2().is_some();
-    #[cfg(not(target_arch = "x86_64"))]
-    return !level.is_fallback();
-}
-
-/// All widths of vectors that this processor has: what is computed in them does not hang on it,
-/// where they are [fused](is_fused).
-#[cfg(test)]
-pub(crate) fn levels() -> Vec<fearless_simd::Level> {
-    use fearless_simd::Level;
-    let best = Level::new();
-    #[allow(unused_mut, reason = "other processors have one kind")]
-    let mut levels = vec![Level::baseline(), best];
-    #[cfg(target_arch = "x86_64")]
-    levels.extend(
-        best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)),
-    );
-    levels
-}

@@ -31,13 +31,13 @@ impl SurfaceIds {
     }
 
     /// Keeps only some pixels.
-    pub(crate) fn crop(&mut self, pixels: &Range<usize>) {
+    pub fn crop(&mut self, pixels: &Range<usize>) {
         self.each.truncate(pixels.end);
         self.each.drain(..pixels.start.min(self.each.len()));
     }
 
     /// Those of some pixels.
-    pub(crate) fn part(&self, pixels: Range<usize>) -> Numbers<'_> {
+    pub fn part(&self, pixels: Range<usize>) -> Numbers<'_> {
         Numbers { all: self.all, each: self.each.get(pixels).unwrap_or_default() }
     }
 }
@@ -52,7 +52,8 @@ impl Index<usize> for SurfaceIds {
 
 /// The numbers of neighbouring pixels.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Numbers<'a> {
+pub struct Numbers<'a> {
+    /// The number of all pixels, if `each` is empty.
     pub all: u16,
     /// Empty if all have that number.
     pub each: &'a [u16],

@@ -1,20 +1,20 @@
-//! A live picture without a window.
+//! Helpers for tests of the live picture without a window.
 
 use std::sync::Arc;
 use std::time::Duration;
-use zeroset::live::{Live, Rendering, Request};
-use zeroset::picture::Settings;
+use zeroset_live::{Live, Rendering, Request};
+use zeroset_render::picture::Settings;
 
-/// Longer than anything here takes on a slow machine that does other things as well.
+/// Time limit far above every duration here, even on a slow and busy machine.
 pub const LIMIT: Duration = Duration::from_mins(1);
 
-/// Of `text`, in a picture of `side` by `side` pixels.
+/// A live picture of `text` with `side` by `side` pixels.
 pub fn start(text: &str, side: usize) -> Live {
     let settings = Settings { width: side, height: side, ..Settings::default() };
     Live::new(Request { text: text.into(), settings, ..Request::default() })
 }
 
-/// The finished picture.
+/// Waits for the final picture, and returns it.
 pub fn settled(live: &Live) -> Arc<Rendering> {
     assert!(live.wait(LIMIT), "the picture does not settle");
     let view = live.snapshot();

@@ -1,20 +1,21 @@
-//! The program as the properties of `testkit` see it: a scene becomes claims about rays, a formula
-//! becomes a kernel.
+//! Adapter from the program to the properties of `testkit`: scenes become claims about rays, and
+//! formulas become kernels.
 //!
 //! Fuzz targets include this file.
 
 use glam::DVec3;
-use zeroset::model::render;
-use zeroset::picture::{Picture, Precision, Settings};
-use zeroset::program::Program;
 use zeroset_eval::{Boxes, FindZeros, Kernel, KernelFloat, Zeros};
 use zeroset_interval::Interval;
+use zeroset_render::model::render;
+use zeroset_render::picture::{Picture, Precision, Settings};
+use zeroset_scene::program::Program;
+use zeroset_space::Region;
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
-use zeroset_trace::{Camera, METHODS, Method, Projection, Region, Status};
+use zeroset_trace::{Camera, METHODS, Method, Projection, Status};
 
-/// What pictures of a scene by each method say of each pixel's ray; `None` if its camera is
-/// impossible or its formula has no surface.
+/// The claims of each method's picture about each pixel's ray. `None` if the scene's camera is
+/// invalid or its formula has no surface.
 #[allow(dead_code)] // each fuzz target needs one of the two
 pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     let mut pixels = Vec::new();
@@ -25,7 +26,7 @@ pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     Some(pixels)
 }
 
-/// A picture of a scene, in which brackets are kept.
+/// A picture of a scene, with brackets.
 pub fn picture(scene: &Scene, method: &'static Method) -> Option<(Camera, Picture)> {
     picture_with(scene, method, true)
 }
@@ -63,7 +64,7 @@ pub fn picture_with(
     Some((camera, picture))
 }
 
-/// What a picture says of each pixel's ray.
+/// The claims of a picture about each pixel's ray.
 pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
     let [width, height] = scene.size;
     let frame = camera.rays(width, height);
@@ -82,7 +83,7 @@ pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
             Status::Undecided => Claimed::Undecided(ray.parameter(distance)),
         };
         let hit = (buffer.status[index] == Status::Hit).then(|| {
-            // Where floats are short of digits brackets are wider than what was asked for.
+            // At the limit of precision, brackets are wider than the tolerance.
             let [near, far] = buffer.bracket[index];
             let room = scene.tolerance * frame.footprint(drawn) + (far - near);
             let ends = [drawn - room, drawn + room].map(|end| ray.parameter(end));
@@ -96,7 +97,7 @@ pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
 /// The kernel that decides where a formula may vanish; `None` if it has no surface.
 ///
 /// # Panics
-/// If its code does not compile.
+/// If the kernel does not compile.
 #[allow(dead_code)] // each fuzz target needs one of the two
 pub fn zero_kernel<T: KernelFloat>(formula: &Formula) -> Option<Box<dyn Kernel<FindZeros, T>>> {
     let domain = formula.region.map(|[lo, hi]| Interval { lo, hi });
@@ -105,7 +106,7 @@ pub fn zero_kernel<T: KernelFloat>(formula: &Formula) -> Option<Box<dyn Kernel<F
     Some(Box::new(First(program)))
 }
 
-/// A program's first surface.
+/// The first surface of a program, as a kernel.
 struct First(Program);
 
 impl<T: KernelFloat> Kernel<FindZeros, T> for First {

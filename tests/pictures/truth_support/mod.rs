@@ -1,37 +1,37 @@
-//! The exact first roots of `tests/data/truth` and `tests/data/stability`, which were found without
-//! this project's code.
+//! The exact first roots of `tests/data/truth` and `tests/data/stability`, which were computed
+//! without this project's code.
 
 pub mod table;
 
 use serde::Deserialize;
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use zeroset::picture::Precision;
+use zeroset_render::picture::Precision;
 
-/// Pixels on the side of every picture of the reference.
+/// Side of every reference picture, in pixels.
 pub const SIDE: usize = 64;
 
-/// What is known of one surface.
+/// The reference of one surface.
 pub struct Truth {
     pub view: View,
-    /// Row by row from the top.
+    /// Pixels row by row from the top.
     pub pixels: Vec<Pixel>,
 }
 
-/// From where a surface is looked at.
+/// The view of a surface.
 #[derive(Deserialize)]
 pub struct View {
     pub slug: String,
-    /// Lower and upper bound of x, y and z.
+    /// Lower and upper bounds of x, y and z, in that order.
     pub domain: [f64; 6],
     pub eye: [f64; 3],
     pub target: [f64; 3],
     pub up: [f64; 3],
-    /// Vertical, in degrees.
+    /// Vertical field of view, in degrees.
     pub fov: f64,
 }
 
-/// What is known of one ray. Distances are from the eye, in world units.
+/// The reference of one ray. Distances are from the eye, in world units.
 #[derive(Clone, Copy, Debug)]
 pub struct Pixel {
     /// The first root at which the function changes sign; infinite if there is none.
@@ -42,20 +42,20 @@ pub struct Pixel {
     pub open: bool,
 }
 
-/// Bits of `pixels.npy`.
+/// Flags in `pixels.npy`.
 const CROSSES: u8 = 1;
 const TOUCHES: u8 = 2;
 const OPEN: u8 = 4;
 
-/// Roots of `sin(40/x)-y` that the reference has wrong by up to 1.2e-8, by ray: there a millionth
-/// in the function is a whole wave. These are from arithmetic of 50 digits.
+/// Corrected roots of `sin(40/x)-y`, by ray, from arithmetic with 50 digits. The reference is wrong
+/// by up to 1.2e-8 at these, where a distance of a millionth is a whole wave.
 const CORRECTED: [(&str, usize, f64); 2] = [
     ("essential-fast", 18 * SIDE + 38, 8.371_880_956_302_741),
     ("essential-fast", 41 * SIDE + 16, 6.423_417_971_048_07),
 ];
 
-/// Room for what distances are off: in `f32` by a part in 2²⁴, and in both for the last digits of
-/// the reference's own rays.
+/// Tolerance of distances: one part in 2²⁴ for `f32`, and the rounding of the reference's rays for
+/// both precisions.
 pub fn rounding(precision: Precision) -> f64 {
     match precision {
         Precision::Auto | Precision::F32 => 1e-6,
@@ -63,8 +63,8 @@ pub fn rounding(precision: Precision) -> f64 {
     }
 }
 
-/// Compares what was found with a file of what had been found before, line by line;
-/// `ZEROSET_BLESS=1` writes it instead.
+/// Compares results with a stored file line by line. With `ZEROSET_BLESS=1` it writes the file
+/// first.
 pub fn compare(name: &str, found: &str) {
     let path = path(name);
     if std::env::var_os("ZEROSET_BLESS").is_some() {
@@ -77,12 +77,12 @@ pub fn compare(name: &str, found: &str) {
     assert_eq!(found.lines().count(), expected.lines().count(), "{}", path.display());
 }
 
-/// A file or directory of the reference.
+/// Path of a reference file or directory.
 pub fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
 }
 
-/// Everything that is known in a directory of the reference, in the order of its `index.json`.
+/// The references in a directory, in the order of its `index.json`.
 pub fn read(directory: &str) -> Vec<Truth> {
     let file = |name: &str| format!("{directory}/{name}");
     let index = File::open(path(&file("index.json"))).expect("an index");

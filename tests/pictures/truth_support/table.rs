@@ -1,26 +1,26 @@
-//! What the method `knoll` makes of the gallery, as a table of text.
+//! A text table of the method `knoll`'s results on the gallery.
 
 use crate::truth_support::Truth;
 use std::fmt::{Display, Formatter, Result};
 use zeroset_trace::{GBuffer, Status};
 
-/// One surface: how many rays there are of each kind, and how far from the first root they are
-/// painted.
+/// Results of one surface: the number of rays of each kind, and the distances of painted points
+/// from first roots.
 pub struct Row {
     slug: String,
     counts: [usize; KINDS.len()],
-    /// The rays of each listed kind, as (column, row).
+    /// Column and row of the rays of each listed kind.
     listed: [Vec<(usize, usize)>; KINDS.len()],
     /// Distances between the painted point and the first root, in world units, sorted.
     errors: Vec<f64>,
-    /// 2^−depth of the domain's largest extent.
+    /// Thickness of a slab: 2^−depth of the domain's largest extent.
     slab: f64,
 }
 
-/// All surfaces.
+/// The table, with a row for each surface.
 pub struct Table<'a>(pub &'a [Row]);
 
-/// What is known of a ray, and what the picture says.
+/// The reference and the picture's result for a ray.
 struct Ray {
     open: bool,
     zero: f64,
@@ -28,7 +28,8 @@ struct Ray {
     status: Status,
     distance: f64,
     drawn: f64,
-    /// How far behind the start of the slab that is drawn a root may be painted, in world units.
+    /// Distance behind the start of the drawn slab within which its root is painted, in world
+    /// units.
     reach: f64,
 }
 
@@ -36,7 +37,7 @@ struct Ray {
 struct Kind {
     head: &'static str,
     meaning: &'static str,
-    /// Whether its rays are listed one by one below the table.
+    /// Whether the rays are listed one by one below the table.
     listed: bool,
     holds: fn(&Ray) -> bool,
 }
@@ -125,14 +126,14 @@ impl Ray {
         self.drawn.is_finite()
     }
 
-    /// Whether the painted point is in another slab than what is undecided first.
+    /// Whether the painted point is in a later slab than the first undecided one.
     fn is_behind(&self) -> bool {
         self.painted() && self.distance + self.reach < self.drawn
     }
 }
 
 impl Row {
-    /// Compares a picture at `depth` with what is known.
+    /// Compares a picture at `depth` with the reference.
     pub fn new(truth: &Truth, buffer: &GBuffer, depth: u32) -> Self {
         let domain = &truth.view.domain;
         let extent = domain.chunks(2).map(|range| range[1] - range[0]).fold(0.0, f64::max);
@@ -151,11 +152,12 @@ impl Row {
                 status: buffer.status[index],
                 distance: buffer.distance(index),
                 drawn: buffer.drawn[index],
-                // Two slabs, and along a ray each is at most four times as long as along its axis.
+                // The reach is two slabs, each at most four times as long along a ray as along its
+                // axis.
                 reach: 8.0 * row.slab,
             };
             for (number, kind) in KINDS.iter().enumerate() {
-                // The first kind is of the rays of which nothing is known.
+                // Open rays count only in the first kind.
                 if (number == 0 || !ray.open) && (kind.holds)(&ray) {
                     row.counts[number] += 1;
                     if kind.listed {
@@ -171,13 +173,13 @@ impl Row {
         row
     }
 
-    /// The number of rays in the column with this head.
+    /// The number of rays in the column named `head`.
     pub fn count(&self, head: &str) -> usize {
         let number = KINDS.iter().position(|kind| kind.head == head);
         self.counts[number.expect("a column")]
     }
 
-    /// The (upper) middle and the largest error; `None` if no ray has one.
+    /// The upper median and the largest error; `None` if no ray has one.
     fn error(&self) -> Option<(f64, f64)> {
         Some((*self.errors.get(self.errors.len() / 2)?, *self.errors.last()?))
     }

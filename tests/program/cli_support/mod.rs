@@ -1,18 +1,18 @@
-//! Running the real binary in a directory of its own, with a limit on its time.
+//! Runs the real binary in a temporary directory, with a time limit.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longer than anything here takes on a slow machine that does other things as well.
+/// Time limit far above every duration here, even on a slow and busy machine.
 const LIMIT: Duration = Duration::from_mins(1);
 
-/// A directory that is removed at the end, and in which the program runs.
+/// A temporary directory, in which the program runs.
 pub struct Place {
     directory: tempfile::TempDir,
 }
 
-/// What a run left behind.
+/// The result of a run.
 pub struct Run {
     pub code: Option<i32>,
     pub stdout: Vec<u8>,
@@ -33,7 +33,7 @@ impl Place {
         self.path(name)
     }
 
-    /// The names in the directory, sorted.
+    /// The file names in the directory, sorted.
     pub fn files(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.directory.path()).expect("a directory");
         let mut names: Vec<String> = entries
@@ -43,9 +43,9 @@ impl Place {
         names
     }
 
-    /// Runs `zeroset` with these arguments and this input.
+    /// Runs `zeroset` with these arguments and this standard input.
     pub fn run_with(&self, arguments: &[impl AsRef<std::ffi::OsStr>], input: &[u8]) -> Run {
-        // Files, not pipes: neither side can block the other.
+        // With files instead of pipes, neither side can block the other.
         let outside = tempfile::tempdir().expect("a temporary directory");
         let file = |name: &str| outside.path().join(name);
         std::fs::write(file("in"), input).expect("written");
@@ -84,7 +84,7 @@ impl Place {
 }
 
 impl Run {
-    /// The run, if it succeeded.
+    /// Returns the run, and asserts that it succeeded.
     pub fn ok(self) -> Self {
         assert_eq!(self.code, Some(0), "{}", self.stderr);
         self

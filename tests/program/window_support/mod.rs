@@ -1,4 +1,4 @@
-//! A display, a window on it, and a terminal for its prompt: all real, but seen by nobody.
+//! A virtual display with a real window, and a pseudo-terminal for its prompt.
 
 pub mod scene;
 #[cfg(feature = "sixel")]
@@ -15,11 +15,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Longer than anything here takes on a slow machine that does other things as well.
+/// Time limit far above every duration here, even on a slow and busy machine.
 pub const LIMIT: Duration = Duration::from_mins(1);
 
-/// Whether these programs are there. Under CI they must be; elsewhere a test that needs them is
-/// skipped, and says so.
+/// Whether these programs are installed. If not, this panics under CI, and elsewhere reports that
+/// the test is skipped.
 pub fn have(programs: &[&str]) -> bool {
     let found = |program: &&str| {
         let path = std::env::var_os("PATH").unwrap_or_default();
@@ -34,7 +34,7 @@ pub fn have(programs: &[&str]) -> bool {
     false
 }
 
-/// Waits until something holds.
+/// Polls until `holds` returns true.
 pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let end = Instant::now() + LIMIT;
     while !holds() {
@@ -43,22 +43,22 @@ pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
-/// What a terminal has shown.
+/// The output of a terminal.
 #[derive(Default)]
 struct Log {
     shown: Vec<u8>,
-    /// Lines that the program has begun to read, and that it has read.
+    /// Number of lines that the program has begun to read.
     begun: usize,
     ended: usize,
 }
 
 impl Log {
-    /// Bracketed paste is on while a line is read.
+    /// Bracketed paste is enabled while a line is read.
     const BEGIN: &[u8] = b"\x1b[?2004h";
     const END: &[u8] = b"\x1b[?2004l";
 
     fn add(&mut self, part: &[u8]) {
-        // What tells of a line may come in two parts.
+        // A sequence that marks a line may be split over two parts.
         let start = self.shown.len().saturating_sub(Self::BEGIN.len() - 1);
         self.shown.extend_from_slice(part);
         let count = |what: &[u8]| {
@@ -76,24 +76,24 @@ pub struct Terminal {
     master: File,
     log: Arc<Mutex<Log>>,
     directory: tempfile::TempDir,
-    /// Ends the thread that reads, and with it the terminal's last user.
+    /// Flag that ends the reading thread, which is the terminal's last user.
     closed: Arc<AtomicBool>,
 }
 
 impl Terminal {
-    /// Starts `zeroset` with these arguments, on this display or on none.
+    /// Starts `zeroset` with these arguments, on this display if there is one.
     pub fn start(arguments: &[&str], display: Option<&str>) -> Self {
         Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None)
     }
 
-    /// The same, with the terminal as the one that controls the program: its end is a signal.
+    /// Like [`Terminal::start`], but the terminal controls the program, so its end sends a signal.
     pub fn controlling(arguments: &[&str], display: Option<&str>) -> Self {
         let mut command = Command::new("setsid");
         command.args(["--ctty", env!("CARGO_BIN_EXE_zeroset")]);
         Self::of(command, arguments, display, None)
     }
 
-    /// The same without a display, in a terminal of this kind, and with its colors.
+    /// Like [`Terminal::start`] without a display, in a terminal of this kind with colors.
     pub fn start_in(kind: &str, arguments: &[&str]) -> Self {
         let mut command = Command::new("env");
         command
@@ -102,8 +102,8 @@ impl Terminal {
         Self::of(command, arguments, None, None)
     }
 
-    /// The same without a display, in a terminal that answers so when it is asked for its device
-    /// attributes.
+    /// Like [`Terminal::start`] without a display, in a terminal with this answer to a request for
+    /// its device attributes.
     pub fn answering(answer: &'static str, arguments: &[&str]) -> Self {
         Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, None, Some(answer))
     }
@@ -116,7 +116,7 @@ impl Terminal {
     ) -> Self {
         use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
         let directory = tempfile::tempdir().expect("a directory");
-        // A tip would be seen in pictures that are compared.
+        // A tip would appear in pictures that are compared.
         let data = directory.path().join("data/zeroset");
         std::fs::create_dir_all(&data).expect("made");
         std::fs::write(data.join("tips"), "off").expect("written");
@@ -162,7 +162,7 @@ impl Terminal {
                     Ok(0) | Err(_) => continue,
                     Ok(_) => {}
                 }
-                // At the program's end the terminal can no longer be read.
+                // After the program's end, the terminal cannot be read.
                 let Ok(length @ 1..) = output.read(&mut part) else { break };
                 let mut log = reader.lock().expect("whole");
                 log.add(&part[..length]);
@@ -179,7 +179,7 @@ impl Terminal {
         self.directory.path()
     }
 
-    /// Everything that the terminal has shown.
+    /// All output of the terminal as text.
     pub fn shown(&self) -> String {
         String::from_utf8_lossy(&self.log.lock().expect("whole").shown).into_owned()
     }
@@ -190,19 +190,19 @@ impl Terminal {
         rustix::termios::tcsetwinsize(&self.master, size).expect("sized");
     }
 
-    /// Everything that the terminal has shown, as it came.
+    /// All output of the terminal, as the raw bytes.
     #[cfg(feature = "sixel")]
     pub fn bytes(&self) -> Vec<u8> {
         self.log.lock().expect("whole").shown.clone()
     }
 
-    /// Sends bytes as they are.
+    /// Sends raw bytes.
     pub fn send(&mut self, bytes: &[u8]) {
         self.master.write_all(bytes).expect("sent");
     }
 
-    /// Types once a line is being read: what is typed earlier is dropped. After a line's end, waits
-    /// until it was read.
+    /// Types while a line is being read, since earlier input is dropped. After the end of a line,
+    /// waits until it has been read.
     pub fn type_in(&mut self, text: &str) {
         let lines = || {
             let log = self.log.lock().expect("whole");
@@ -217,12 +217,12 @@ impl Terminal {
         }
     }
 
-    /// Resident memory of the program in kilobytes, where the system tells.
+    /// Resident memory of the program in kilobytes, if the system reports it.
     pub fn resident(&self) -> Option<u64> {
         self.status("VmRSS:")
     }
 
-    /// Threads of the program, where the system tells.
+    /// Number of threads of the program, if the system reports it.
     pub fn threads(&self) -> Option<u64> {
         self.status("Threads:")
     }
@@ -240,13 +240,13 @@ impl Terminal {
         });
     }
 
-    /// Ends the prompt's input, and the program with it.
+    /// Ends the prompt's input, and waits for the program's end.
     pub fn leaves(mut self) {
         self.type_in("\u{4}");
         assert_eq!(self.ends(), 0);
     }
 
-    /// Waits for the end and returns the exit code.
+    /// Waits for the program's end, and returns the exit code.
     pub fn ends(mut self) -> i32 {
         self.end().code().expect("a code")
     }
@@ -260,8 +260,8 @@ impl Terminal {
         status.expect("one")
     }
 
-    /// Closes the terminal as if somebody shut its window, waits for the program's end, and returns
-    /// what it has left.
+    /// Closes the terminal as if its window was closed, waits for the program's end, and returns
+    /// its directory.
     pub fn hang_up(mut self) -> tempfile::TempDir {
         self.closed.store(true, Ordering::Relaxed);
         self.master = File::open("/dev/null").expect("there is one");
@@ -277,7 +277,7 @@ impl Drop for Terminal {
     }
 }
 
-/// A display that is seen by nobody.
+/// A virtual display.
 pub struct Display {
     server: Child,
     pub name: String,
@@ -285,9 +285,9 @@ pub struct Display {
 
 impl Display {
     pub fn start() -> Self {
-        // A server that is not told otherwise starts afresh when its last client leaves, and a
-        // program that connects at that moment is thrown out: xdotool comes and goes while the
-        // window is waited for.
+        // By default the server resets when its last client disconnects, and rejects a program that
+        // connects at that moment. This can happen because xdotool comes and goes while the window
+        // is awaited.
         let mut server = Command::new("Xvfb")
             .args([
                 "-noreset",
@@ -309,24 +309,24 @@ impl Display {
         Self { server, name: format!(":{}", number.trim()) }
     }
 
-    /// Runs xdotool, and returns what it says.
+    /// Runs xdotool, and returns its output.
     pub fn tool(&self, arguments: &[&str]) -> String {
         let run = Command::new("xdotool").env("DISPLAY", &self.name).args(arguments).output();
         String::from_utf8_lossy(&run.expect("xdotool runs").stdout).trim().to_owned()
     }
 
-    /// Waits for the window and returns its number.
+    /// Waits for the window and returns its id.
     pub fn window(&self) -> String {
         let mut window = String::new();
         until("the window is there", || {
             window = self.tool(&["search", "--name", " - zeroset$"]);
             !window.is_empty()
         });
-        // Without a window manager, keys go to where the pointer is.
+        // Without a window manager, keys go to the window under the pointer.
         window.lines().next().unwrap_or_default().to_owned()
     }
 
-    /// What a window shows.
+    /// A screenshot of a window.
     pub fn picture(&self, window: &str) -> RgbImage {
         let run = Command::new("import")
             .env("DISPLAY", &self.name)
@@ -336,7 +336,7 @@ impl Display {
         image::load_from_memory(&run.stdout).expect("a picture").to_rgb8()
     }
 
-    /// Saves a screenshot where `ZEROSET_SCREENSHOTS` says, for people to look at.
+    /// Saves a screenshot for people to look at, in the directory given by `ZEROSET_SCREENSHOTS`.
     pub fn keep(&self, window: &str, name: &str) {
         if let Some(place) = std::env::var_os("ZEROSET_SCREENSHOTS") {
             let path = PathBuf::from(place).join(format!("{name}.png"));

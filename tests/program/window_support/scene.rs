@@ -1,4 +1,4 @@
-//! A window in which something is drawn, and hands for it.
+//! A window with a picture, and functions that operate it.
 
 use super::{Display, Terminal, until};
 use image::RgbImage;
@@ -6,7 +6,7 @@ use image::RgbImage;
 pub const PROGRAMS: &[&str] = &["Xvfb", "xdotool", "import"];
 pub const CUBE: &[&str] = &["max(abs(x),abs(y),abs(z)) = 1", "--size", "400x320"];
 
-/// A window that shows a cube, and all that belongs to it.
+/// A window that shows a cube, with its terminal and display.
 pub struct Scene {
     pub terminal: Terminal,
     pub display: Display,
@@ -36,7 +36,7 @@ impl Scene {
         image::imageops::crop_imm(&picture, 0, 24, width, height - 90).to_image()
     }
 
-    /// Waits until nothing changes any more.
+    /// Waits until the picture stops changing, and returns it.
     pub fn rest(&self) -> RgbImage {
         let mut last = self.middle();
         let mut same = 0;
@@ -55,7 +55,7 @@ impl Scene {
         self.display.tool(&["mousemove", "--window", &self.window, &x, &y]);
     }
 
-    /// Does something and waits until the picture is another.
+    /// Acts, waits until the picture changes and rests, and returns it.
     pub fn changes(&self, what: &str, act: impl FnOnce()) -> RgbImage {
         let before = self.rest();
         act();
@@ -81,7 +81,7 @@ impl Scene {
     }
 }
 
-/// Bounds of what is not background between the lines of text: left, right, top, bottom.
+/// Bounds of the colored pixels between the lines of text: left, right, top, bottom.
 pub fn painted(picture: &RgbImage) -> Option<[u32; 4]> {
     let (width, height) = picture.dimensions();
     let mut bounds = None;

@@ -1,16 +1,16 @@
-//! Sixels as a terminal reads them, from the manual of the VT330 alone
-//! (<https://vt100.net/docs/vt3xx-gp/chapter14.html>): it shares no code with what writes them.
+//! A sixel decoder written from the VT330's manual
+//! (<https://vt100.net/docs/vt3xx-gp/chapter14.html>), independent of the encoder.
 
 use image::{Rgb, RgbImage};
 
-/// The numbers at the beginning of `data`, and what follows them.
+/// The numbers at the start of `data`, and the rest.
 fn numbers(data: &[u8]) -> (Vec<u32>, &[u8]) {
     let end = data.iter().position(|b| !(b.is_ascii_digit() || *b == b';')).unwrap_or(data.len());
     let text = std::str::from_utf8(&data[..end]).expect("ASCII");
     (text.split(';').map(|number| number.parse().unwrap_or(0)).collect(), &data[end..])
 }
 
-/// The first picture in what a terminal was sent; `None` if there is none, or only a part of one.
+/// The first complete picture in a terminal's output, if there is one.
 pub fn picture(sent: &[u8]) -> Option<RgbImage> {
     let start = sent.windows(2).position(|two| two == b"\x1bP")? + 2;
     let length = sent[start..].windows(2).position(|two| two == b"\x1b\\")?;
@@ -53,10 +53,10 @@ pub fn picture(sent: &[u8]) -> Option<RgbImage> {
         }
     }
     let (width, height) = size.expect("raster attributes");
-    // What is nowhere drawn is seen: no picture here is magenta.
+    // Pixels that are never drawn become magenta, which no picture here has.
     let mut image = RgbImage::from_pixel(width, height, Rgb([255, 0, 255]));
     for (x, y, color) in dots {
-        // The last band may reach below the picture.
+        // The last band may extend below the picture.
         if y < height {
             image.put_pixel(x, y, palette[&color]);
         }

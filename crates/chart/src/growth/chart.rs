@@ -3,10 +3,10 @@
 use super::{Row, Source};
 use crate::plot::{Figure, Mark, Series, Shape};
 
-/// A quantity's name, and what it is of a row.
+/// A quantity's name and its value in a row.
 type Quantity = (&'static str, fn(&Row) -> f64);
 
-/// What grows.
+/// The quantities that grow with size.
 pub const QUANTITIES: [Quantity; 4] = [
     ("parse", |row| row.parse_ms),
     ("simplify", |row| row.simplify_ms),
@@ -14,11 +14,11 @@ pub const QUANTITIES: [Quantity; 4] = [
     ("code", |row| row.code_bytes as f64),
 ];
 
-/// From so many nodes on growth is told: below, what does not depend on size weighs more.
+/// Least number of nodes that the exponent is fitted to: below, fixed costs dominate.
 const FROM: usize = 100;
 
-/// The slope of the line through logarithms that leaves the least squares: the exponent of growth.
-/// `None` of less than two such sizes.
+/// The exponent of growth: slope of the least-squares line through the logarithms. `None` of less
+/// than two different sizes from [`FROM`] on.
 pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
     let points: Vec<[f64; 2]> = rows
         .iter()
@@ -32,7 +32,7 @@ pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
     (own > 0.0 && both.is_finite()).then_some(both / own)
 }
 
-/// The stages' times.
+/// Chart of the stages' times.
 pub fn times(rows: &[Row]) -> Figure {
     Figure {
         name: "compile-time".to_owned(),
@@ -42,7 +42,7 @@ pub fn times(rows: &[Row]) -> Figure {
     }
 }
 
-/// Bytes of code.
+/// Chart of the code's bytes.
 pub fn code(rows: &[Row]) -> Figure {
     Figure {
         name: "compile-code".to_owned(),

@@ -1,4 +1,4 @@
-//! Formulas of every size: those of the gallery, and sums and products that are made.
+//! Formulas of every size: those of the gallery, and generated sums and products.
 
 use crate::error::ChartError;
 use crate::surfaces::Surface;
@@ -6,27 +6,27 @@ use crate::views::rng;
 use fastrand::Rng;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use zeroset::gallery::examples;
-use zeroset_trace::Region;
+use zeroset_scene::gallery::examples;
+use zeroset_space::Region;
 
-/// Where a formula is from.
+/// Origin of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
-    /// An example.
+    /// An example of the gallery.
     Gallery,
-    /// Squares of linear functions, added.
+    /// A sum of squares of linear functions.
     Sum,
-    /// Linear functions, multiplied.
+    /// A product of linear functions.
     Product,
 }
 
-/// Nodes of a term: three products, three sums, a square or a product, four numbers.
+/// Nodes per term: three products, three sums, a square or a product, and four numbers.
 const NODES: usize = 12;
-/// From one size to the next.
+/// Ratio of successive sizes.
 const STEP: f64 = 1.5;
 
-/// The gallery's formulas, and sums and products of up to about as many nodes as asked for.
+/// The gallery's formulas, and sums and products of up to about `nodes` nodes.
 ///
 /// # Errors
 /// If an example has no domain.
@@ -47,8 +47,8 @@ pub fn all(nodes: usize, seed: u64) -> Result<Vec<(Source, Surface)>, ChartError
     }
 }
 
-/// A sum or product of so many linear functions of different slopes; on its domain the factors of a
-/// product are within [−1, 1], so that no bounds become infinite.
+/// A sum or product of `terms` different linear functions. Their values on the domain are within
+/// [−1, 1], so that no bounds of a product become infinite.
 fn made(source: Source, terms: usize, seed: u64) -> Result<Surface, ChartError> {
     let name = format!("{source:?}-{terms}").to_lowercase();
     let mut rng = rng(&format!("{seed} {name}"));
@@ -62,7 +62,7 @@ fn made(source: Source, terms: usize, seed: u64) -> Result<Surface, ChartError> 
     Surface::read(&name, &text, Some(region))
 }
 
-/// A linear function that is within [−1, 1] on the cube from −1 to 1.
+/// A random linear function whose values on the cube from −1 to 1 are within [−1, 1].
 fn linear(rng: &mut Rng) -> String {
     let mut part = || format!("0.{}", rng.u32(100_000..=250_000));
     let (a, b, c, d) = (part(), part(), part(), part());

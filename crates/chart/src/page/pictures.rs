@@ -1,4 +1,4 @@
-//! Each surface by each method, and what is wrong with each pixel.
+//! Pictures of each surface by each method, with the errors of each pixel.
 
 use super::escaped;
 use crate::difference::{difference, png};
@@ -18,10 +18,10 @@ use image::RgbImage;
 use zeroset_testkit::certified::BUDGET;
 use zeroset_trace::{METHODS, Method, Precision};
 
-/// Pixels in a row: every one of them is held against the certified tracer.
+/// Side of a picture in pixels. The certified tracer checks every pixel.
 const SIZE: usize = 96;
 
-/// The standard view of every surface.
+/// The pictures of every surface in its standard view, as HTML.
 pub fn pictures(store: &Store) -> Result<String, ChartError> {
     let mut text = String::new();
     let bar = progress(store.rows.len());
@@ -34,7 +34,7 @@ pub fn pictures(store: &Store) -> Result<String, ChartError> {
     Ok(text)
 }
 
-/// Of each method, that in the middle of those measured, in `auto` where it was.
+/// The middle one of each method's measured configurations, or of those in `auto` if there are any.
 fn middles(rows: &[&Row]) -> Vec<Configuration> {
     let measured = distinct(rows.iter().filter_map(|row| row.configuration().ok()));
     let middle = |method: &Method| {
@@ -81,7 +81,7 @@ fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
     Ok(text.concat())
 }
 
-/// What draws the picture again, if the surface is one of the gallery.
+/// The command that draws the picture again, if the surface is one of the gallery.
 fn command(row: &Row, configuration: &Configuration) -> String {
     format!(
         "zeroset render {} --eye {},{},{} --target {},{},{} --up {},{},{} --fov {} --size {SIZE} {}",

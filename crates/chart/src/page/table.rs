@@ -1,4 +1,4 @@
-//! Means of each configuration over all surfaces and views, as a table.
+//! A table of each configuration's means over all surfaces and views.
 
 use super::escaped;
 use crate::groups::grouped;
@@ -6,7 +6,7 @@ use crate::plot::written;
 use crate::quantile::geometric_mean;
 use crate::row::Row;
 
-/// A line for each configuration and size.
+/// The table as HTML, with a line for each configuration and size.
 pub fn table(rows: &[Row]) -> String {
     let mut text = vec![HEAD.to_owned()];
     let kind = |row: &&Row| (row.configuration().ok(), row.size);

@@ -6,23 +6,23 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// Of the picture, in pixels.
+/// Width and height of the picture, in pixels.
 const SIZE: (u32, u32) = (980, 560);
-/// Around what is drawn: left, top, and to the right, where the legend is.
+/// Margins around the plot: to the left, above, and to the right, where the legend is.
 const LEFT: i32 = 78;
 const TOP: i32 = 44;
 const LEGEND: i32 = 250;
-/// Below what is drawn, and how much more for each letter where names stand upright.
+/// Margin below the plot, and its increase per letter of upright names.
 const BOTTOM: i32 = 58;
 const UPRIGHT: i32 = 6;
-/// Of letters.
+/// Sizes of letters.
 const TITLE: i32 = 18;
 const TEXT: i32 = 13;
 const SMALL: i32 = 11;
-/// More places than this have upright names.
+/// Greatest number of places whose names are horizontal.
 const SIDEWAYS: usize = 11;
 
-/// Colors that are told apart whatever the eye (Okabe and Ito 2008).
+/// Colors that color-blind readers can distinguish (Okabe and Ito 2008).
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -46,7 +46,7 @@ struct Canvas<'a> {
     bottom: i32,
 }
 
-/// The figure as a text of SVG.
+/// The figure as SVG text.
 ///
 /// # Errors
 /// If it cannot be written.
@@ -57,7 +57,7 @@ pub fn draw(figure: &Figure) -> Result<String, ChartError> {
         Canvas::new(area, figure).draw(figure)
     };
     drawn.map_err(ChartError::of_chart(&figure.title))?;
-    // Without its size, it fills the width that there is.
+    // Without a fixed size, the picture fills the available width.
     let fixed = format!("<svg width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1);
     Ok(svg.replacen(&fixed, "<svg ", 1))
 }
@@ -68,7 +68,7 @@ fn font(color: RGBColor, size: i32, at: (HPos, VPos)) -> TextStyle<'static> {
     style.pos(Pos::new(at.0, at.1))
 }
 
-/// Wide and pale, so that it is seen behind the lines that it follows.
+/// Wide and pale, to be visible behind the lines that it follows.
 fn front_style() -> ShapeStyle {
     RGBColor(120, 120, 60).mix(0.25).stroke_width(13)
 }
@@ -190,7 +190,7 @@ impl<'a> Canvas<'a> {
             if let Some([low, high]) = bar {
                 let mut ends = self.path(&[[at[0], *low], [at[0], *high]]);
                 let width = if series.shape == Shape::Bar { 11 } else { 1 };
-                // Where both ends are the same, it is seen all the same.
+                // A bar whose ends coincide is lengthened to be visible.
                 if let [(_, low), (_, high)] = &mut ends[..]
                     && low == high
                 {

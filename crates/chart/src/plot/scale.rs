@@ -1,24 +1,24 @@
-//! Logarithmic axes, on which zero has a band of its own.
+//! Logarithmic axes with a separate band for zero, and axes of named places.
 
-/// From values to places, and back to what is written there.
+/// A mapping from values to positions on an axis, with the axis' labels.
 #[derive(Clone, Debug)]
 pub struct Scale {
-    /// Logarithms of the least and the greatest value that there is room for.
+    /// Logarithms of the axis' least and greatest value, margins included.
     low: f64,
     high: f64,
-    /// Where 0 is, if it has a place.
+    /// Logarithm that 0 is drawn at, if some value is 0.
     zero: Option<f64>,
-    /// How many names it has instead of numbers; 0 if it is logarithmic.
+    /// Number of named places; 0 if the axis is logarithmic.
     places: usize,
 }
 
-/// Room for zero and between it and the least value, in parts of the axis.
+/// Width of zero's band, as a share of the axis.
 const BAND: f64 = 0.09;
-/// Below these decades, 2 and 5 have lines too.
+/// Number of decades below which 2 and 5 have ticks, too.
 const FEW: f64 = 3.2;
 
 impl Scale {
-    /// With room for all of these values; what is below 0 or no number has none.
+    /// A logarithmic axis for these values. Negative and non-finite values are ignored.
     pub fn logarithmic(values: impl Iterator<Item = f64> + Clone) -> Self {
         let has_zero = values.clone().any(|value| value == 0.0);
         let logarithms = values.filter(|v| *v > 0.0 && v.is_finite()).map(f64::log10);
@@ -31,7 +31,7 @@ impl Scale {
         Self { low, high, zero, places: 0 }
     }
 
-    /// With this many places for names.
+    /// An axis with this many named places.
     pub fn named(places: usize) -> Self {
         Self { low: 0.0, high: 1.0, zero: None, places }
     }
@@ -41,7 +41,7 @@ impl Scale {
         (start, self.high)
     }
 
-    /// Where a value is, from 0 at the axis' start to 1 at its end; `None` if it has no place.
+    /// Position of a value, from 0 at the axis' start to 1 at its end; `None` if it has none.
     pub fn place(&self, value: f64) -> Option<f64> {
         if self.places > 0 {
             return Some((value + 0.5) / self.places as f64);
@@ -51,13 +51,13 @@ impl Scale {
         logarithm.is_finite().then(|| (logarithm - start) / (end - start))
     }
 
-    /// The end of zero's band, if it has one.
+    /// Position of the end of zero's band, if there is one.
     pub fn band(&self) -> Option<f64> {
         let (start, end) = self.ends();
         self.zero.map(|_| (self.low - start) / (end - start))
     }
 
-    /// Places with what is written there.
+    /// Positions and labels of the ticks.
     pub fn ticks(&self) -> Vec<(f64, String)> {
         let mut ticks = Vec::new();
         ticks
@@ -79,11 +79,11 @@ impl Scale {
     }
 }
 
-/// A number as short as it is clear.
+/// A number in its shortest clear form.
 pub fn written(value: f64) -> String {
     let exponent = value.abs().log10().floor();
     if (-3.0..5.0).contains(&exponent) {
-        // One digit counts; what rounding added to a power does not.
+        // Only the first digit counts; the rest is rounding error of a power.
         let decimals = (-exponent).max(0.0) as usize;
         return format!("{value:.decimals$}");
     }

@@ -1,4 +1,4 @@
-//! The price of rigour as a figure.
+//! The cost of sound rounding as a figure.
 
 use super::{Asked, Row, name};
 use crate::groups::distinct;
@@ -6,7 +6,7 @@ use crate::plot::{Figure, Mark, Series, Shape};
 use crate::quantile::{geometric_mean, quantile};
 use zeroset_jit::comparison::Arithmetic;
 
-/// What was asked in which precision, in the order of the axis.
+/// Pairs of task and precision that have rows, in the order of the axis.
 pub fn places(rows: &[Row]) -> Vec<(Asked, &'static str)> {
     let asked = [Asked::Boxes, Asked::Segments, Asked::Tiles, Asked::Picture];
     let all = asked.into_iter().flat_map(|asked| ["f32", "f64"].map(|floats| (asked, floats)));
@@ -16,7 +16,7 @@ pub fn places(rows: &[Row]) -> Vec<(Asked, &'static str)> {
     all.filter(is_there).collect()
 }
 
-/// The rows of one place and one arithmetic, a surface each.
+/// The rows of one task, precision and arithmetic, one per surface.
 pub fn of<'a>(
     rows: &'a [Row],
     asked: Asked,
@@ -29,7 +29,7 @@ pub fn of<'a>(
     rows.iter().filter(is_of).collect()
 }
 
-/// Times over those without rigour.
+/// Figure of times relative to the unsound arithmetic.
 pub fn figure(rows: &[Row]) -> Figure {
     let places = places(rows);
     let series = |arithmetic, called: &str, color, shape, aside: f64| {
@@ -38,7 +38,7 @@ pub fn figure(rows: &[Row]) -> Figure {
             let values: Vec<f64> = rows.iter().map(|row| row.times_unsound).collect();
             let bar = [quantile(&values, 0.0)?, quantile(&values, 1.0)?];
             let mean = geometric_mean(&values)?;
-            // Beside the other, so that none hides it.
+            // Series stand side by side, so that none covers another.
             let at = [place as f64 + aside, mean];
             Some(Mark { at, bar: Some(bar), label: format!("{mean:.2}") })
         });

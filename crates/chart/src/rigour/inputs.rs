@@ -1,4 +1,4 @@
-//! What kernels are asked, and how wide their answers are.
+//! Inputs of the timed kernels, and comparison of the widths of their results.
 
 use crate::quantile::quantile;
 use fastrand::Rng;
@@ -8,24 +8,24 @@ use zeroset_eval::{
 };
 use zeroset_interval::Interval;
 use zeroset_jit::comparison::Compared;
-use zeroset_trace::Region;
+use zeroset_space::Region;
 
-/// Batches that kernels are timed with: few enough for a near cache.
+/// Greatest number of batches that kernels are timed with; they fit into a near cache.
 const BATCHES: usize = 16;
-/// Batches of boxes whose answers are held beside each other.
+/// Number of batches of boxes whose bounds are compared.
 const LOOKED_AT: usize = 256;
 
-/// The kernels that answer a question, by
+/// The kernels for a query, in the order of
 /// [`Arithmetic::ALL`](zeroset_jit::comparison::Arithmetic::ALL).
 pub type Three<'a, Q, T> = [&'a Compared<Q, T>; 3];
 
-/// Boxes at random places of a region, of this share of its width.
+/// Boxes at random places of a region, with this share of its width.
 pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T>> {
     let (low, high) = (region.low(), region.high());
     let mut side = |axis: usize| {
         let width = high[axis] - low[axis];
         let lo = low[axis] + (1.0 - share) * rng.f64() * width;
-        // A point has to be a float.
+        // At width 0 both ends must be the same float.
         let lo = T::nearest(lo).into().clamp(low[axis], high[axis]);
         Interval { lo, hi: (lo + share * width).min(high[axis]) }
     };
@@ -33,7 +33,7 @@ pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T
     Boxes::around(&all)
 }
 
-/// Some of these, evenly chosen among those with most lanes in use.
+/// An even choice from the inputs with most lanes in use.
 pub fn chosen<T: Real, I: Input<T>>(all: &[I]) -> Vec<I> {
     let most = all.iter().map(Input::count).max().unwrap_or_default();
     let full: Vec<&I> = all.iter().filter(|input| input.count() == most).collect();
@@ -41,14 +41,15 @@ pub fn chosen<T: Real, I: Input<T>>(all: &[I]) -> Vec<I> {
     full.into_iter().step_by(step).cloned().collect()
 }
 
-/// The widths of bounds over those of rounding up: medians, by arithmetic.
+/// Median width of bounds relative to rounded-up kernels, for each arithmetic.
 pub fn widths<T: Real>(kernels: &Three<Enclose, T>, inputs: &[Boxes<T>]) -> [Option<f64>; 3] {
     ratios(kernels, inputs, |answer: &Enclosures<T>, lane| {
         answer.neg_lo[lane].into() + answer.hi[lane].into()
     })
 }
 
-/// The same of what segments are narrowed to, where the surface may be.
+/// Median length of narrowed segments relative to rounded-up kernels, for each arithmetic. Ignores
+/// lanes without the surface.
 pub fn lengths<T: Real>(
     kernels: &Three<ContractSegments, T>,
     inputs: &[Segments<T>],
@@ -59,7 +60,7 @@ pub fn lengths<T: Real>(
     })
 }
 
-/// The same of how far functions may be off their planes.
+/// Median error of tiles' planes relative to rounded-up kernels, for each arithmetic.
 pub fn errors<T: Real>(kernels: &Three<ContractTiles, T>, inputs: &[Tiles<T>]) -> [Option<f64>; 3] {
     ratios(kernels, inputs, |answer: &Planes<T>, lane| answer.error[lane].into())
 }

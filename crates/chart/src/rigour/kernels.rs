@@ -1,21 +1,21 @@
-//! A surface whose kernels all compute in one arithmetic; it can keep what they were asked.
+//! The kernels of a surface in one arithmetic, which can record their inputs.
 
 use std::sync::{Mutex, OnceLock, PoisonError};
-use zeroset::program::{KernelSource, Program};
 use zeroset_eval::{
     Binding, ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError, KernelFloat,
     KernelResult, Kernels, Query, Real, SurfaceKernels, Tape,
 };
 use zeroset_jit::comparison::{Arithmetic, Compared};
+use zeroset_scene::program::{KernelSource, Program};
 use zeroset_trace::Precision;
 
-/// The kernels of a surface without parameters and poles.
+/// The kernels of a surface without parameters and poles, in both precisions.
 pub struct Set {
     single: Own<f32>,
     double: Own<f64>,
 }
 
-/// Those in one precision, made when they are first asked for.
+/// The kernels in one precision, each compiled at its first use.
 pub struct Own<T: Real> {
     tape: Tape<T>,
     arithmetic: Arithmetic,
@@ -28,15 +28,15 @@ pub struct Own<T: Real> {
 
 type Slot<Q, T> = OnceLock<Result<Watched<Q, T>, KernelError>>;
 
-/// A kernel, and what it was asked if that is kept.
+/// A kernel, with its recorded inputs if it records them.
 pub struct Watched<Q: Query, T: Real> {
     kernel: Compared<Q, T>,
     seen: Option<Mutex<Vec<Q::Input<T>>>>,
 }
 
 impl<Q: Query, T: Real> Watched<Q, T> {
-    /// What a tracer asks: the kernel itself, so that it is called as the product's are, unless
-    /// what it is asked is kept.
+    /// The kernel for a tracer. It is the compiled kernel itself, called like the product's, unless
+    /// inputs are recorded.
     fn asked(&self) -> &dyn Kernel<Q, T> {
         if self.seen.is_some() { self } else { &self.kernel }
     }
@@ -51,9 +51,9 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Watched<Q, T> {
     }
 }
 
-/// A question of which a set has a kernel.
+/// A query that a set has a kernel for.
 pub trait Has<Q: Query, T: Real> {
-    /// Where it is kept.
+    /// The kernel's slot.
     fn slot(&self) -> &Slot<Q, T>;
 }
 
@@ -115,12 +115,12 @@ impl SurfaceKernels for Set {
     }
 }
 
-/// A precision, by which a set's kernels are picked.
+/// A precision, as a type that selects a set's kernels.
 pub trait Float: KernelFloat {
-    /// What it is called.
+    /// The precision.
     const PRECISION: Precision;
 
-    /// Those of this precision.
+    /// The set's kernels in this precision.
     fn own(set: &Set) -> &Own<Self>;
 }
 
@@ -141,10 +141,11 @@ impl Float for f64 {
 }
 
 impl Set {
-    /// Those of the only surface of a program; with what they are asked, if it `keeps` that.
+    /// The kernels of a program's only surface, in this arithmetic; they record inputs if it
+    /// `keeps` them.
     ///
     /// # Errors
-    /// One phrase, if the surface has parameters or poles: these need further kernels.
+    /// One phrase, if the surface has parameters or poles, which need further kernels.
     pub fn new(program: &Program, arithmetic: Arithmetic, keeps: bool) -> Result<Self, String> {
         let has_poles = program.cleared(0).map_err(|error| error.to_string())?.is_some();
         if has_poles || !program.values().is_empty() {
@@ -156,10 +157,10 @@ impl Set {
         })
     }
 
-    /// The kernel that answers a question.
+    /// The kernel for a query.
     ///
     /// # Errors
-    /// If it cannot be made.
+    /// If it cannot be compiled.
     pub fn kernel<T: Float, Q: Query>(&self) -> Result<&Compared<Q, T>, KernelError>
     where
         Own<T>: Has<Q, T>,
@@ -167,10 +168,10 @@ impl Set {
         Ok(&T::own(self).watched()?.kernel)
     }
 
-    /// What the kernel for a question was asked so far.
+    /// The inputs that the query's kernel has recorded.
     ///
     /// # Errors
-    /// If it cannot be made.
+    /// If the kernel cannot be compiled.
     pub fn seen<T: Float, Q: Query>(&self) -> Result<Vec<Q::Input<T>>, KernelError>
     where
         Own<T>: Has<Q, T>,

@@ -1,18 +1,18 @@
-//! One line of results: a kernel or a picture of a surface, in one precision and one arithmetic.
+//! A row of results: a kernel or a picture of a surface, in one precision and one arithmetic.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use zeroset_jit::comparison::Arithmetic;
 
-/// What is timed.
+/// The task that is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Asked {
-    /// Bounds over boxes, a sixteenth of the domain wide.
+    /// Bounds over boxes that are a sixteenth of the domain wide.
     Boxes,
-    /// Segments of single rays, narrowed by affine forms.
+    /// Narrowing of segments of single rays by affine forms.
     Segments,
-    /// Tiles of rays, narrowed by affine forms.
+    /// Narrowing of tiles of rays by affine forms.
     Tiles,
     /// Whole pictures traced by the method `affine`.
     Picture,
@@ -24,12 +24,13 @@ impl fmt::Display for Asked {
     }
 }
 
-/// What an arithmetic is called in results.
+/// Name of an arithmetic in results.
 pub fn name(arithmetic: Arithmetic) -> String {
     format!("{arithmetic:?}").to_lowercase()
 }
 
-/// A line of results. Times are nanoseconds a lane, of pictures a pixel: medians and quartiles.
+/// A row of results. Times are medians and quartiles in nanoseconds per lane, or per pixel of
+/// pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns
 pub struct Row {
@@ -40,20 +41,20 @@ pub struct Row {
     pub ns: f64,
     pub ns_lower: f64,
     pub ns_upper: f64,
-    /// Over the time without rigour in the same round.
+    /// Time relative to the unsound arithmetic in the same round.
     pub times_unsound: f64,
     pub times_unsound_lower: f64,
     pub times_unsound_upper: f64,
-    /// Of the kernel.
+    /// Size of the kernel.
     pub code_bytes: Option<usize>,
-    /// Of bounds, of what is left of segments, or of errors in tiles, over that of rounding up: the
-    /// median over lanes.
+    /// Width of bounds, length of narrowed segments or error of tiles, relative to the rounded-up
+    /// kernel: the median over lanes.
     pub width: Option<f64>,
-    /// Of bounds at single points, where there is nothing but rounding.
+    /// The same ratio for bounds at single points, where all width comes from rounding.
     pub width_at_points: Option<f64>,
-    /// Pixels.
+    /// Number of undecided pixels.
     pub undecided: Option<usize>,
-    /// Pixels in a row, and rows.
+    /// Side of the square picture, in pixels.
     pub size: usize,
     pub repeats: usize,
     pub seed: u64,

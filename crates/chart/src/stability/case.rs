@@ -1,4 +1,4 @@
-//! The cases, and the roots that are stored beside them.
+//! The cases, and the roots stored with them.
 
 use super::SIDE;
 use crate::error::ChartError;
@@ -9,17 +9,18 @@ use crate::views::View;
 use glam::DVec3;
 use serde::Deserialize;
 use std::path::Path;
-use zeroset::scene::{self, CameraChoice};
+use zeroset_scene::view::{self, CameraChoice};
+use zeroset_space::Region;
 use zeroset_testkit::npy::{read_f64, read_u8};
-use zeroset_trace::{Camera, Projection, Region};
+use zeroset_trace::{Camera, Projection};
 
-/// A formula, and what is hard about it.
+/// A formula with its domain and camera.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Case {
-    /// What it is called.
+    /// Name of the case.
     pub slug: String,
     formula: String,
-    /// What goes wrong.
+    /// The difficulty of the formula.
     pub hazard: String,
     domain: [f64; 6],
     eye: Option<[f64; 3]>,
@@ -29,7 +30,7 @@ pub struct Case {
     up: [f64; 3],
     #[serde(default)]
     fov: f64,
-    /// Its place among those whose roots are stored.
+    /// Index among the cases with stored roots, if it is one.
     #[serde(skip)]
     place: Option<usize>,
 }
@@ -40,18 +41,18 @@ macro_rules! data {
     };
 }
 
-/// Evaluations a ray. It is little, since where it leaves a ray open there are the stored roots.
+/// Evaluations per ray. A small budget suffices, since stored roots decide the rays left open.
 const BUDGET: u32 = 1000;
 
-/// Bits of a stored pixel.
+/// Flags of a stored pixel.
 const CROSSES: u8 = 1;
 const TOUCHES: u8 = 2;
 const OPEN: u8 = 4;
 
-/// All cases: first those whose roots are stored.
+/// All cases, those with stored roots first.
 ///
 /// # Errors
-/// If the lists that are part of the program are damaged.
+/// If the embedded lists are damaged.
 pub fn cases() -> Result<Vec<Case>, ChartError> {
     let read = |bytes: &[u8]| {
         let refuse = ChartError::of_content(Path::new("tests/data/stability"));
@@ -66,7 +67,7 @@ pub fn cases() -> Result<Vec<Case>, ChartError> {
     Ok(cases)
 }
 
-/// The cases with these names, in this order; all for none.
+/// The cases with these names, in this order; all cases if there are no names.
 ///
 /// # Errors
 /// If there is no such case.
@@ -82,7 +83,7 @@ pub fn named(names: &[String]) -> Result<Vec<Case>, ChartError> {
     names.iter().map(named).collect()
 }
 
-/// What is stored of each pixel of a case.
+/// The stored truth about each pixel of a case.
 fn stored(place: usize) -> Result<Vec<Truth>, ChartError> {
     let refuse = ChartError::of_file(Path::new("tests/data/stability"));
     let kinds = read_u8(&data!("pixels.npy")[..]).map_err(&refuse)?.data;
@@ -90,7 +91,7 @@ fn stored(place: usize) -> Result<Vec<Truth>, ChartError> {
     let mut touching = read_f64(&data!("touching.npy")[..]).map_err(&refuse)?.data.into_iter();
     let mut truths = Vec::new();
     let pixels = SIDE * SIDE;
-    // Distances are stored one after another, so those of earlier cases are passed by.
+    // The distances of all cases are stored in sequence, so those of earlier cases are skipped.
     for (index, kind) in kinds.into_iter().take((place + 1) * pixels).enumerate() {
         let crossing = if kind & CROSSES == 0 { None } else { crossings.next() };
         let first = if kind & TOUCHES == 0 { crossing } else { touching.next() };
@@ -106,7 +107,7 @@ fn stored(place: usize) -> Result<Vec<Truth>, ChartError> {
 }
 
 impl Case {
-    /// The surface, and where it is seen from.
+    /// The surface, and the view that it is drawn from.
     ///
     /// # Errors
     /// If the formula is refused.
@@ -120,13 +121,13 @@ impl Case {
                 let [eye, target, up] = [eye, self.target, self.up].map(DVec3::from_array);
                 Camera::new(eye, target, up, Projection::Perspective { fov: self.fov })
             }
-            None => scene::camera(&surface.document, &surface.region, &CameraChoice::default()),
+            None => view::camera(&surface.document, &surface.region, &CameraChoice::default()),
         };
         let camera = camera.map_err(ChartError::of_surface(&self.slug))?;
         Ok((surface, View { name: "stability".to_owned(), camera }))
     }
 
-    /// What is certain of each pixel, kept in `directory` from one run to the next.
+    /// The truth about each pixel, read from `directory` or computed and stored there.
     ///
     /// # Errors
     /// If the formula is refused, or the directory cannot be written.
@@ -153,8 +154,8 @@ mod tests {
     fn stored_roots_are_those_of_their_case() {
         let cases = cases().expect("part of the program");
         assert_eq!(cases.len(), 52);
-        // Two spheres of radius 1 about the origin: where f touches 0, the tracer leaves open what
-        // is stored.
+        // Two spheres of radius 1 about the origin. Where f touches 0, the certified tracer leaves
+        // rays open, so their roots are stored.
         for slug in ["double-sphere", "abs-sphere"] {
             let case = cases.iter().find(|case| case.slug == slug).expect("there");
             let (_, view) = case.view().expect("a view");

@@ -1,45 +1,43 @@
-//! What becomes of a case, in one word.
+//! The class of a method's result on a case.
 
 use crate::errors::Errors;
 use serde::Serialize;
 
-/// What a picture of a difficult formula is like.
+/// The class of a method's picture of a difficult formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Outcome {
-    /// Hardly a pixel is wrong.
+    /// Almost all pixels are right.
     Sound,
-    /// Roots are not painted, or not the first ones.
+    /// Roots are missed, or others than the first are painted.
     Holes,
     /// Something is painted where there is no root.
     Phantoms,
-    /// Likewise, over a good part of the picture.
+    /// Phantoms cover a large part of the picture.
     Wall,
-    /// Holes and phantoms, or points that are not at the root.
+    /// Both holes and phantoms, or points far from the root.
     Noise,
-    /// Time ran out.
+    /// The time limit was reached.
     Slow,
     /// There is no picture.
     Refused,
-    /// Of no pixel it is certain that it shows a root, and of some it is not certain that it does
-    /// not.
+    /// No pixel certainly shows a root, and some pixels are open.
     Unjudged,
 }
 
-/// As many pixels may be wrong in a sound picture: silhouettes are as thin as that.
+/// Greatest share of wrong pixels in a sound picture, to allow for silhouettes.
 const SOUND: f64 = 1.0 / 200.0;
-/// So much of what is to be seen may be missing: thin things cover few pixels, so these are counted
-/// in roots.
+/// Greatest share of missing roots in a sound picture, since thin features cover few pixels.
 const WHOLE: f64 = 1.0 / 50.0;
-/// So many phantoms are a wall.
+/// Share of phantoms above which they are a wall.
 const WALL: f64 = 1.0 / 20.0;
-/// Of what is wrong, so much of either kind is noise.
+/// Share of wrong pixels that both kinds must reach to be noise.
 const BOTH: f64 = 0.25;
-/// Footprints that half of the painted pixels must be within.
+/// Greatest median distance from the root in a sound picture, in footprints.
 const NEAR: f64 = 1.0;
 
 impl Outcome {
-    /// Every outcome.
+    /// All outcomes, in the order of tables.
     pub const ALL: [Self; 8] = [
         Self::Sound,
         Self::Holes,
@@ -51,12 +49,12 @@ impl Outcome {
         Self::Unjudged,
     ];
 
-    /// What it is called.
+    /// The outcome's name.
     pub fn name(self) -> String {
         format!("{self:?}").to_lowercase()
     }
 
-    /// That of a picture with these errors, for which time ran out or not.
+    /// Classifies a picture with these errors; `is_late` tells that the time limit was reached.
     pub fn of(errors: &Errors, is_late: bool) -> Self {
         let decided = errors.decided() as f64;
         let (holes, phantoms) = ((errors.missed + errors.wrong_root) as f64, errors.phantom as f64);
@@ -95,7 +93,7 @@ mod tests {
             (Errors { phantom: 100, missed: 5, ..plain() }, Outcome::Phantoms),
             (Errors { phantom: 300, missed: 5, ..plain() }, Outcome::Wall),
             (Errors { phantom: 30, missed: 30, ..plain() }, Outcome::Noise),
-            // Of a thin thing little is missing, and yet all.
+            // A thin feature has few pixels, and all of them are missing.
             (Errors { roots: 10, missed: 10, ..plain() }, Outcome::Holes),
             (Errors { roots: 0, ..plain() }, Outcome::Sound),
             (Errors { roots: 0, open: 9, phantom: 300, ..plain() }, Outcome::Unjudged),

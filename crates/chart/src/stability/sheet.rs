@@ -1,6 +1,6 @@
-//! The contact sheet: a row for each case, and of each method the picture and what is wrong with
-//! it. The letters are Noto Sans Mono (SIL Open Font License 1.1), as the crate
-//! `noto-sans-mono-bitmap` has drawn them.
+//! The contact sheet. It has a row for each case, and for each method the picture beside a picture
+//! of its errors. The letters are Noto Sans Mono (SIL Open Font License 1.1), as rasterized by the
+//! crate `noto-sans-mono-bitmap`.
 
 use super::{Outcome, SIDE, Verdict};
 use image::imageops::{self, FilterType};
@@ -8,22 +8,22 @@ use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use zeroset_trace::Method;
 
-/// Side of a picture on the sheet: pixels are shown twice as wide.
+/// Side of a picture on the sheet, which shows it at twice its size.
 const SHOWN: u32 = 2 * SIDE as u32;
-/// Around pictures.
+/// Margin around pictures.
 const MARGIN: u32 = 6;
 /// Height of a line of text.
 const LINE: u32 = 18;
-/// Of two pictures side by side.
+/// Width and height of a cell with two pictures side by side.
 const CELL: [u32; 2] = [2 * SHOWN + 3 * MARGIN, SHOWN + LINE + 2 * MARGIN];
 
 const WEIGHT: FontWeight = FontWeight::Regular;
 const HEIGHT: RasterHeight = RasterHeight::Size16;
 
-/// A sheet with room for all.
+/// The sheet's image.
 pub struct Sheet(RgbImage);
 
-/// Behind the word.
+/// Background color of the outcome's name.
 fn color(outcome: Outcome) -> Rgb<u8> {
     match outcome {
         Outcome::Sound => Rgb([198, 235, 214]),
@@ -44,7 +44,7 @@ impl Sheet {
         sheet
     }
 
-    /// Adds a verdict, and its two pictures if there are any.
+    /// Adds a verdict, and the two pictures if there are any.
     pub fn add(
         &mut self,
         row: usize,
@@ -68,7 +68,7 @@ impl Sheet {
         self.write(&format!("{} {}", verdict.case, verdict.outcome.name()), left + 4, below + 1);
     }
 
-    /// The sheet's pixels.
+    /// The sheet as an image.
     pub fn into_image(self) -> RgbImage {
         self.0
     }

@@ -1,4 +1,4 @@
-//! + − · / and the absolute value.
+//! Rules of + − · / and the absolute value.
 
 use super::Rule;
 use crate::bounds::Interval;
@@ -7,8 +7,8 @@ use crate::enclosure::{Claims, Enclosure, Fact, Operand, Sign};
 use crate::machine::Machine;
 
 impl<M: Machine> Rule<'_, M> {
-    /// The given bounds with the facts of two operands combined: nowhere if either is, else only
-    /// what both claim.
+    /// Returns the given bounds with the combined facts of two operands: nowhere defined if either
+    /// is, otherwise only what both claim.
     pub(super) fn combine(
         &mut self,
         neg_lo: M::V,
@@ -26,7 +26,7 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// −min |a|, at most −0: exact.
+    /// −min |a|, exact and never positive.
     pub(super) fn neg_mignitude(&mut self, a: &Operand<M::V>) -> M::V {
         match a.sign() {
             Sign::Nonneg => a.value.neg_lo,
@@ -39,7 +39,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// max |a|: exact.
+    /// max |a|, exact.
     pub(super) fn magnitude(&mut self, a: &Operand<M::V>) -> M::V {
         match a.sign() {
             Sign::Nonneg => a.value.hi,
@@ -58,7 +58,7 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// (−lo, hi) of a·b. With `guard`, bounds may be infinite and 0·∞ must not make NaN.
+    /// (−lo, hi) of a·b. With `guard`, bounds may be infinite, and 0·∞ must not make NaN.
     fn product(&mut self, a: &Operand<M::V>, b: &Operand<M::V>, guard: bool) -> (M::V, M::V) {
         match (a.sign(), b.sign()) {
             (Sign::Nonpos, _) => {
@@ -71,8 +71,8 @@ impl<M: Machine> Rule<'_, M> {
             }
             (Sign::Nonneg, _) if a.range.singleton().is_some() => self.product_nonneg(a, b, guard),
             (Sign::Nonneg, Sign::Nonneg) => {
-                // Lower ends are finite, so only hi·hi can be 0·∞. A constant comes first, and its
-                // negation is free.
+                // Lower ends are finite, so only hi·hi can be 0·∞. Negating a costs nothing if it
+                // is constant.
                 let low = self.m.neg(a.value.neg_lo);
                 let neg_lo = self.m.mul(b.value.neg_lo, low);
                 let hi = self.m.mul(a.value.hi, b.value.hi);
@@ -116,8 +116,8 @@ impl<M: Machine> Rule<'_, M> {
             let hi = [(a.hi, b.hi), (a_lo, b.hi), (a.neg_lo, b.neg_lo), (a_neg_hi, b.neg_lo)];
             return (self.largest_product(neg_lo), self.largest_product(hi));
         }
-        // Each end of b meets its extreme at the end of a that its sign picks: four products
-        // instead of eight, as each is rounded up only where it counts (8 % on Barth's sextic).
+        // For −lo and for hi, the sign of each end of b selects the end of a with the largest
+        // product: four products instead of eight (8 % on Barth's sextic).
         let mut largest = |at_hi: [M::V; 2], at_lo: [M::V; 2]| {
             let by_hi = self.m.select_signed(b.hi, at_hi[0], at_hi[1]);
             let by_lo = self.m.select_signed(b.neg_lo, at_lo[0], at_lo[1]);
@@ -129,16 +129,15 @@ impl<M: Machine> Rule<'_, M> {
         (neg_lo, hi)
     }
 
-    /// The largest of four products. A NaN among the last three is dropped by `max`: the extreme it
-    /// stands for, 0, is also reached by the product with the other end. One in the first is closed
-    /// to +∞.
+    /// The largest of four products. `max` drops a NaN among the last three: it stands for 0, which
+    /// the product with the other end also reaches. A NaN in the first becomes +∞.
     fn largest_product(&mut self, pairs: [(M::V, M::V); 4]) -> M::V {
         let [first, rest @ ..] = pairs.map(|(a, b)| self.m.mul(a, b));
         let largest = rest.into_iter().fold(first, |acc, p| self.m.max(p, acc));
         self.close(largest)
     }
 
-    /// A divisor, on one side of 0 where it reaches to both.
+    /// A divisor, limited to one side of 0 in lanes where it straddles 0.
     pub(super) fn divisor(&mut self, b: &Operand<M::V>, branch: Branch) -> Operand<M::V> {
         if branch == Branch::Whole {
             return *b;
@@ -163,7 +162,7 @@ impl<M: Machine> Rule<'_, M> {
             return self.quotient_positive(&a.negated(), &b.negated());
         }
         if b.range.hi <= 0.0 {
-            // So that the bounds over b = [0, 0] are within those over all of b's range.
+            // Keeps the bounds over b = [0, 0] within those over all of b's range.
             return self.quotient(&a.negated(), &b.negated());
         }
         self.quotient(a, b)
@@ -201,8 +200,8 @@ impl<M: Machine> Rule<'_, M> {
     fn quotient(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let zero = self.zero();
         let infinity = self.infinity();
-        // Where b reaches further below 0 than above, negate both; then b ≥ 0 unless it straddles
-        // 0.
+        // Where b reaches further below 0 than above, negate both operands. Then b ≥ 0 unless it
+        // straddles 0.
         let flip = self.m.lt(b.value.hi, b.value.neg_lo);
         let (an, ah, bn, bh) = (a.value.neg_lo, a.value.hi, b.value.neg_lo, b.value.hi);
         let x_neg_lo = self.m.select(flip, ah, an);
@@ -212,13 +211,13 @@ impl<M: Machine> Rule<'_, M> {
         let y_lo = self.opposite_exactly(y_neg_lo);
         let mut straddles = self.gt(y_neg_lo, zero);
         if a.range.contains(0.0) {
-            // Zero over anything is 0. Only for [0, 0] is max(−lo, hi) not positive.
+            // 0/b is 0. max(−lo, hi) is positive except for [0, 0].
             let largest = self.m.max(an, ah);
             let nonzero = self.gt(largest, zero);
             straddles = self.m.and(straddles, nonzero);
         }
-        // b = [0, 0] is nowhere defined; dividing by a little more keeps the bounds in order, and
-        // within those over any larger box, as later steps assume.
+        // The quotient is undefined for b = [0, 0]. A slightly larger divisor keeps the bounds in
+        // order and within those over larger boxes, as later rules assume.
         let least = self.least_positive();
         let y_hi = self.m.max(y_hi, least);
         let neg_lo_by = self.far_divisor(x_neg_lo, y_lo, y_hi);
@@ -232,8 +231,8 @@ impl<M: Machine> Rule<'_, M> {
         value.restricted(self.m, &own)
     }
 
-    /// What is defined where an operand is not 0: nowhere in the lanes where it is the number 0,
-    /// throughout where it does not contain 0.
+    /// Claims of an operation that is defined where `a` is not 0: nowhere in lanes where it is [0,
+    /// 0], throughout in lanes where it does not contain 0.
     pub(super) fn nonzero(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if !a.range.contains(0.0) {
             return Claims::TOTAL;
@@ -244,7 +243,7 @@ impl<M: Machine> Rule<'_, M> {
         let zero = self.zero();
         let largest = self.m.max(a.value.neg_lo, a.value.hi);
         let least = self.m.min(a.value.neg_lo, a.value.hi);
-        // max(−lo, hi) = 0 only for [0, 0]; min(−lo, hi) < 0 only off zero.
+        // max(−lo, hi) = 0 only for [0, 0]; min(−lo, hi) < 0 only if 0 is outside.
         let nowhere = self.m.le(largest, zero);
         Claims::of_domain(Fact::Lanes(nowhere), Fact::Lanes(self.m.lt(least, zero)))
     }

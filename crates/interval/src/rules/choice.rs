@@ -1,4 +1,4 @@
-//! Minimum, maximum, selection and restriction.
+//! Rules of minimum, maximum, choice and restriction.
 
 use super::Rule;
 use crate::branch::Branch;
@@ -18,7 +18,7 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// b where a < 0, c where a ≥ 0, their hull where both occur, but for a branch.
+    /// b where a < 0, c where a ≥ 0. If both occur, their hull, or over a branch only one of them.
     pub(super) fn select_negative(
         &mut self,
         a: &Operand<M::V>,
@@ -31,7 +31,7 @@ impl<M: Machine> Rule<'_, M> {
         let mut nonneg = self.m.le(a.value.neg_lo, zero);
         match branch {
             Branch::Whole | Branch::Middle => {}
-            // Where both occur, as if only one did.
+            // In lanes where both occur, treat the lane as if only this branch did.
             Branch::Low => negative = self.not(nonneg),
             Branch::Rest | Branch::High => nonneg = self.not(negative),
         }
@@ -44,7 +44,7 @@ impl<M: Machine> Rule<'_, M> {
         let both_hi = self.m.max(b.hi, c.hi);
         let neg_lo = pick(self, b.neg_lo, c.neg_lo, both_neg_lo);
         let hi = pick(self, b.hi, c.hi, both_hi);
-        // A fact of the result holds where it holds for the chosen branch, or for both.
+        // A fact holds for the result if it holds for the chosen branch, or for both.
         let mut fact = |b: Fact<M::V>, c: Fact<M::V>| {
             let on_b = b.and(self.m, Fact::Lanes(negative));
             let on_c = c.and(self.m, Fact::Lanes(nonneg));
@@ -61,8 +61,8 @@ impl<M: Machine> Rule<'_, M> {
         own.and(self.m, &a.value.facts).with([neg_lo, hi])
     }
 
-    /// a where it is defined, else b; their hull where a is defined in a part of the box, but for a
-    /// branch.
+    /// a where it is defined, else b. If a is defined in part of the box, their hull, or over a
+    /// branch only one of them.
     pub(super) fn otherwise(
         &mut self,
         a: &Operand<M::V>,
@@ -93,19 +93,20 @@ impl<M: Machine> Rule<'_, M> {
         facts.with([neg_lo, hi])
     }
 
-    /// `a` with its bounds, defined only where `b` is.
+    /// `a` with its own bounds, defined only where `b` is.
     pub(super) fn with_facts_of(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
     ) -> Enclosure<M::V> {
-        // Only the definition of b matters, not its continuity.
+        // b only has to be defined, not continuous.
         let (own, other) = (a.value.facts, b.value.facts);
         let allowed = Claims { continuous: other.defined, ..other };
         Enclosure { facts: own.and(self.m, &allowed), ..a.value }
     }
 
-    /// `a`, defined only where `b` lies in a domain: `domain` tells what is defined there.
+    /// `a`, restricted to where `b` lies in a domain; `domain` returns the claims of that
+    /// restriction.
     pub(super) fn where_in(
         &mut self,
         a: &Operand<M::V>,
@@ -116,7 +117,7 @@ impl<M: Machine> Rule<'_, M> {
         self.with_facts_of(a, b).restricted(self.m, &own)
     }
 
-    /// What is defined where an operand is ≥ 0.
+    /// Claims of an operation that is defined where the operand is ≥ 0.
     pub(super) fn nonneg(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if a.range.lo >= 0.0 {
             return Claims::TOTAL;
@@ -126,7 +127,7 @@ impl<M: Machine> Rule<'_, M> {
         Claims::of_domain(Fact::Lanes(nowhere), Fact::Lanes(self.m.le(a.value.neg_lo, zero)))
     }
 
-    /// What is defined where an operand is > 0.
+    /// Claims of an operation that is defined where the operand is > 0.
     pub(super) fn positive(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if a.range.lo > 0.0 {
             return Claims::TOTAL;

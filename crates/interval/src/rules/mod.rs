@@ -1,7 +1,7 @@
 //! The interval rule of every operation, written once over [`Machine`].
 //!
-//! A rule may assume what [`Operand::range`] states, and only that; it is then sound for every box.
-//! Where an operand may be infinite, rules close each bound so that no NaN leaves them.
+//! A rule relies on [`Operand::range`] and on nothing else, and is then sound for every box. If an
+//! operand may be infinite, rules replace NaN bounds by +∞, so that none is returned.
 
 pub mod affine;
 mod arithmetic;
@@ -34,13 +34,12 @@ pub fn enclose<M: Machine>(
     enclose_branch(m, format, op, operands, Branch::Whole)
 }
 
-/// Encloses `op` over one of the branches into which it splits its operands' boxes: all points of
-/// that branch where the operation is defined have their values within. Nothing may be concluded of
+/// Encloses `op` over one of the branches into which it splits the box of its operands. The result
+/// contains the values at all points of that branch where `op` is defined. It claims nothing about
 /// other points.
 ///
-/// In lanes where the operation is continuous throughout the box there is nothing to split, and
-/// every branch is the whole. An operation that does not split boxes in the way asked for encloses
-/// all of the box.
+/// In lanes where the operation is continuous throughout the box, every branch is the whole box.
+/// The same holds if the operation does not split boxes into such branches.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
@@ -54,7 +53,7 @@ pub fn enclose_branch<M: Machine>(
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
     let row = op.row();
-    // Powers do so in parts.
+    // The rule of powers calls `nearly` and `outward` itself, for some of its parts.
     if row.excess.is_none() || row.class == Class::Power {
         return rule.enclose(op, operands, branch);
     }
@@ -116,7 +115,8 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// Encloses `op` and its twin over lanes of their operand, or `None` if they share no work there.
+/// Encloses `op` and its twin over lanes of their operand. Returns `None` if they share no work
+/// there.
 pub fn enclose_twins<M: Machine>(
     m: &mut M,
     format: Format,
@@ -131,7 +131,7 @@ pub fn enclose_twins<M: Machine>(
     Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
 }
 
-/// The machine and format that a rule writes for.
+/// The machine and the format for which a rule is evaluated.
 pub(crate) struct Rule<'a, M> {
     pub(crate) m: &'a mut M,
     pub(crate) format: Format,
@@ -150,17 +150,17 @@ impl<M: Machine> Rule<'_, M> {
         self.number(f64::INFINITY)
     }
 
-    /// The mask a > b.
+    /// The mask of a > b.
     pub(crate) fn gt(&mut self, a: M::V, b: M::V) -> M::V {
         self.m.lt(b, a)
     }
 
-    /// The float nearest to a number.
+    /// The float of the format that is nearest to `number`.
     fn nearest(&mut self, number: f64) -> M::V {
         self.number(self.format.pick(f64::from(number as f32), number))
     }
 
-    /// The sign bit alone.
+    /// A vector with only the sign bits set.
     fn sign_bit(&mut self) -> M::V {
         self.number(-0.0)
     }
@@ -188,19 +188,19 @@ impl<M: Machine> Rule<'_, M> {
         self.m.min(a, infinity)
     }
 
-    /// The lower ends, positive zero for zero.
+    /// The lower ends, with +0 for zero.
     fn lo(&mut self, a: &Enclosure<M::V>) -> M::V {
         self.opposite_exactly(a.neg_lo)
     }
 
-    /// −a, positive zero for zero.
+    /// −a, with +0 for zero.
     fn opposite_exactly(&mut self, a: M::V) -> M::V {
         let zero = self.zero();
         self.m.nearly(|m| m.sub(zero, a))
     }
 
-    /// Enclosures by an approximation whose stated error holds all that is rounded, but for the
-    /// last rounding of each bound.
+    /// Encloses by approximations whose stated errors include all rounding except the last of each
+    /// bound.
     pub(crate) fn approximated<const N: usize>(
         &mut self,
         text: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],

@@ -1,4 +1,4 @@
-//! Squares, roots and powers.
+//! Rules of squares, roots and powers.
 
 use super::Rule;
 use super::elementary::approximator::by_halves;
@@ -15,7 +15,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.with(self.square_nonneg([neg_mig, mag]))
     }
 
-    /// −lo and hi of the square of what has these and is not negative.
+    /// [−lo, hi] of the square of a number that is not negative, from its own.
     fn square_nonneg(&mut self, [neg_lo, hi]: [M::V; 2]) -> [M::V; 2] {
         let lo = self.m.neg(neg_lo);
         [self.m.mul(neg_lo, lo), self.m.mul(hi, hi)]
@@ -29,7 +29,7 @@ impl<M: Machine> Rule<'_, M> {
             hi = self.m.max(hi, zero);
         }
         let hi = self.m.sqrt(hi);
-        // The root rounded up is one step too high exactly when its square exceeds the operand.
+        // The root rounded up is one float too high exactly if its square exceeds the operand.
         let neg_lo = self.m.nearly(|m| {
             let up = m.sqrt(lo);
             let square = m.mul(up, up);
@@ -57,7 +57,7 @@ impl<M: Machine> Rule<'_, M> {
             Exponent::Integer(n) => self.integer_power(a, n.unsigned_abs()),
             Exponent::LargeInteger { odd } => self.large_power(a, b, odd),
         };
-        // A constant exponent may stand for an expression that is not defined.
+        // A constant exponent may come from an expression that is not defined everywhere.
         self.with_facts_of(&Operand::new(value, Interval::ENTIRE), b)
     }
 
@@ -88,7 +88,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// aⁿ for |n| ≥ 2³¹: |a|ⁿ, which is a·|a|ⁿ⁻¹ for odd n.
+    /// aⁿ for |n| ≥ 2³¹, as |a|ⁿ for even n and a·|a|ⁿ⁻¹ for odd n.
     fn large_power(&mut self, a: &Operand<M::V>, n: &Operand<M::V>, odd: bool) -> Enclosure<M::V> {
         let range = Interval { lo: 0.0, hi: a.range.magnitude() };
         let magnitude = Operand::new(self.abs(a), range);
@@ -114,7 +114,7 @@ impl<M: Machine> Rule<'_, M> {
     /// 1/aⁿ.
     fn reciprocal_power(&mut self, a: &Operand<M::V>, n: u32) -> Enclosure<M::V> {
         let value = self.integer_power(a, n);
-        // The range of the power is not known here, but that of a nonzero base has no 0 either.
+        // The range of the power is unknown here; it excludes 0 if that of the base does.
         let own = self.nonzero(a);
         let power = Operand::new(value, Interval::ENTIRE);
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
@@ -123,8 +123,9 @@ impl<M: Machine> Rule<'_, M> {
         value.facts.and(self.m, &own).with([quotient.neg_lo, quotient.hi])
     }
 
-    /// −lo and hi of the n-th power, n ≥ 1, of what is not negative, by squaring. Lower ends stay
-    /// finite and upper ends of powers of one number are all 0 or all not, so no product is 0·∞.
+    /// [−lo, hi] of the n-th power, n ≥ 1, of a number that is not negative, by squaring. No
+    /// product is 0·∞: lower ends stay finite, and the powers of an upper end are all 0 or all
+    /// positive.
     fn power_nonneg(&mut self, ends: [M::V; 2], n: u32) -> [M::V; 2] {
         let times = |rule: &mut Self, [neg_lo, hi]: [M::V; 2], other: [M::V; 2]| {
             let low = rule.m.neg(other[0]);
@@ -133,7 +134,7 @@ impl<M: Machine> Rule<'_, M> {
         self.by_squaring(ends, n, times, Self::square_nonneg)
     }
 
-    /// The n-th power, n ≥ 1, of whatever can be multiplied.
+    /// The n-th power, n ≥ 1, by repeated squaring, with the given product and square.
     pub(crate) fn by_squaring<T: Copy>(
         &mut self,
         base: T,
@@ -163,19 +164,19 @@ impl<M: Machine> Rule<'_, M> {
         let negated = self.m.neg(magnitude);
         let [neg_lo, hi] = self.power_nonneg([negated, magnitude], n - 1);
         let lo = self.m.neg(neg_lo);
-        // a times the enclosure of |a|ⁿ⁻¹: the larger product, whichever sign a has. lo is finite;
+        // The larger product of a and an end of |a|ⁿ⁻¹ is right for both signs of a. lo is finite;
         // hi = ∞ only for a ≠ 0.
         let far = self.m.mul(a, hi);
         let near = self.m.mul(a, lo);
         self.m.max(far, near)
     }
 
-    /// exp(b·ln a) with 0^b = 0 for b > 0.
+    /// exp(b·ln a), and 0^b = 0 for b > 0.
     fn real_power(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let (neg_lo, hi) = if a.range.hi > 0.0 {
             self.real_power_ends(a, b)
         } else {
-            // No base is positive: 0 where there is a value at all.
+            // No base is positive, so the only possible value is 0.
             (self.zero(), self.zero())
         };
         let value = self.combine(neg_lo, hi, a, b);
@@ -195,13 +196,13 @@ impl<M: Machine> Rule<'_, M> {
         (self.m.outward(neg_lo), self.m.outward(hi))
     }
 
-    /// The same but for the last rounding of each, in `f64` whatever the format.
+    /// As [`Self::real_power_ends`], without the last rounding; computed in `f64` for both formats.
     fn approximated_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
-        // Where the base reaches 0, its ends are raised to the least positive number for the
-        // logarithm, and the result is corrected below.
+        // If the base reaches 0, the logarithm starts at the least positive number. The result is
+        // corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);
         let bounded = a.range.hi < f64::INFINITY;
-        // Of the smallest and the largest f32.
+        // From below the logarithm of the least `f32` to above that of the largest.
         let ln_range = Interval { lo: -104.0, hi: if bounded { 89.0 } else { f64::INFINITY } };
         let base_hi = if self.format == Format::F64 && !bounded {
             let finite = self.number(f64::MAX); // corrected below
@@ -228,7 +229,7 @@ impl<M: Machine> Rule<'_, M> {
         });
         let zero = self.zero();
         if self.format == Format::F64 && !bounded {
-            // Powers of ever larger bases grow without bound for b > 0, and vanish for b < 0.
+            // As the base grows, powers grow without bound for b > 0, and tend to 0 for b < 0.
             let infinity = self.infinity();
             let unbounded = self.m.eq(a.value.hi, infinity);
             let (some_positive, some_negative) =
@@ -240,8 +241,8 @@ impl<M: Machine> Rule<'_, M> {
             neg_lo = self.m.select(vanishes, neg_lo_zero, neg_lo);
         }
         if a.range.lo <= 0.0 {
-            // 0^b is 0 for b > 0. Next to 0, powers grow without bound for b < 0, and are between 0
-            // and those of the least positive base for b ≥ 0.
+            // 0^b is 0 for b > 0. As the base tends to 0, powers grow without bound for b < 0; for
+            // b ≥ 0 they are between 0 and the power of the least positive base.
             let from_zero = self.m.le(zero, a.value.neg_lo);
             let some_positive = self.gt(b.value.hi, zero);
             let starts = self.m.and(from_zero, some_positive);
@@ -251,8 +252,8 @@ impl<M: Machine> Rule<'_, M> {
             let grows = self.m.and(from_zero, some_negative);
             let infinity = self.infinity();
             hi = self.m.select(grows, infinity, hi);
-            // A base of 0 alone. Where it has no power at all, the bounds stay within those over
-            // any larger box that holds positive bases.
+            // The base is 0 alone. If 0^b is undefined, the bounds stay within those over larger
+            // boxes with positive bases.
             let no_positive = self.m.le(a.value.hi, zero);
             let only_zero = self.m.and(no_positive, some_positive);
             hi = self.m.select(only_zero, zero, hi);
@@ -266,7 +267,7 @@ mod tests {
     use crate::{Decorated, Exponent, Facts, Interval, fold};
     use zeroset_ops::Op;
 
-    /// A power with an exponent beyond `i32`, over [lo, hi].
+    /// A power over [lo, hi], with an exponent beyond `i32`.
     fn power(lo: f64, hi: f64, n: i64) -> ([f64; 2], Facts) {
         let bounds = Interval::point(n as f64).expect("finite");
         let exponent = Exponent::LargeInteger { odd: n % 2 != 0 };

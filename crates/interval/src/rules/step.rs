@@ -1,4 +1,4 @@
-//! Functions that jump: rounding to integers, sign, remainder.
+//! Rules of functions that jump: rounding to integers, sign, remainder.
 
 use super::Rule;
 use crate::bounds::Interval;
@@ -7,8 +7,8 @@ use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::Machine;
 
 impl<M: Machine> Rule<'_, M> {
-    /// Bounds of an integer-valued function f over a branch, continuous where it takes one value
-    /// there. `opposite` is −f(−x), by which −lo becomes that of the bounds.
+    /// Bounds of an integer-valued function f over a branch; continuous where it takes one value
+    /// there. `opposite` is −f(−x), which maps −lo of the operand to −lo of the result.
     pub(super) fn steps(
         &mut self,
         a: &Operand<M::V>,
@@ -19,26 +19,26 @@ impl<M: Machine> Rule<'_, M> {
         let neg_lo = opposite(self, a.value.neg_lo);
         let hi = f(self, a.value.hi);
         let (neg_lo, hi) = self.branch_of_steps(neg_lo, hi, branch);
-        // lo = hi, as −(−lo) = hi; ∞ − ∞ is NaN and claims nothing.
+        // Compare the ends rather than subtract them: ∞ − ∞ would be NaN.
         let lo = self.m.neg(neg_lo);
         let one_value = self.m.eq(lo, hi);
         let continuous = a.value.facts.continuous.and(self.m, Fact::Lanes(one_value));
         Claims { continuous, ..a.value.facts }.with([neg_lo, hi])
     }
 
-    /// The integers within bounds that belong to a branch; one of them at least, also where none
-    /// does.
+    /// (−lo, hi) of the integers within bounds that belong to a branch. For a branch without
+    /// integers it is another integer within the bounds.
     fn branch_of_steps(&mut self, neg_lo: M::V, hi: M::V, branch: Branch) -> (M::V, M::V) {
         let (infinity, minus_one) = (self.infinity(), self.number(-1.0));
         let neg_hi = self.m.neg(hi);
         let lowest = |rule: &mut Self| {
-            // The lowest integer above −∞ has no value of its own.
+            // If the lower end is −∞, there is no lowest integer.
             let lo = rule.m.neg(neg_lo);
             let is_bounded = rule.m.lt(neg_lo, infinity);
             rule.m.select(is_bounded, lo, hi)
         };
-        // Large integers are not changed by one more, rounded outward; so the rest then is the
-        // whole.
+        // Adding 1 to a large integer rounds outward to the same integer. Then the branch is the
+        // whole box.
         let second = |rule: &mut Self| {
             let second = rule.m.add(neg_lo, minus_one);
             rule.m.max(second, neg_hi)
@@ -51,7 +51,7 @@ impl<M: Machine> Rule<'_, M> {
                 let neg_lo = second(self);
                 let last_but_one = self.m.add(hi, minus_one);
                 let lo = self.m.neg(neg_lo);
-                // Between two neighbours there is no integer, and the upper one stands in.
+                // If there is no integer between the lowest and the highest, take the highest.
                 (neg_lo, self.m.max(last_but_one, lo))
             }
             Branch::High => {
@@ -83,7 +83,7 @@ impl<M: Machine> Rule<'_, M> {
         let mut neg_lo = self.m.add(a.value.neg_lo, floor.hi);
         let mut hi = self.m.sub(a.value.hi, floor.hi);
         if branch != Branch::Whole {
-            // A branch's cell may be one of several in the box.
+            // Other parts of the box may lie in other cells.
             neg_lo = self.m.min(neg_lo, zero);
             hi = self.m.min(hi, one);
         }
@@ -92,7 +92,7 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, ..floor }
     }
 
-    /// a − b·floor(a/b), within [0, b) for b > 0 and (b, 0] for b < 0.
+    /// a − b·floor(a/b), which is in [0, b) for b > 0 and in (b, 0] for b < 0.
     pub(super) fn modulo(
         &mut self,
         a: &Operand<M::V>,
@@ -102,20 +102,19 @@ impl<M: Machine> Rule<'_, M> {
         let entire = Interval::ENTIRE;
         let quotient = Operand::new(self.div(a, b), entire);
         let cells = Operand::new(self.floor(&quotient, branch), entire);
-        // Whole cells; unbounded range, so the product is guarded.
+        // The range of the cells is unbounded, so `mul` guards against 0·∞.
         let multiple = Operand::new(self.mul(b, &cells), entire);
         let direct = self.add(a, &multiple.negated());
-        // Where the quotient is finite, the direct bounds and [min(0, b), max(0, b)] both hold:
-        // take the tighter. Their intersection is never empty where the function is defined
-        // somewhere.
+        // Where the quotient is finite, both the direct bounds and [min(0, b), max(0, b)] hold, so
+        // intersect them. The intersection is not empty where the function is defined somewhere.
         let zero = self.zero();
         let within_neg_lo = self.m.max(b.value.neg_lo, zero);
         let within_hi = self.m.max(b.value.hi, zero);
         let neg_lo = self.m.min(direct.neg_lo, within_neg_lo);
         let hi = self.m.min(direct.hi, within_hi);
-        // A branch's cell that is there by rounding only has no point, and a lane that is nowhere
-        // defined no value: what comes next may rely on their bounds, too, to be in order and
-        // within those over larger boxes.
+        // A branch may have a cell only due to rounding, without any point, and a lane may be
+        // undefined. Later rules still rely on bounds that are in order and within those over
+        // larger boxes.
         let (least, most) = (self.m.neg(within_neg_lo), self.m.neg(within_hi));
         let neg_lo = self.m.max(neg_lo, most);
         let hi = self.m.max(hi, least);

@@ -1,5 +1,5 @@
-//! The branches into which operations split boxes: together they hold every value, and where
-//! nothing jumps each is the whole.
+//! Branches into which operations split boxes: together they contain every value, and each is the
+//! whole box where nothing jumps.
 
 use zeroset_interval::{
     Branch, Enclosure, Exponent, Fact, Format, Interval, Operand, Software, Split, Vector128,
@@ -26,7 +26,7 @@ impl Random {
         }
     }
 
-    /// A box, unbounded at times, and a point in it.
+    /// A random box, sometimes unbounded, and a point in it.
     fn bounds(&mut self) -> (Interval, f64) {
         let (a, b, c) = (self.end(), self.end(), self.end());
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));

@@ -1,4 +1,4 @@
-//! Every one-operand rule against the standard library at sampled points, and a few exact cases.
+//! Every rule of one operand against the standard library at sample points, and a few exact cases.
 
 use zeroset_interval::{Decorated, Exponent, Facts, Interval, fold};
 use zeroset_ops::Op;
@@ -19,7 +19,7 @@ fn bounds<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (f64, f64) {
 
 type Sample = (Op, fn(f64) -> f64);
 
-/// Functions of one variable with a value from the standard library, correct to a few last places.
+/// Functions of one variable and their values from the standard library, correct to a few ulps.
 fn samples() -> Vec<Sample> {
     vec![
         (Op::Neg, |a| -a),
@@ -48,7 +48,7 @@ fn samples() -> Vec<Sample> {
         (Op::Tanh, f64::tanh),
         (Op::Asinh, f64::asinh),
         (Op::Acosh, f64::acosh),
-        // Infinite at ±1, where it is not defined.
+        // The standard library returns ±∞ at ±1, where the function is undefined.
         (Op::Atanh, |a| if a.abs() < 1.0 { a.atanh() } else { f64::NAN }),
     ]
 }

@@ -1,4 +1,4 @@
-//! Intervals as other crates see them.
+//! Tests of the public interface of intervals.
 
 mod branches;
 mod containment;

@@ -1,22 +1,21 @@
-//! Sums of terms that are nowhere below 0: each vanishes only where all of its terms do.
+//! Sums of terms of one sign: such a sum is 0 only where all of its terms are 0.
 
 use super::{FACTOR_LIMIT, factors, whole};
 use crate::graph::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// A term that is nowhere below 0, or nowhere above.
+/// A term that is nowhere below 0, or nowhere above 0.
 #[derive(Default)]
 struct Term {
     is_negative: bool,
-    /// It vanishes where one of these does, and nowhere else. Each is there once.
+    /// The term is 0 exactly where one of these nodes is 0. Each occurs once.
     bases: Vec<NodeId>,
-    /// Whether it is more than the product of their squares.
+    /// Whether the term is other than the product of their squares, up to a constant factor.
     is_flat: bool,
 }
 
-/// The factors of a sum whose terms are all nowhere below 0, or all nowhere above: what the terms
-/// have in common, and the sum of the squares of what is left of each. `None` of other sums, and
-/// where that is nothing new.
+/// The factors of a sum whose terms all have one sign: the bases that all terms share, and the sum
+/// of the squares of what remains of each term. `None` for other sums, and if nothing would change.
 pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
     let mut terms: Vec<Term> = Vec::new();
     let mut rest = vec![(root, false)];
@@ -63,7 +62,7 @@ pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
     Some(common)
 }
 
-/// What a node is as a term; `None` if its sign is not known from how it is made.
+/// A node as a term; `None` if the operations do not show its sign.
 fn term(graph: &Graph, id: NodeId) -> Option<Term> {
     let mut term = Term::default();
     let mut rest = vec![id];
@@ -105,7 +104,7 @@ fn term(graph: &Graph, id: NodeId) -> Option<Term> {
     Some(term)
 }
 
-/// Adds the factors of what is raised to a power, each without powers of its own.
+/// Adds the factors of the base of a power to `term`, without their own powers.
 fn bases(graph: &Graph, root: NodeId, term: &mut Term) -> Option<()> {
     term.is_flat |= factors(graph, root, &[Op::Neg, Op::Abs], &[Op::Sqr], &mut term.bases)?;
     Some(())

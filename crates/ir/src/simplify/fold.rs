@@ -1,11 +1,11 @@
-//! Enclosing what is constant.
+//! Enclosure of constant expressions.
 
 use crate::compact::{compact, replaced};
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
 use zeroset_interval::{Decorated, Facts};
 
-/// Replaces each expression of constants, where it is defined and bounded, by its enclosure.
+/// Replaces each constant expression by its enclosure, if it is defined and bounded.
 pub(super) fn fold(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
     let mut values: Vec<Option<Decorated>> = vec![None; graph.len()];
     let (folded, roots) = replaced(graph, roots, |folded, id, node| {

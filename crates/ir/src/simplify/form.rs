@@ -1,4 +1,4 @@
-//! Sums and products while they are collected, before any node is made for them.
+//! Sums and products that are still being collected, before they become nodes.
 
 use super::numbers;
 use crate::graph::NodeId;
@@ -6,7 +6,7 @@ use num_rational::BigRational;
 use num_traits::{One, Zero};
 use zeroset_ops::Restriction;
 
-/// What an expression of the old graph has become so far.
+/// An expression of the old graph, as rewritten so far.
 #[derive(Clone, Debug)]
 pub(super) enum Form {
     /// A node of the new graph.
@@ -17,16 +17,16 @@ pub(super) enum Form {
     Product(Product),
 }
 
-/// Where an expression is defined, beyond what its own operations demand: where the node meets the
-/// restriction.
+/// A condition on where an expression is defined, beyond what its own operations demand: the node
+/// meets the restriction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Condition(pub(super) Restriction, pub(super) NodeId);
 
-/// `±(constant + Σ cᵢ·tᵢ)`: the terms are nodes that carry no coefficient of their own.
+/// `±(constant + Σ cᵢ·tᵢ)`. The terms are nodes without coefficients of their own.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
-    /// Whether constants and coefficients are stored with the opposite sign: negation must cost
-    /// nothing, or a nest of differences would take quadratic time.
+    /// Whether constants and coefficients are stored with the opposite sign. Negation then costs
+    /// nothing; otherwise a nest of differences would take quadratic time.
     negated: bool,
     constants: Vec<BigRational>,
     terms: Vec<(NodeId, BigRational)>,
@@ -49,7 +49,7 @@ impl Sum {
         self.terms.push((term, signed));
     }
 
-    /// This plus `other`; the longer list stays in place.
+    /// Adds `other` to this sum, moving the shorter list into the longer one.
     pub(super) fn plus(mut self, mut other: Self) -> Self {
         if self.terms.len() + self.constants.len() < other.terms.len() + other.constants.len() {
             std::mem::swap(&mut self, &mut other);
@@ -62,7 +62,7 @@ impl Sum {
         self
     }
 
-    /// Constants, terms and conditions, signs applied.
+    /// Returns constants, terms and conditions, with signs applied.
     pub(super) fn into_parts(
         self,
     ) -> (Vec<BigRational>, Vec<(NodeId, BigRational)>, Vec<Condition>) {
@@ -82,12 +82,12 @@ impl Sum {
 pub(super) struct Factor {
     pub(super) base: NodeId,
     pub(super) exponent: i64,
-    /// Whether the base must not be 0 although the exponent may allow it.
+    /// Whether 0 is excluded for the base, even if the exponent would allow it.
     pub(super) nonzero: bool,
 }
 
 impl Factor {
-    /// Where it is defined.
+    /// The condition under which the factor is defined.
     pub(super) fn condition(&self) -> Condition {
         let nonzero = self.nonzero || self.exponent < 0;
         let restriction = if nonzero { Restriction::Nonzero } else { Restriction::Defined };
@@ -101,8 +101,8 @@ pub(super) struct Product {
     pub(super) coefficient: BigRational,
     pub(super) factors: Vec<Factor>,
     pub(super) conditions: Vec<Condition>,
-    /// Whether bases are still to be merged; put off while a long product grows, which would else
-    /// take quadratic time.
+    /// Whether equal bases may still have to be merged. Merging waits while a long product grows,
+    /// which would otherwise take quadratic time.
     pub(super) loose: bool,
 }
 
@@ -116,12 +116,12 @@ impl Product {
         Self { factors, ..Self::number(BigRational::one()) }
     }
 
-    /// The number that this is, if it has no factors and no conditions.
+    /// The value of the product, if it has no factors and no conditions.
     pub(super) fn as_number(&self) -> Option<&BigRational> {
         (self.factors.is_empty() && self.conditions.is_empty()).then_some(&self.coefficient)
     }
 
-    /// The `n`-th power, if every exponent stays small and the coefficient exact.
+    /// The `n`-th power, or `None` if an exponent or the coefficient grows too large.
     pub(super) fn raised(&self, n: i64) -> Option<Self> {
         /// Larger exponents are left to nested powers.
         const EXPONENT_LIMIT: u64 = 1 << 16;

@@ -10,7 +10,7 @@ use zeroset_interval::Facts;
 use zeroset_ops::{Class, Domain, Law, Op, Parity, Restriction};
 
 impl Rewriter<'_> {
-    /// A function of one operand.
+    /// Applies a function of one operand.
     pub(super) fn function(&mut self, op: Op, operand: Form) -> Form {
         let Class::Function(law) = op.row().class else { unreachable!("{op:?} is no function") };
         let mut operand = self.product(operand);
@@ -31,7 +31,7 @@ impl Rewriter<'_> {
             }
         }
         if let Law::Magnitude | Law::Sign = law {
-            // The size of the coefficient moves out of abs and does not matter to sign.
+            // The magnitude of the coefficient moves out of abs, and does not matter to sign.
             let size = std::mem::replace(&mut operand.coefficient, BigRational::one());
             if law == Law::Magnitude {
                 outer *= size;
@@ -92,7 +92,7 @@ impl Rewriter<'_> {
         Product::power(self.node(op, &[a]), 1)
     }
 
-    /// `u` restricted to a domain; `None` for domains that no restriction says.
+    /// `u` restricted to a domain; `None` for domains that no restriction expresses.
     fn within(&mut self, domain: Domain, u: NodeId) -> Option<Product> {
         match domain {
             Domain::All => Some(self.product_of_node(u)),
@@ -115,7 +115,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Whether a node is the result of rounding to an integer.
+    /// Whether the operation of a node has integer results: rounding or `sign`.
     fn is_whole(&self, a: NodeId) -> bool {
         let is_integral =
             |op: &Op| matches!(op.row().class, Class::Function(Law::Rounding(_) | Law::Sign));
@@ -165,7 +165,7 @@ impl Rewriter<'_> {
         Form::Node(self.node(op, &[a, b]))
     }
 
-    /// `select_negative(a, b, c)`: branches stay apart, with their own conditions.
+    /// `select_negative(a, b, c)`. Each branch keeps its own conditions.
     pub(super) fn choice(&mut self, first: Form, second: Form, third: Form) -> Form {
         let mut condition = self.product(first);
         let sign = condition.coefficient.signum();
@@ -189,7 +189,7 @@ impl Rewriter<'_> {
         Form::Product(result)
     }
 
-    /// `otherwise(a, b)`: where a is defined stays with a, and so do its conditions.
+    /// `otherwise(a, b)`. The conditions of a stay with a, since they decide which operand counts.
     pub(super) fn fallback(&mut self, first: Form, second: Form) -> Form {
         let a = self.node_of(first);
         let b = self.node_of(second);
@@ -203,7 +203,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// The first operand, where the second meets a condition.
+    /// The first operand, restricted to where the second meets a condition.
     pub(super) fn restriction(
         &mut self,
         restriction: Restriction,

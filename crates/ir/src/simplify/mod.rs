@@ -1,10 +1,10 @@
-//! Rewriting a graph into a shorter one whose enclosures are tighter.
+//! Rewriting of a graph into a shorter one with tighter enclosures.
 //!
-//! One loop over the old nodes. Each becomes a [`Form`]: a node of the new graph, or a sum or
-//! product still being collected. An operand that only one node uses is handed over as it stands
-//! and so merges with that node; one that several use becomes a node first and stays shared.
-//! Products are never expanded: a factored form encloses better. Numbers stay exact, and constants
-//! like √5 symbolic, until [`fold`] encloses them at the end; so what cancels, cancels exactly.
+//! One loop over the old nodes turns each into a [`Form`]: a node of the new graph, or a sum or
+//! product still being collected. An operand with one user is handed over as a form and merges with
+//! its user. An operand with several users becomes a node first and stays shared. Products are
+//! never expanded: a factored form encloses better. Numbers stay exact, and constants like √5
+//! symbolic, until [`fold`] encloses them at the end; so equal constants cancel exactly.
 
 mod fold;
 mod form;
@@ -29,9 +29,9 @@ use rustc_hash::FxHashMap;
 use zeroset_interval::{Decorated, Facts, Interval};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// A graph that holds only what `roots` need, with the same values and the same domains of
-/// definition at every real point of `domain`, whatever values the parameters take within
-/// `parameters`. Constant expressions are enclosed; [`rewrite`] leaves them symbolic.
+/// Returns a simpler graph that holds only what `roots` need. Values and domains of definition are
+/// the same at every real point of `domain`, for all values of the parameters within `parameters`.
+/// Constant expressions are enclosed; [`rewrite`] leaves them symbolic.
 ///
 /// A parameter beyond the end of `parameters` may have any value.
 ///
@@ -48,7 +48,7 @@ use zeroset_ops::{Class, Op, Restriction};
 /// ```
 ///
 /// # Errors
-/// If the roots need more than [`NODE_LIMIT`] nodes, before or after.
+/// If the roots need more than [`NODE_LIMIT`] nodes, before or after simplifying.
 pub fn simplify(
     graph: &Graph,
     roots: &[NodeId],
@@ -59,11 +59,11 @@ pub fn simplify(
     Ok(fold::fold(&graph, &roots))
 }
 
-/// [`simplify`] without its last step: expressions of constants remain, so that a later rewriting,
-/// of derivatives for one, still knows which of them are equal.
+/// [`simplify`] without its last step: constant expressions stay symbolic. A later rewriting, such
+/// as that of derivatives, can then still tell which of them are equal.
 ///
 /// # Errors
-/// If the roots need more than [`NODE_LIMIT`] nodes, before or after.
+/// If the roots need more than [`NODE_LIMIT`] nodes, before or after rewriting.
 pub fn rewrite(
     graph: &Graph,
     roots: &[NodeId],
@@ -94,8 +94,8 @@ pub fn rewrite(
         parameters,
     };
     let mut values: Vec<Option<Form>> = vec![None; graph.len()];
-    // By old node, however it simplifies: only what is written without coordinates and parameters
-    // may count as a constant exponent.
+    // From the old graph: only an exponent that was written without coordinates and parameters
+    // counts as constant, however it simplifies.
     let ranks = ranks(graph);
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
@@ -146,16 +146,17 @@ pub fn rewrite(
     Ok((graph, roots))
 }
 
-/// The new graph, and what is known of its nodes.
+/// The new graph, and what is known about its nodes.
 struct Rewriter<'a> {
     graph: Graph,
-    /// Bounds of each node's value, wherever in the domain it is defined, and facts over all of it.
+    /// Bounds of each node's value where it is defined in the domain, and facts over all of the
+    /// domain.
     known: Vec<Decorated>,
-    /// What each node varies with.
+    /// Variability of each node.
     ranks: Vec<Variability>,
-    /// The terms of nodes that are sums of several.
+    /// Constant and terms of the nodes that are sums.
     sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
-    /// The factors of nodes that are products or powers.
+    /// Factors of the nodes that are products or powers.
     products: FxHashMap<NodeId, Product>,
     domain: &'a [Interval; 3],
     parameters: &'a [Interval],
@@ -217,7 +218,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// A value as a node, coefficient and conditions included.
+    /// Returns the node of a value, including its coefficient and conditions.
     fn node_of(&mut self, value: Form) -> NodeId {
         match value {
             Form::Node(id) => id,
@@ -230,7 +231,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// `node`, restricted to where `conditions` hold.
+    /// Restricts `node` to where `conditions` hold.
     fn restrict(&mut self, mut node: NodeId, mut conditions: Vec<Condition>) -> NodeId {
         conditions.sort_unstable();
         conditions.dedup();
@@ -306,7 +307,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// A value as a sum.
+    /// Converts a value to a sum.
     fn sum(&mut self, value: Form) -> Sum {
         match value {
             Form::Sum(sum) => sum,

@@ -1,4 +1,4 @@
-//! Powers: integer exponents join products, halves become square roots.
+//! Powers: integer exponents join products, and half-integers become square roots.
 
 use super::Rewriter;
 use super::form::{Condition, Form, Product};
@@ -30,8 +30,8 @@ impl Rewriter<'_> {
         Form::Node(self.node(op, &operands[..op.arity()]))
     }
 
-    /// `base^exponent`; `fixed` tells whether the exponent was written without coordinates and
-    /// parameters.
+    /// `base^exponent`. The flag `fixed` tells whether the exponent was written without coordinates
+    /// and parameters.
     pub(super) fn power(&mut self, base: Form, exponent: Form, fixed: bool) -> Form {
         let exponent = self.product(exponent);
         if !exponent.factors.is_empty() {
@@ -47,7 +47,7 @@ impl Rewriter<'_> {
             if fixed || self.rank(exponent) != Variability::Constant {
                 return power;
             }
-            // Folding would find an integer only in a range of one number, whose sign is known.
+            // Enclosing yields an integer only if the range is one number, whose sign is known.
             return self.real_power(power, base, self.range(exponent).hi > 0.0);
         }
         let Product { coefficient: number, conditions, .. } = exponent;
@@ -62,9 +62,9 @@ impl Rewriter<'_> {
         self.real_power(Form::Product(result), base, number.is_positive())
     }
 
-    /// A power whose exponent is constant, but was written with a variable that cancels: it counts
-    /// as a real number, so negative bases stay outside the domain even where its value is an
-    /// integer.
+    /// Restricts a power whose exponent is constant, but was written with a variable that cancels.
+    /// Such an exponent counts as real: negative bases stay outside the domain, even if its value
+    /// is an integer.
     fn real_power(&mut self, power: Form, base: NodeId, positive: bool) -> Form {
         let mut result = self.product(power);
         let bound = if positive { Restriction::Nonneg } else { Restriction::Positive };

@@ -10,13 +10,13 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Shared products of more factors than this are not looked into again.
+/// Most factors of a product that is remembered; longer ones are merged late.
 const REMEMBERED: usize = 8;
-/// Restrictions of an operand beyond this many stay below the operation.
+/// Most restrictions that are lifted out of an operand; further ones stay in it.
 const LIFTED: usize = 16;
 
 impl Rewriter<'_> {
-    /// A value as a product with distinct bases.
+    /// Converts a value to a product with distinct bases.
     pub(super) fn product(&mut self, value: Form) -> Product {
         match value {
             Form::Product(product) if product.loose => self.settle(product),
@@ -38,8 +38,7 @@ impl Rewriter<'_> {
         if let Some(number) = self.graph.exact(id) {
             return Product { conditions, ..Product::number(number.clone()) };
         }
-        // A shared product stays one factor, so that it stays shared; a shared power shows its
-        // base.
+        // A shared product stays one factor, so that it stays shared. A shared power is opened.
         let power = self.products.get(&id).filter(|product| product.factors.len() == 1);
         let power = power.cloned().unwrap_or_else(|| Product::power(id, 1));
         Product { conditions, ..power }
@@ -65,7 +64,7 @@ impl Rewriter<'_> {
         self.settle(a)
     }
 
-    /// A value as a product whose bases may still be merged.
+    /// Converts a value to a product whose equal bases may still have to be merged.
     pub(super) fn loose_product(&mut self, value: Form) -> Product {
         match value {
             Form::Product(product) => product,
@@ -73,7 +72,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// `a / b`; left as written where `b` is the number 0.
+    /// `a / b`, left as written if `b` is the number 0.
     pub(super) fn quotient(&mut self, a: Form, b: Form) -> Form {
         let a = self.loose_product(a);
         let b = self.product(b);
@@ -85,7 +84,8 @@ impl Rewriter<'_> {
         Form::Node(self.node(Op::Div, &[a, b]))
     }
 
-    /// Merges equal bases and drops what exponents make needless, keeping the domain in conditions.
+    /// Merges equal bases and drops factors that exponents make needless. Conditions keep the
+    /// domain.
     pub(super) fn settle(&mut self, mut p: Product) -> Product {
         p.loose = false;
         loop {
@@ -127,7 +127,8 @@ impl Rewriter<'_> {
         p.factors = merged;
     }
 
-    /// `|u|^2k = u^2k`, `√u^2k = u^k` where u ≥ 0, `∛u^3k = u^k`. Whether anything changed.
+    /// Applies `|u|^2k = u^2k`, `√u^2k = u^k` where u ≥ 0, and `∛u^3k = u^k`; whether anything
+    /// changed.
     fn simplify_powers(&mut self, p: &mut Product) -> bool {
         let mut changed = false;
         for factor in p.factors.iter_mut().filter(|factor| factor.exponent != 0) {
@@ -150,7 +151,7 @@ impl Rewriter<'_> {
                 changed = true;
             }
         }
-        // What came to light may be a number or a product itself.
+        // A base that has come to light may be a number.
         let mut opened = Vec::new();
         for factor in std::mem::take(&mut p.factors) {
             let number =
@@ -167,8 +168,8 @@ impl Rewriter<'_> {
         changed
     }
 
-    /// `u` where it is known to be ≥ 0: the restriction that says so does not narrow an enclosure,
-    /// the maximum does.
+    /// The maximum of `u` and 0, or `u` if its range shows u ≥ 0. A condition u ≥ 0 does not narrow
+    /// the enclosure; the maximum does.
     pub(super) fn nonneg_part(&mut self, u: NodeId) -> NodeId {
         if self.range(u).lo >= 0.0 {
             return u;
@@ -177,7 +178,7 @@ impl Rewriter<'_> {
         self.node(Op::Max, &[u.min(zero), u.max(zero)])
     }
 
-    /// The node of a settled product; its conditions are the caller's.
+    /// The node of a product with merged bases. The caller applies its conditions.
     pub(super) fn emit_product(&mut self, p: &Product) -> NodeId {
         if p.factors.is_empty() {
             return self.number(p.coefficient.clone());
@@ -189,7 +190,8 @@ impl Rewriter<'_> {
             if p.coefficient.abs().is_one()
                 && let Some((constant, terms)) = self.sums.get(&base).cloned()
             {
-                // The opposite of a sum has the opposite terms: 7 operations of the gallery.
+                // The negative of a sum is a sum of negated terms (saves 7 operations of the
+                // gallery).
                 let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
                 return self.emit_sum(&-constant, &terms);
             }
@@ -210,7 +212,7 @@ impl Rewriter<'_> {
     }
 
     fn emit_factors(&mut self, p: &Product) -> NodeId {
-        let mut uniform = [None, None]; // above and below the line
+        let mut uniform = [None, None]; // numerator, denominator
         let mut varying = [Vec::new(), Vec::new()];
         for rank in [Variability::Constant, Variability::Uniform] {
             for factor in &p.factors {
@@ -227,7 +229,7 @@ impl Rewriter<'_> {
                 varying[side].push((factor.base, factor.exponent.unsigned_abs()));
             }
         }
-        // The number joins what else does not vary, above the line.
+        // The number joins the other factors that do not vary, in the numerator.
         let unit = p.coefficient.abs().is_one();
         let mut fixed = if unit { None } else { Some(self.number(p.coefficient.clone())) };
         if let Some(above) = uniform[0] {
@@ -261,8 +263,8 @@ impl Rewriter<'_> {
         self.node(Op::Div, &[above, b])
     }
 
-    /// `Π baseᵢ^nᵢ`; `(xy)²` rather than `x²y²` unless both squares are there already: as tight,
-    /// and shorter (4 operations of the gallery).
+    /// `Π baseᵢ^nᵢ`. Prefers `(xy)²` to `x²y²`, unless both squares exist already: it is as tight
+    /// and shorter (saves 4 operations of the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
         let common = powers.iter().fold(0, |common, (_, n)| gcd(common, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));
@@ -279,7 +281,7 @@ impl Rewriter<'_> {
         product
     }
 
-    /// `base^exponent`: even powers as squares, whose enclosure is exact, odd ones as powers.
+    /// `base^exponent`, as squares of an odd power: the enclosure of a square is exact.
     fn emit_power(&mut self, base: NodeId, exponent: u64) -> NodeId {
         let (squarings, odd) = split_exponent(exponent);
         let mut node = base;

@@ -1,7 +1,7 @@
 //! Collecting and emitting sums: `k + Σ cᵢ·tᵢ`.
 //!
-//! What a step gains is stated beside it, as measured on the gallery: operations of all its tapes
-//! (919, those of gradients 1498), and boxes that bisection down to 1/32 of a domain encloses.
+//! Comments state what a step saves on the gallery: operations of all tapes (919, for gradients
+//! 1498), or boxes that bisection down to 1/32 of a domain encloses.
 
 use super::Rewriter;
 use super::form::{Condition, Product, Sum};
@@ -15,18 +15,18 @@ use zeroset_ops::{Op, Restriction};
 
 type Terms = Vec<(NodeId, BigRational)>;
 
-/// Shared sums of more terms than this are not looked into again.
+/// Most terms of a sum that is remembered, so that later sums can use its terms.
 const REMEMBERED: usize = 64;
-/// Sums of more terms than this are not opened to complete squares: their common factor is worth
-/// more.
+/// Most terms of a sum that is opened to complete squares. The common factor of longer sums is
+/// worth more.
 const OPENED: usize = 4;
-/// A square is completed only if its centre is at most this many times farther from 0 than the
-/// range reaches: beyond that the rounding of the square outweighs what it gains.
+/// Largest distance of a square's center from 0, as a multiple of the range's magnitude. Beyond it,
+/// rounding of the square outweighs the gain.
 const CENTRE_LIMIT: f64 = 4.0;
 
 impl Rewriter<'_> {
     /// Merges like terms and completes squares. The result is a number, a term with a coefficient,
-    /// or `±c` times a sum whose sign and common factor are normal.
+    /// or `±c` times a sum that [`content`] has normalized.
     pub(super) fn settle_sum(&mut self, sum: Sum) -> Product {
         let (constants, terms, mut conditions) = sum.into_parts();
         let mut constant = BigRational::zero();
@@ -75,8 +75,8 @@ impl Rewriter<'_> {
                             *total = sum;
                             continue;
                         }
-                        // Too large to add up exactly: the larger multiple becomes a term of its
-                        // own.
+                        // The total is too large to be exact: the larger multiple becomes a
+                        // separate term.
                         let larger = if bits(total) >= bits(&coefficient) {
                             std::mem::replace(total, coefficient)
                         } else {
@@ -101,10 +101,10 @@ impl Rewriter<'_> {
         });
     }
 
-    /// Replaces sums by their terms where a square and its base then meet and a square can be
-    /// completed: 1.4 % fewer boxes, among them those of Mitchell's surface.
+    /// Replaces sums by their terms if this lets a square be completed with its base. Saves 1.4 %
+    /// of the boxes, some of them of Mitchell's surface.
     fn open_squares(&self, terms: Terms, constant: &mut BigRational) -> Terms {
-        // Every term within reach, its coefficient, and the sum that it is in.
+        // Each term, also of sums that can be opened: node, coefficient and the sum that holds it.
         let mut reach: Vec<(NodeId, BigRational, Option<NodeId>)> = Vec::new();
         for (term, c) in &terms {
             reach.push((*term, c.clone(), None));
@@ -132,7 +132,7 @@ impl Rewriter<'_> {
         self.open(terms, constant, |sum, _| sources.contains(&sum))
     }
 
-    /// Replaces the sums that are `chosen`, by node and terms, by their terms.
+    /// Replaces sums by their terms if `chosen`, given the node and the terms, is true.
     fn open(
         &self,
         terms: Terms,
@@ -161,8 +161,8 @@ impl Rewriter<'_> {
         opened
     }
 
-    /// `a·t² + b·t = a·(t + b/2a)² − b²/4a`: the right side names t once, so its enclosure is exact
-    /// (6 % fewer boxes).
+    /// Applies `a·t² + b·t = a·(t + b/2a)² − b²/4a`. The right side has t only once, so its
+    /// enclosure is exact (6 % fewer boxes). Returns whether anything changed.
     fn complete_squares(&mut self, terms: &mut Terms, constant: &mut BigRational) -> bool {
         let mut changed = false;
         let mut index = 0;
@@ -187,7 +187,7 @@ impl Rewriter<'_> {
             let completed = self.node(Op::Sqr, &[inner]);
             self.products.entry(completed).or_insert_with(|| Product::power(inner, 2));
             *constant = rest;
-            // The new term may break the order and so hide a pair from the search: the caller sorts
+            // The new term may be out of order and so hide a pair from the search. The caller sorts
             // and tries again.
             terms.remove(linear);
             index -= usize::from(linear < index);
@@ -199,17 +199,17 @@ impl Rewriter<'_> {
         changed
     }
 
-    /// Whether `(t + half)² − half²` encloses better than `t² + 2·half·t`.
+    /// Whether `(t + half)² − half²` has a tighter enclosure than `t² + 2·half·t`.
     fn square_pays(&self, t: NodeId, half: &BigRational) -> bool {
         let range = self.range(t);
-        // Where both terms rise or fall together the natural enclosure is exact already.
+        // If both terms rise or fall together, interval evaluation is exact already.
         let together =
             (range.lo >= 0.0 && half.is_positive()) || (range.hi <= 0.0 && half.is_negative());
         let centre = crate::Constant::rational(half.clone()).bounds().magnitude();
         !together && centre <= CENTRE_LIMIT * range.magnitude()
     }
 
-    /// The node of `constant + Σ terms`, with at least one term, all distinct and sorted.
+    /// Returns the node of `constant + Σ terms`, for one or more terms, all distinct and sorted.
     pub(super) fn emit_sum(
         &mut self,
         constant: &BigRational,
@@ -225,7 +225,7 @@ impl Rewriter<'_> {
             }
         }
         self.group_equal_coefficients(&mut varying);
-        // What does not vary becomes one operand, itself a signed sum.
+        // The part that does not vary becomes one operand, itself a signed sum.
         let number = self.number(constant.abs());
         let mut offset = (!constant.is_zero()).then_some((constant.is_negative(), number));
         for group in fixed {
@@ -250,8 +250,8 @@ impl Rewriter<'_> {
         node
     }
 
-    /// [`emit_signed`](Self::emit_signed) from nothing; where all signs are minus, a coefficient
-    /// takes the first (9 operations of gradients).
+    /// Like [`emit_signed`](Self::emit_signed) without a start. If all signs are minus, a
+    /// coefficient other than −1 absorbs the first (saves 9 operations of gradients).
     fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
         if terms.iter().all(|(_, c)| c.is_negative())
             && let Some(first) = terms.iter().position(|(_, c)| !c.abs().is_one())
@@ -264,7 +264,7 @@ impl Rewriter<'_> {
         self.emit_signed(None, terms)
     }
 
-    /// `c·s ± c·t` becomes `c·(s ± t)`: the same enclosure with fewer multiplications (16).
+    /// Rewrites `c·s ± c·t` as `c·(s ± t)`: the same enclosure with 16 fewer multiplications.
     fn group_equal_coefficients(&mut self, terms: &mut Terms) {
         if terms.len() > REMEMBERED {
             return;
@@ -288,8 +288,8 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Adds terms to a signed node: those with a plus first, so that no negation is needed where
-    /// one exists.
+    /// Adds terms to a signed node. Positive terms come first, so no negation is needed if there is
+    /// one.
     fn emit_signed(
         &mut self,
         start: Option<(bool, NodeId)>,
@@ -305,7 +305,7 @@ impl Rewriter<'_> {
         total
     }
 
-    /// `total ± node`, the sign kept apart.
+    /// `total ± node`, as a sign and a node.
     fn join(
         &mut self,
         total: Option<(bool, NodeId)>,
@@ -320,7 +320,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// `c·term`, for c ≠ −1, with c next to what else does not vary.
+    /// `c·term`, for c ≠ −1. The number c joins the other factors that do not vary.
     fn scaled(&mut self, term: NodeId, c: &BigRational) -> NodeId {
         if c.is_one() {
             return term;
@@ -331,8 +331,8 @@ impl Rewriter<'_> {
     }
 }
 
-/// The sign of the first term, times the size of all coefficients if it is the same, so that sums
-/// which differ by a factor are shared (37 operations of gradients).
+/// The factor to take out of a sum: the sign of the first term, times the size of all coefficients
+/// if they share one. Sums that differ by a factor are so shared (37 operations of gradients).
 fn content(terms: &[(NodeId, BigRational)], constant: &BigRational) -> BigRational {
     let first = &terms[0].1;
     let size = first.abs();

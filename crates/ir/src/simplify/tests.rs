@@ -1,4 +1,4 @@
-//! Each rule on its own, and all of them on random graphs.
+//! Tests of each rule alone, and of all rules on random graphs.
 
 use super::*;
 use crate::constant::NamedConstant;
@@ -58,7 +58,7 @@ fn a_domain_outlives_what_gave_it() {
     assert_eq!(simple(|_, [x, y, _]| x.f(Op::Ln) * 0.0 + y), "where_defined(y, ln(x))");
     assert_eq!(simple(|_, [x, y, _]| x.f(Op::Ln) - x.f(Op::Ln) + y), "where_defined(y, ln(x))");
     assert_eq!(simple(|_, [x, _, _]| x.f(Op::Ln).pow(0)), "where_defined(1, ln(x))");
-    // Proven total on the box: no restriction is left.
+    // The removed operation is defined on the whole box: no restriction is left.
     assert_eq!(simple(|_, [x, y, _]| (x + 3.0) / (x + 3.0) * y), "y");
     assert_eq!(simple(|_, [x, y, _]| (x + 3.0).f(Op::Ln) * 0.0 + y), "y");
     assert_eq!(simple(|_, [x, y, _]| x - x + y), "y");
@@ -76,7 +76,7 @@ fn squares_are_completed() {
         simple(|_, [x, _, _]| 2.0 * x.f(Op::Sin).pow(2) + x.f(Op::Sin)),
         "2*sqr(sin(x) + 0.25) - 0.125"
     );
-    // Here the enclosure is exact as it stands, and here rounding would outweigh the gain.
+    // The first enclosure is exact as it stands; rounding would outweigh the gain in the second.
     assert_eq!(simple(|_, [x, _, _]| x.pow(4) + 5.0 * x.pow(2)), "5*sqr(x) + sqr(sqr(x))");
     assert_eq!(simple(|_, [x, _, _]| x.pow(2) - 1000.0 * x), "sqr(x) - 1000*x");
 }
@@ -152,7 +152,7 @@ fn numbers_known_by_bounds_only_never_cancel() {
 
 #[test]
 fn multiples_too_large_to_add_up_are_counted_once_each() {
-    // Below 2^512 / 9, between, and beyond.
+    // Fourth powers below 2^512 / 9 (the first and third), between that and 2^512, and beyond.
     for number in ["3", "340282326356119256160033759537265639424", "1e38", "5e38"] {
         let sheet = Sheet::default();
         let [_, y, _] = sheet.xyz();
@@ -248,7 +248,7 @@ fn values_and_domains_are_kept() {
     assert!(compared > 100_000, "{compared}");
 }
 
-/// The enclosure of a node over a box, with parameters at points.
+/// The bounds and facts of a node over a box, with parameters at points.
 fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) -> (Interval, Facts) {
     let mut all: Vec<zeroset_interval::Decorated> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
@@ -269,9 +269,8 @@ fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) ->
     (bounds, facts)
 }
 
-/// Whether every exponent is a number as it stands. Interval rules take any exponent with a single
-/// possible value for a constant, so that for others a base below 0 is treated differently before
-/// and after.
+/// Whether every exponent is a constant node. Interval rules take any exponent with one possible
+/// value for a constant, so other exponents may treat a base below 0 differently before and after.
 fn exponents_are_numbers(graph: &Graph) -> bool {
     graph.iter().all(|(_, node)| match node {
         Node::Apply(Op::Pow, operands) => matches!(graph.node(operands[1]), Node::Constant(_)),
@@ -311,14 +310,14 @@ fn enclosures_do_not_widen() {
                 continue;
             }
             compared += 1;
-            // A coefficient that is no float may move an operand past an end of a domain that it
-            // had just reached.
+            // A coefficient that is no float may move an operand past the end of a domain that it
+            // just reached.
             let wider = at.map(|a| Interval { lo: a.lo - 1e-12, hi: a.hi + 1e-12 });
             let keeps_facts = new_facts.has(old_facts)
                 || !enclosure(&graph, root, &wider, &values).1.has(old_facts);
             let slack = 1e-9 * (1.0 + old.magnitude().min(f64::MAX));
             narrower += u32::from(old.lo < new.lo - slack || old.hi > new.hi + slack);
-            // What is rounded in another order may fall on the other side of a jump.
+            // Rounding in another order may lead to the other side of a jump.
             let (old, old_facts) = if jumps(&graph) {
                 let out = |end: f64, sign: f64| end + sign * 1e-12 * (1.0 + end.abs());
                 let larger =
@@ -339,7 +338,7 @@ fn enclosures_do_not_widen() {
     assert!(compared > 50_000 && narrower > 1000, "{compared} {narrower}");
 }
 
-/// The columns that simplification believes, against values in plain `f64`.
+/// Compares the columns that simplification relies on with values in plain `f64`.
 #[test]
 fn rows_state_what_is_true() {
     let value = |op: Op, a: f64| {
@@ -383,7 +382,7 @@ fn rows_state_what_is_true() {
                     assert!(between.abs() >= 1.0, "{} of {between}", row.name);
                     continue; // tanh a rounds to 1
                 };
-                // As near as what is between can say.
+                // The result cannot be more accurate than the rounded intermediate value.
                 let step = between.abs() * f64::EPSILON;
                 let (next, _) = value(row.op, between - step).expect("defined");
                 let conditioned = near(found, a) || (found - a).abs() <= (found - next).abs();

@@ -1,16 +1,16 @@
-//! Instructions as bytes, and behind them the constants that they read.
+//! Encoding of instructions as bytes, followed by the constants that they read.
 
 use super::target;
 use iced_x86::{Encoder, Instruction};
 
-/// The bytes of a function. Where an instruction reads a constant, its displacement says where
-/// among those that is; these begin at a multiple of `alignment` bytes. A branch leads to the first
-/// of the instructions that were written in place of the one that it led to. `None` if there is
-/// none, if a branch has one byte for its distance, or if an instruction has no encoding.
+/// Encodes a function. If an instruction reads a constant, its displacement is the position among
+/// `constants`, which begin at a multiple of `alignment` bytes. A branch leads to the first
+/// instruction written in place of its target. `None` if there is none, if a branch has one byte
+/// for its distance, or if an instruction has no encoding.
 pub fn bytes(written: &[Instruction], constants: &[u8], alignment: usize) -> Option<Vec<u8>> {
     let mut encoder = Encoder::new(64);
     let mut starts = Vec::with_capacity(written.len());
-    // Distances that are not known yet: where each stands, what it is from, and what it is to.
+    // Distances to fill in later: position, the address that they count from, and the target.
     let (mut branches, mut references) = (Vec::new(), Vec::new());
     let mut end = 0;
     for instruction in written {

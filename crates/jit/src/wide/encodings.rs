@@ -1,15 +1,15 @@
-//! Instructions for vectors of 128 bits, and what does the same to wider ones.
+//! Instructions for vectors of 128 bits, and their equivalents for wider ones.
 
 use super::{Width, is_vector};
 use iced_x86::{Code, Instruction, OpKind, Register};
 
-/// By which a shuffle takes the upper half of a vector twice.
+/// Immediate of the shuffle that takes the upper half of a vector twice.
 const UPPER: u8 = 0b11_10_11_10;
 
-/// Where the lanes for which something holds are bits, until they are a vector again.
+/// Mask register for a bit per lane, until the bits are expanded to a vector.
 const LANES: Register = Register::K1;
 
-/// Writes what does the same to wider vectors.
+/// Writes the equivalent for wider vectors; `None` if it is not known.
 pub(super) fn widen(
     instruction: &Instruction,
     width: Width,
@@ -23,7 +23,7 @@ pub(super) fn widen(
     let [to, a, b] = [0, 1, 2].map(|operand| instruction.op_register(operand));
     let whole = |register| width.whole(register);
     match instruction.code() {
-        // The upper half of a vector to the lower one of another.
+        // Moves the upper half of a vector to the lower half of another.
         Code::VEX_Vpshufd_xmm_xmmm128_imm8 if is_vector(a) && instruction.immediate8() == UPPER => {
             let code = match width {
                 Width::Zmm => Code::EVEX_Vextractf64x4_ymmm256_k1z_zmm_imm8,
@@ -31,7 +31,7 @@ pub(super) fn widen(
             };
             written.push(Instruction::with3(code, width.half(to), whole(a), 1).ok()?);
         }
-        // The lower halves of two vectors side by side.
+        // Joins the lower halves of two vectors.
         Code::VEX_Vpunpcklqdq_xmm_xmm_xmmm128 if is_vector(b) => {
             let code = match width {
                 Width::Zmm => Code::EVEX_Vinsertf64x4_zmm_k1z_zmm_ymmm256_imm8,
@@ -43,7 +43,7 @@ pub(super) fn widen(
         code => {
             let mut wider = *instruction;
             wider.set_code(encoding(code, width)?);
-            // Half as many lanes of twice the size are read, or written, by these.
+            // These convert between lanes of two sizes, so that one operand is half a vector.
             let [is_read, is_written] =
                 [Code::VEX_Vcvtps2pd_xmm_xmmm64, Code::VEX_Vcvtpd2ps_xmm_xmmm128]
                     .map(|other| other == code);
@@ -61,7 +61,7 @@ pub(super) fn widen(
     Some(())
 }
 
-/// The same by a bit a lane.
+/// Writes the equivalent that uses a mask register.
 fn widen_by_lanes(
     instruction: &Instruction,
     by_lanes: &ByLanes,
@@ -95,13 +95,13 @@ fn widen_by_lanes(
     Some(())
 }
 
-/// What instructions of 512 bits do by a bit a lane, where narrower ones have vectors of them.
+/// How instructions of 512 bits use a bit per lane, where narrower ones use vectors.
 pub(super) enum ByLanes {
-    /// By this one and one that makes a vector of the bits.
+    /// A comparison, and the instruction that expands its bits to a vector.
     Compare(Code, Code),
-    /// The same the other way round.
+    /// A choice, and the instruction that gathers its bits from a vector.
     Choose(Code, Code),
-    /// By one that takes the signs of a vector, which are then moved on.
+    /// The instruction that gathers the signs of a vector, which are then moved on.
     Signs(Code),
 }
 
@@ -153,8 +153,8 @@ macro_rules! encodings {
     };
 }
 
-/// The encoding of the same instruction for wider vectors, or, of moves and of logic, of one that
-/// does the same to the bits. Of those for 512 bits that are missing [`by_lanes`] tells.
+/// The encoding of an instruction for wider vectors. Moves and logic may become other instructions
+/// with the same effect. Where one for 512 bits is missing, see [`by_lanes`].
 #[rustfmt::skip]
 pub(super) fn encoding(code: Code, width: Width) -> Option<Code> {
     encodings! { code, width:

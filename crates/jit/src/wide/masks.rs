@@ -1,21 +1,21 @@
-//! Bits a lane that are taken where they are.
+//! Reuse of bits in mask registers.
 //!
-//! With vectors of 512 bits a comparison gives a bit a lane, and a choice takes one. Written
-//! instruction by instruction, there is a vector in between, which has to be made and to be read
-//! again. Within a block it is known where the bits still are.
+//! With vectors of 512 bits, a comparison writes a bit per lane to a mask register, and a choice
+//! reads one. Translated one by one, they pass a vector, which is expanded from bits and gathered
+//! to bits again. Within a block it is known which registers still hold the bits.
 
 use super::target;
 use iced_x86::{Code, Instruction, Mnemonic, OpKind, Register};
 
-/// Registers for bits, and the first of them: K0 stands for none.
+/// Number of mask registers in use, and the first of them. K0 stands for none.
 const REGISTERS: u32 = 7;
 const FIRST: Register = Register::K1;
-/// Registers for vectors.
+/// Number of vector registers.
 const VECTORS: usize = 32;
 
-/// The same code without what makes bits of vectors while they are still there, and without vectors
-/// that nothing reads then. By instruction, `blocks` has the number of the block that it is in: a
-/// branch leads to the first of one.
+/// Removes instructions that gather bits which a mask register still holds, and then vectors that
+/// nothing reads. `blocks` has the block number of each instruction. Branches lead to the first
+/// instruction of a block.
 pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
     let targets: Vec<u64> = written.iter().filter_map(target).collect();
     let (written, blocks) = with_bits(written, blocks);
@@ -34,8 +34,8 @@ pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
     written.into_iter().filter(|_| is_needed.next() == Some(true)).collect()
 }
 
-/// Code that takes bits where they are. All have one register before, and those who take them come
-/// right behind those who give them; here they are kept in all registers in turn.
+/// Makes instructions use bits where they are. Before, there is one mask register, and each of its
+/// readers directly follows its writer. Here the bits go to all registers in turn.
 fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>, Vec<usize>) {
     let (mut code, mut numbers) = (Vec::with_capacity(written.len()), Vec::new());
     let (mut bits, mut last) = (Bits::default(), usize::MAX);
@@ -87,10 +87,10 @@ fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>
     (code, numbers)
 }
 
-/// By vector, the register with the signs of its lanes, and how many lanes those are.
+/// By vector, the mask register with the signs of its lanes, and the number of lanes.
 type Known = [Option<(Register, u32)>; VECTORS];
 
-/// Where bits are.
+/// The mask registers that hold bits of vectors.
 #[derive(Default)]
 struct Bits {
     known: Known,
@@ -108,7 +108,7 @@ impl Bits {
         }
     }
 
-    /// The register that was given away first.
+    /// Returns the register that was returned longest ago, and forgets what it holds.
     fn fresh(&mut self) -> Register {
         let register = FIRST + self.next % REGISTERS;
         self.next += 1;
@@ -119,17 +119,17 @@ impl Bits {
     }
 }
 
-/// What the rest of a block reads, and what comes after it: a bit for each register.
+/// The registers that the rest of a block and what follows it read, a bit for each.
 #[derive(Default)]
 struct Needs {
     /// Vectors that are written before they are read. All others may be read.
     lost: u32,
-    /// Bits that are read; never after the block.
+    /// Mask registers that are read. None is read after the block.
     read: u32,
 }
 
 impl Needs {
-    /// Whether anything needs what an instruction does.
+    /// Whether anything needs the result of an instruction.
     fn needs(&self, instruction: &Instruction) -> bool {
         let (to, code) = (instruction.op0_register(), instruction.code());
         if to.is_k() {
@@ -139,7 +139,7 @@ impl Needs {
         !is_of_bits || self.lost & bit(to) == 0
     }
 
-    /// Takes an instruction before the rest.
+    /// Goes back over an instruction, to what is needed before it.
     fn go_back(&mut self, instruction: &Instruction) {
         let to = instruction.op0_register();
         self.lost |= bit(to);
@@ -154,7 +154,7 @@ impl Needs {
     }
 }
 
-/// The bit of a vector, and that of a register for bits; none of others.
+/// The bit of a vector register; 0 for other registers.
 fn bit(vector: Register) -> u32 {
     number(vector).map_or(0, |number| 1 << number)
 }
@@ -163,7 +163,7 @@ fn bit_of_bits(register: Register) -> u32 {
     if register.is_k() { 1 << (register as u32 - Register::K0 as u32) } else { 0 }
 }
 
-/// The number of a vector, or of the one that half of one lies in.
+/// The number of a vector register, or of the one whose lower half it is.
 fn number(vector: Register) -> Option<usize> {
     let first = match vector {
         _ if vector.is_zmm() => Register::ZMM0,
@@ -173,7 +173,7 @@ fn number(vector: Register) -> Option<usize> {
     Some(vector as usize - first as usize)
 }
 
-/// Whether what is added to a product, or multiplied, gives its place to the sum.
+/// Whether an instruction is a fused multiply-add that reads the register which it writes.
 fn reads_what_it_writes(instruction: &Instruction) -> bool {
     use Mnemonic::{
         Vfmadd132pd, Vfmadd132ps, Vfmadd213pd, Vfmadd213ps, Vfmsub132pd, Vfmsub132ps, Vfmsub213pd,
@@ -192,13 +192,13 @@ fn reads_what_it_writes(instruction: &Instruction) -> bool {
     )
 }
 
-/// Whether a vector is copied from one register to another.
+/// Whether an instruction copies a vector from one register to another.
 fn is_move(instruction: &Instruction) -> bool {
     let moves = [Code::EVEX_Vmovups_zmm_k1z_zmmm512, Code::EVEX_Vmovupd_zmm_k1z_zmmm512];
     moves.contains(&instruction.code()) && instruction.op1_kind() == OpKind::Register
 }
 
-/// How many lanes an instruction takes the signs of.
+/// Number of lanes whose signs an instruction gathers in a mask register.
 fn gathered(code: Code) -> Option<u32> {
     match code {
         Code::EVEX_Vpmovd2m_kr_zmm => Some(16),
@@ -207,7 +207,7 @@ fn gathered(code: Code) -> Option<u32> {
     }
 }
 
-/// How many lanes an instruction makes of bits.
+/// Number of lanes to which an instruction expands the bits of a mask register.
 fn spread(code: Code) -> Option<u32> {
     match code {
         Code::EVEX_Vpmovm2d_zmm_kr => Some(16),
@@ -216,7 +216,7 @@ fn spread(code: Code) -> Option<u32> {
     }
 }
 
-/// What does the same to bits as an instruction does to the signs of vectors.
+/// The instruction on mask registers that is equivalent to one on vectors.
 fn logic(code: Code) -> Option<Code> {
     Some(match code {
         Code::EVEX_Vandps_zmm_k1z_zmm_zmmm512b32 | Code::EVEX_Vandpd_zmm_k1z_zmm_zmmm512b64 => {
@@ -247,7 +247,7 @@ mod tests {
         instruction
     }
 
-    /// A vector that is set where one is less than another.
+    /// Instructions for a vector that is set where one is less than another.
     fn compare(to: Register, [a, b]: [Register; 2]) -> [Instruction; 2] {
         let code = Code::EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae;
         let mut less = Instruction::with4(code, K1, a, b, 1).expect("valid");
@@ -255,7 +255,7 @@ mod tests {
         [less, with(Code::EVEX_Vpmovm2d_zmm_kr, &[to, K1])]
     }
 
-    /// One of two vectors, by the signs of a third.
+    /// Instructions that select from two vectors by the signs of a third.
     fn choose(to: Register, signs: Register, [a, b]: [Register; 2]) -> [Instruction; 2] {
         let mut blend = with(Code::EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32, &[to, a, b]);
         blend.set_op_mask(K1);
@@ -266,7 +266,7 @@ mod tests {
         with(Code::EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er, &[to, a, b])
     }
 
-    /// What is left, as mnemonics.
+    /// The mnemonics of what is left.
     fn left(written: Vec<Instruction>) -> Vec<Mnemonic> {
         let blocks = vec![0; written.len()];
         kept(written, blocks).iter().map(Instruction::mnemonic).collect()
@@ -280,11 +280,11 @@ mod tests {
             chosen.chain(choose(ZMM4, ZMM0, [ZMM2, ZMM1]))
         };
         let code: Vec<_> = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(twice()).collect();
-        // Something else may read the vector after the block.
+        // The vector may be read after the block.
         assert_eq!(left(code.clone()), [Vcmpps, Vpmovm2d, Vblendmps, Vblendmps]);
         let lost: Vec<_> = code.into_iter().chain([add(ZMM0, [ZMM3, ZMM4])]).collect();
         assert_eq!(left(lost.clone()), [Vcmpps, Vblendmps, Vblendmps, Vaddps]);
-        // The bits are where they are looked for.
+        // The choices use the register of the comparison.
         let blocks = vec![0; lost.len()];
         let kept = kept(lost, blocks);
         assert!(kept[1..3].iter().all(|blend| blend.op_mask() == kept[0].op0_register()));
@@ -296,7 +296,7 @@ mod tests {
         let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain([add(ZMM0, [ZMM1, ZMM2])]);
         let code: Vec<_> = code.chain(choose(ZMM3, ZMM0, [ZMM1, ZMM2])).collect();
         assert_eq!(left(code), [Vaddps, Vpmovd2m, Vblendmps]);
-        // Nor in another block.
+        // Bits are not taken from another block either.
         let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(choose(ZMM3, ZMM0, [ZMM1, ZMM2]));
         let kept = kept(code.collect(), vec![0, 0, 1, 1]);
         let kept: Vec<_> = kept.iter().map(Instruction::mnemonic).collect();
@@ -325,7 +325,7 @@ mod tests {
             code.extend(choose(ZMM3, *vector, [ZMM1, ZMM2]));
         }
         let made = left(code).into_iter().filter(|mnemonic| *mnemonic == Mnemonic::Vpmovd2m);
-        // Each that is made takes the place of the one that comes next.
+        // Each new set of bits takes the register that would be needed next.
         assert_eq!(made.count(), 8);
         let mut code = Vec::new();
         for vector in &vectors[..7] {

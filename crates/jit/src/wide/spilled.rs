@@ -1,28 +1,28 @@
-//! What Cranelift puts away on the stack, kept in registers that it does not know.
+//! Spilled vectors kept in registers that Cranelift does not know.
 //!
 //! With vectors of 512 bits there are twice as many registers. Code writes a vector to a place on
-//! the stack and reads it from there until it writes another one: as long as that takes, a register
-//! does as well, and faster.
+//! the stack and reads it until it writes another one there. In between, a register can take that
+//! place, and is faster.
 
 use super::is_of_vectors;
 use iced_x86::{Code, Instruction, OpKind, Register};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// How many registers there are beyond those that code is made for, and the first.
+/// Number of registers beyond those that Cranelift uses, and the first of them.
 const REGISTERS: u32 = 16;
 const FIRST: Register = Register::ZMM16;
 
-/// By instruction, the register that takes the place of what it has on the stack, if one does; it
-/// is in the block with that number. Nothing is known of the first `slots` bytes: code reckons with
-/// where they are.
+/// For each instruction, the register that takes the place of its operand on the stack, if there is
+/// one. `blocks` has the block number of each instruction. The first `slots` bytes stay, since code
+/// may refer to them by address.
 pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
     let mut spans = spans(read, blocks, slots);
-    // Where a register saves most for how long it is taken.
+    // First come spans with the most uses for the time that they occupy a register.
     let price =
         |span: &Span| (span.lasts.end() - span.lasts.start() + 1) as f64 / span.uses.len() as f64;
     spans.sort_by(|a, b| price(a).total_cmp(&price(b)));
-    // From where to where each register is taken: long code has many thousand spans.
+    // Per register, the spans that occupy it, by start. Long code has many thousand spans.
     let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); REGISTERS as usize];
     let mut registers = vec![None; read.len()];
     for span in spans {
@@ -41,7 +41,7 @@ pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Opti
     registers
 }
 
-/// Puts a register in the place of what an instruction has in memory.
+/// Replaces the memory operand of an instruction by a register.
 pub fn keep_in(instruction: &mut Instruction, register: Register) {
     for operand in 0..instruction.op_count() {
         if instruction.op_kind(operand) == OpKind::Memory {
@@ -51,8 +51,7 @@ pub fn keep_in(instruction: &mut Instruction, register: Register) {
     }
 }
 
-/// Instructions that write a vector to a place on the stack and read it from there, and between
-/// which of them it is there.
+/// A range of instructions during which a place on the stack holds a vector, and those that use it.
 struct Span {
     uses: Vec<usize>,
     lasts: RangeInclusive<usize>,
@@ -77,7 +76,7 @@ fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Span> {
         let is_local =
             is_write(uses[0]) && uses.iter().all(|&number| blocks[number] == blocks[uses[0]]);
         if is_local {
-            // From each write to the next.
+            // A span ends before the next write.
             spans.extend(
                 uses.chunk_by(|_, &next| !is_write(next)).map(|uses| Span {
                     uses: uses.to_vec(),
@@ -85,14 +84,14 @@ fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Span> {
                 }),
             );
         } else {
-            // It may be there when a loop begins anew.
+            // The vector may live on from one iteration of a loop to the next.
             spans.push(Span { uses, lasts: 0..=read.len() });
         }
     }
     spans
 }
 
-/// By instruction, the number of the block that it is in: where one of them runs, all do, in order.
+/// For each instruction, the number of its block. If one of a block runs, all do, in order.
 pub fn blocks(read: &[Instruction]) -> Vec<usize> {
     let mut targets: Vec<u64> = read.iter().filter_map(super::target).collect();
     targets.sort_unstable();
@@ -126,7 +125,7 @@ mod tests {
         Instruction::with3(code, to, a, place(offset)).expect("valid")
     }
 
-    /// Registers of these instructions, by how far behind the first they are.
+    /// Registers of these instructions, counted from [`FIRST`].
     fn found(read: &[Instruction]) -> Vec<Option<u32>> {
         let number = |register: Register| register as u32 - FIRST as u32;
         registers(read, &blocks(read), 0).into_iter().map(|register| register.map(number)).collect()
@@ -143,7 +142,7 @@ mod tests {
 
     #[test]
     fn what_has_no_register_stays_where_it_is() {
-        // Each is needed until all are there; the last but two are read twice.
+        // All vectors are live at once; the last two are read once, the others twice.
         let places = || (0..20).map(|k| 16 * k);
         let again = places().take(18).map(read);
         let all: Vec<_> = places().map(write).chain(places().map(read)).chain(again).collect();
@@ -156,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_vector_that_outlasts_its_block_keeps_its_register() {
-        // A loop that reads what it wrote the last time.
+        // A loop that reads what its last iteration wrote.
         let mut all = vec![read(0), write(16), read(16), write(0), write(32), read(32)];
         let back = Instruction::with_branch(Code::Jb_rel32_64, 1).expect("valid");
         all.push(back);
@@ -168,7 +167,7 @@ mod tests {
         for other in [1, 2, 4, 5] {
             assert!(registers[other].is_some() && registers[other] != registers[0]);
         }
-        // And so does one that is read behind a branch.
+        // So does a vector that is read behind a branch.
         let branch = Instruction::with_branch(Code::Jb_rel32_64, 5).expect("valid");
         let registers = found(&[write(0), branch, write(16), read(16), read(0)]);
         assert_eq!(registers[0], registers[4]);

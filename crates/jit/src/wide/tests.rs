@@ -12,7 +12,7 @@ fn encoded(instructions: &[Instruction]) -> Vec<u8> {
     encoder.take_buffer()
 }
 
-/// A function with this frame, which stores one vector on the stack and does something else.
+/// A function with a frame of `bytes`, which stores a vector at `offset` and executes `other`.
 fn function(bytes: i64, offset: i64, other: Instruction) -> Vec<u8> {
     let place = MemoryOperand::with_base_displ(Register::RSP, offset);
     encoded(&[
@@ -51,8 +51,8 @@ fn instructions_and_what_is_on_the_stack_become_wider() {
             Code::EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er,
         ),
     ] {
-        // Of 64 bytes of slots nothing moves, of what is behind all does; vectors into a register,
-        // where there are more.
+        // The 64 bytes of slots stay in place. What is behind them moves, or goes to a register
+        // where there are more of them.
         for (offset, behind) in [(0, 0), (48, 0), (64, 0), (80, 1), (240, 11)] {
             let narrow = function(256, offset, narrow_sum());
             let code = widened(&narrow, width, 64, STACK).expect("known");
@@ -141,17 +141,17 @@ fn branches_lead_to_what_takes_an_instruction_s_place() {
         change(Code::Add_rm64_imm32, 64).expect("fits"),
         Instruction::with(Code::Retnq),
     ];
-    // Over the sum, to where the stack is given up.
+    // Over the sum, to where the stack is freed.
     let end = ORIGIN + encoded(&all[..3]).len() as u64;
     all[1] = branch(Code::Jb_rel32_64, end);
     let found = instructions(&widened(&encoded(&all), Width::Ymm, 0, STACK).expect("known"));
     let found = found.expect("a function");
     assert_eq!(found[1].near_branch_target(), found[3].ip());
     assert_eq!((found[3].code(), found[3].immediate(1)), (Code::Add_rm64_imm32, 128));
-    // Nor is there any way into the middle of an instruction.
+    // A branch into the middle of an instruction is refused.
     all[1] = branch(Code::Jb_rel32_64, end + 2);
     assert_eq!(widened(&encoded(&all), Width::Ymm, 0, STACK), None);
-    // In code that is longer, a target may be too far for one byte.
+    // In longer code, a target may be too far for one byte.
     all[1] = branch(Code::Jb_rel8_64, end - 4);
     assert_eq!(widened(&encoded(&all), Width::Ymm, 0, STACK), None);
 }
@@ -186,7 +186,7 @@ fn what_is_not_known_stays_as_it_is() {
         let most = i64::from(STACK) / width.times() as i64;
         assert_eq!(widened(&function(most + 16, 0, narrow_sum()), width, 0, STACK), None);
         assert!(widened(&function(most, 0, narrow_sum()), width, 0, STACK).is_some());
-        // Neither is what does not end.
+        // Code without an end is refused, too.
         assert_eq!(widened(&encoded(&[narrow_sum()]), width, 0, STACK), None);
     }
 }

@@ -1,5 +1,5 @@
-//! Native kernels give the bits of the reference evaluator: one graph per operation, adversarial
-//! lanes.
+//! Native kernels give the bits of the reference evaluator: a graph for each operation, on
+//! adversarial lanes.
 
 use std::fmt::Debug;
 use zeroset_eval::{
@@ -11,7 +11,7 @@ use zeroset_ir::{Axis, Graph};
 use zeroset_jit::{Compiled, vector_widths};
 use zeroset_ops::TABLE;
 
-/// A small generator, so that this crate's own tests need no other crate: splitmix64.
+/// A small random generator (splitmix64), so that these tests need no other crate.
 struct Random(u64);
 
 impl Random {
@@ -50,7 +50,7 @@ impl Random {
     }
 }
 
-/// What this test needs to know of a float type.
+/// The part of a float type that this test needs.
 trait Draw: Real {
     fn from_bits(bits: u64) -> Self;
 }
@@ -129,7 +129,7 @@ fn every_operation_agrees<T: Draw>() {
     }
 }
 
-/// The answers of native code, which are those of the reference.
+/// Returns the results of native code, after comparing them with the reference.
 fn agreed<Q: Query, T: Real>(tape: &Tape<T>, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>>
 where
     Q::Input<T>: Debug,

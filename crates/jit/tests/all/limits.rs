@@ -1,4 +1,4 @@
-//! What a kernel may not be or do: too long, too deep, asked of no lanes, written to.
+//! Limits of kernels: size, stack, lanes in use, assumptions, memory protection.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
@@ -16,7 +16,7 @@ fn compile(graph: &Graph, root: NodeId) -> Result<Native<Enclose>, Error> {
     Native::new(Tape::new(graph, &[root], &assumptions()), Binding::empty())
 }
 
-/// The origin, so many times.
+/// A batch of `count` boxes, all of them the origin.
 fn origin(count: u32) -> Boxes {
     Boxes { count, ..Boxes::default() }
 }
@@ -25,7 +25,7 @@ fn is_refused(call: &mut dyn FnMut()) -> bool {
     catch_unwind(AssertUnwindSafe(call)).is_err()
 }
 
-/// `op` of x, of that, and so on: `length` operations, none of which is used twice.
+/// Applies `op` to x, then to the result, and so on: `length` operations, each used once.
 fn tower(op: Op, length: usize) -> (Graph, NodeId) {
     let mut graph = Graph::new();
     let mut root = graph.variable(Axis::X);
@@ -35,7 +35,7 @@ fn tower(op: Op, length: usize) -> (Graph, NodeId) {
     (graph, root)
 }
 
-/// Two operations for each of `width` terms, which are all made before the first is used.
+/// Two operations for each of `width` terms, which are all computed before the first is used.
 fn live(op: Op, width: usize) -> (Graph, NodeId) {
     let mut graph = Graph::new();
     let x = graph.variable(Axis::X);
@@ -59,7 +59,7 @@ fn each_limit_has_its_own_message() {
     let error = compile(&graph, root).expect_err("too long");
     assert!(matches!(error, Error::TooLong { .. }), "{error}");
     assert!(error.to_string().ends_with("a kernel holds at most 200000"), "{error}");
-    // Each has a table of its own on the stack.
+    // Each arctangent has a table of its own on the stack.
     let (graph, root) = tower(Op::Atan, 2500);
     let error = compile(&graph, root).expect_err("too deep");
     assert!(matches!(error, Error::TooDeep { .. }), "{error}");
@@ -90,7 +90,7 @@ fn what_is_too_deep_for_wide_vectors_is_computed_in_narrow_ones() {
         let mut one = origin(1);
         (one.neg_lo[0][0], one.hi[0][0]) = (-1.0, 1.0);
         let out = &kernel.eval_all(&[one])[0];
-        // About √(3 / (2n)), whatever it starts from.
+        // The n-th iterated arctangent is about √(3 / (2n)), whatever it starts from.
         let expected = (1.5 / length as f32).sqrt();
         assert!(
             -out.neg_lo[0] <= out.hi[0] && (out.hi[0] / expected - 1.0).abs() < 0.02,
@@ -127,7 +127,7 @@ fn a_kernel_has_as_many_parameters_and_outputs_as_asked_for() {
     assert!(is_refused(&mut || drop(Compiled::<SampleGradient>::new(tape()))));
 }
 
-/// Code leaves guards out by what it may assume, so a question beyond that has no true answer.
+/// Code omits guards that its assumptions make needless, so results beyond them are wrong.
 #[cfg(debug_assertions)]
 #[test]
 fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
@@ -155,7 +155,7 @@ fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
             for axis in 0..3 {
                 let mut ends = [Interval::ONE; 3];
                 ends[axis] = Interval { lo, hi };
-                // In the last lane, which alone is outside.
+                // Only the last lane is outside.
                 let boxes = Boxes::around(&[[[Interval::ONE; 3]; 8].as_slice(), &[ends]].concat());
                 assert_eq!(is_refused(&mut || drop(kernel.eval_all(&boxes))), !is_allowed);
             }
@@ -163,7 +163,7 @@ fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
     }
 }
 
-/// No page is writable and executable, while code is there and runs.
+/// No page is both writable and executable while code exists and runs.
 #[cfg(target_os = "linux")]
 #[test]
 fn no_page_is_writable_and_executable() {
@@ -189,6 +189,6 @@ fn no_page_is_writable_and_executable() {
         .filter(|line| permissions(line).contains('w') && permissions(line).contains('x'))
         .collect();
     assert!(both.is_empty(), "{both:?}");
-    // The code is among those pages, or the test would see nothing.
+    // The test must have seen the pages of the code.
     assert!(executable(&maps) > before, "{before} executable mappings\n{maps}");
 }

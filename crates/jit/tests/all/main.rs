@@ -1,5 +1,4 @@
-//! Native kernels as other crates see them. What has to be alone in its process is apart, in
-//! `memory.rs`.
+//! Native kernels as other crates use them. `memory.rs` is apart, since it needs its own process.
 
 mod agreement;
 mod limits;

@@ -1,9 +1,7 @@
-//! Sweeps the native enclosures of functions of one variable over all finite floats and prints a
-//! table.
+//! Checks native enclosures of functions of one variable at all finite floats. Prints a table.
 //!
-//! `cargo run --release -p zeroset-testkit --example exhaustive` takes some minutes per function;
-//! `-- --stride 65537 sin cos` tries only floats whose bits are a multiple of 65537, for two
-//! functions.
+//! `cargo run --release -p zeroset-testkit --example exhaustive` takes some minutes per function.
+//! With `-- --stride 65537 sin cos` it checks two functions, at every 65537th float.
 
 mod sweep;
 
@@ -65,7 +63,7 @@ fn main() -> ExitCode {
     ExitCode::from(u8::from(violations > 0))
 }
 
-/// The stride and the functions asked for.
+/// Returns the stride and the functions given on the command line.
 fn arguments() -> Result<(u64, Vec<Function>), String> {
     let (mut stride, mut names) = (1, Vec::new());
     let mut arguments = std::env::args().skip(1);

@@ -1,7 +1,8 @@
-//! Native enclosures of functions of one variable at every float, against correctly rounded values.
+//! Native enclosures of one-variable functions at every float, against correctly rounded values.
 //!
-//! The kernel under test is the one a picture runs: compiled from a tape, called with the rounding
-//! mode set to +∞, sixteen floats a batch. What is true comes from `core-math` alone.
+//! The kernel under test is the one used for pictures: compiled from a tape, called with the
+//! rounding mode set to +∞, with sixteen floats in a batch. The reference values come from
+//! `core-math` alone.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,39 +13,39 @@ use zeroset_ir::{Axis, Graph};
 use zeroset_jit::Native;
 use zeroset_ops::Op;
 
-/// Floats that a thread takes at a time.
+/// Number of floats that a thread takes at a time.
 const CHUNK: u64 = 1 << 16;
-/// Angles up to here are enclosed tightly; beyond, an enclosure is the function's range.
+/// Angles up to here are enclosed tightly. Beyond, an enclosure is the function's range.
 const ANGLE_LIMIT: f32 = 8_388_608.0;
-/// Angles that never leave these bounds are reduced in fewer steps.
+/// Angles known to stay within these bounds are reduced in fewer steps.
 const COMMON_LIMIT: f32 = 1_048_576.0;
-/// Sine and cosine have a text of their own for operands that never leave these bounds.
+/// Sine and cosine have a rule of their own for operands known to stay within these bounds.
 const NEAR_LIMIT: f32 = 192.0;
 
-/// A function of one variable and the truth about it.
+/// A function of one variable, with its reference values.
 pub struct Function {
     /// The operation.
     pub op: Op,
     truth: fn(f32) -> Truth,
-    /// Between which numbers all its values lie.
+    /// Lower and upper bound of all its values.
     range: [f64; 2],
     limit: f32,
-    /// Bounds that the code may assume of its operand, if any: other floats are not tried then.
+    /// Bound that the code may assume for its operand, if any. Floats beyond it are not checked.
     pub within: Option<f32>,
 }
 
-/// What is certain of a value.
+/// Reference value of a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Truth {
-    /// There is none.
+    /// The function is undefined.
     Undefined,
-    /// It is this number.
+    /// The value is this number.
     Exactly(f64),
-    /// It is not a float; this is the nearest `f64`.
+    /// The value is not a float, and this is the nearest `f64`.
     Near(f64),
 }
 
-/// Every function that is swept.
+/// Returns every function to be checked.
 pub fn functions() -> Vec<Function> {
     const REALS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
     const UNIT: [f64; 2] = [-1.0, 1.0];
@@ -69,13 +70,12 @@ pub fn functions() -> Vec<Function> {
         }),
         all(Op::Cbrt, REALS, f32::MAX, |x| {
             let root = core_math::cbrt(f64::from(x));
-            // The square of 24 bits is exact, and so is what the fused product leaves of the cube.
+            // The square of 24 bits is exact, and so is the remainder from the fused product.
             let is_short = f64::from(root as f32) == root;
             let is_exact = is_short && (root * root).mul_add(root, -f64::from(x)) == 0.0;
             where_defined(true, root, is_exact)
         }),
-        // A rational operand but 0 (1 for a logarithm) has an irrational value under these:
-        // Lindemann.
+        // At rationals other than 0 (1 for a logarithm) these have irrational values (Lindemann).
         all(Op::Exp, [0.0, f64::INFINITY], f32::MAX, |x| {
             where_defined(true, core_math::exp(f64::from(x)), x == 0.0)
         }),
@@ -84,7 +84,7 @@ pub fn functions() -> Vec<Function> {
         }),
         all(Op::Log2, REALS, f32::MAX, |x| {
             let value = core_math::log2(f64::from(x));
-            // 2 to an integer is a normal f64 with no fraction bits.
+            // 2 to an integer power is a normal f64 without fraction bits.
             let is_power = f64::from(x).to_bits() << 12 == 0;
             where_defined(x > 0.0, value, is_power)
         }),
@@ -132,33 +132,33 @@ fn where_defined(defined: bool, value: f64, exact: bool) -> Truth {
     }
 }
 
-/// What a sweep found.
+/// Results of a sweep.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// Floats tried.
+    /// Number of floats checked.
     pub tried: u64,
-    /// Enclosures that do not hold the value, or facts that are not so.
+    /// Number of enclosures that miss the value, or whose facts are wrong.
     pub violations: u64,
-    /// The operand of one of them.
+    /// Operand of one violation.
     pub violation: Option<f32>,
-    /// Floats beyond which only the range is claimed.
+    /// Number of floats beyond the limit, where an enclosure is the function's range.
     pub beyond: u64,
-    /// Enclosures with an infinite end where the value is a float.
+    /// Number of enclosures with an infinite end where the value is a float.
     pub unbounded: u64,
-    /// The operand of smallest magnitude with such an enclosure.
+    /// Operand of smallest magnitude with an unbounded enclosure.
     pub first_unbounded: Option<f32>,
-    /// Enclosures wider than the tightest by more ulps than the function's row allows, unbounded
-    /// ones apart.
+    /// Number of bounded enclosures that are wider than the tightest by more ulps than the
+    /// function's row allows.
     pub wide: u64,
-    /// The operand of smallest magnitude with such an enclosure.
+    /// Operand of smallest magnitude with a wider enclosure than allowed.
     pub first_wide: Option<f32>,
-    /// The most ulps that an enclosure is wider than the tightest, unbounded ones apart.
+    /// Greatest number of ulps by which a bounded enclosure is wider than the tightest.
     pub worst: u64,
-    /// The operand with it.
+    /// Operand of the widest bounded enclosure.
     pub worst_at: Option<f32>,
-    /// Sum of those ulps over `measured` enclosures.
+    /// Sum of the ulps by which `measured` enclosures are wider than the tightest.
     pub excess: u64,
-    /// Enclosures measured.
+    /// Number of enclosures measured.
     pub measured: u64,
 }
 
@@ -179,7 +179,7 @@ impl Report {
         self.measured += other.measured;
     }
 
-    /// The mean number of ulps wider than the tightest.
+    /// Returns the mean number of ulps by which enclosures are wider than the tightest.
     pub fn mean(&self) -> f64 {
         self.excess as f64 / self.measured.max(1) as f64
     }
@@ -190,7 +190,7 @@ impl Report {
     }
 }
 
-/// The one of smaller magnitude.
+/// Returns the operand of smaller magnitude.
 fn smaller(a: Option<f32>, b: Option<f32>) -> Option<f32> {
     match (a, b) {
         (Some(a), Some(b)) => Some(if a.abs() <= b.abs() { a } else { b }),
@@ -199,14 +199,14 @@ fn smaller(a: Option<f32>, b: Option<f32>) -> Option<f32> {
 }
 
 impl Function {
-    /// The function's name, and what is assumed of its operand.
+    /// Returns the function's name, with the bound of its operand if there is one.
     pub fn name(&self) -> String {
         let name = self.op.row().name;
         self.within.map_or(name.to_owned(), |limit| format!("{name}-{limit}"))
     }
 
-    /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`, on
-    /// all processors.
+    /// Checks the native enclosure at finite floats whose bits are a multiple of `stride`, on all
+    /// processors.
     ///
     /// # Panics
     /// If the processor is not supported or `stride` is 0.
@@ -266,7 +266,7 @@ impl Function {
         report.tried += 1;
         let (value, exact) = match (self.truth)(x) {
             Truth::Undefined => {
-                // A point outside the domain is known to be one.
+                // At a point outside its domain the function must be reported as undefined.
                 if facts != Facts::NOWHERE {
                     report.violate(x);
                 }
@@ -314,7 +314,7 @@ impl Function {
     }
 }
 
-/// The number of floats between 0 and `x`, with the sign of `x`.
+/// Returns the number of floats between 0 and `x`, with the sign of `x`.
 fn place(x: f32) -> i64 {
     let magnitude = i64::from(x.to_bits() & 0x7fff_ffff);
     if x.is_sign_negative() { -magnitude } else { magnitude }

@@ -1,30 +1,30 @@
-//! Lines, and functions along them.
+//! Lines in space, and functions along them.
 
 use crate::oracle::Span;
 use std::collections::HashMap;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, gradient};
 use zeroset_ops::Op;
 
-/// The real line of the points `eye + t·direction`, exactly.
+/// The real line of the points `eye + t·direction`, in exact arithmetic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
-    /// Where t is 0.
+    /// The point at t = 0.
     pub eye: [f64; 3],
     /// Any direction but 0.
     pub direction: [f64; 3],
 }
 
-/// Which t ≥ 0 lie inside a box.
+/// The range of t ≥ 0 inside a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Clip {
-    /// Ends that hold every t inside.
+    /// Bounds that contain every t inside.
     pub(super) outer: [f64; 2],
-    /// Ends between which every t is inside; not in order if that is uncertain everywhere.
+    /// Bounds between which every t is inside. Not in order if no t is certainly inside.
     pub(super) inner: [f64; 2],
 }
 
 impl Line {
-    /// Which t ≥ 0 lie inside `region`, or `None` if certainly none does.
+    /// Returns the range of t ≥ 0 inside `region`, or `None` if it is certainly empty.
     pub(super) fn clip(&self, region: &[[f64; 2]; 3]) -> Option<Clip> {
         let mut clip = Clip { outer: [0.0, f64::INFINITY], inner: [0.0, f64::INFINITY] };
         for (axis, &[lo, hi]) in region.iter().enumerate() {
@@ -46,7 +46,7 @@ impl Line {
         (clip.outer[0] <= clip.outer[1]).then_some(clip)
     }
 
-    /// Bounds of the coordinate along `axis` of the points between two distances, rounded outward.
+    /// Returns bounds of the coordinate along `axis` between two distances, rounded outward.
     ///
     /// # Panics
     /// If there is no such axis.
@@ -56,7 +56,7 @@ impl Line {
         (range.lo, range.hi)
     }
 
-    /// The values of the parameters that [`Along`] takes.
+    /// Returns the values of the parameters of an [`Along`].
     pub(super) fn parameters(&self) -> Vec<(f64, f64)> {
         self.eye.iter().chain(&self.direction).map(|value| (*value, *value)).collect()
     }
@@ -64,7 +64,7 @@ impl Line {
 
 /// A function of t and of the six numbers of a line, and its derivative by t.
 ///
-/// t is the coordinate x; the line's numbers are parameters, so that one graph serves every line.
+/// t is the coordinate x. The numbers of the line are parameters, so one graph serves every line.
 #[derive(Clone, Debug)]
 pub struct Along {
     pub(super) graph: Graph,

@@ -1,29 +1,29 @@
-//! Halving a ray until every piece is proven empty or is too small to tell.
+//! Search for zeros on a ray: pieces are halved until each is proven empty or too small to decide.
 
 use super::line::{Along, Clip, Line};
 use super::{Certificate, Crossing, Reason, Unresolved};
 use crate::oracle::{BoxClaim, Defined, Oracle, Span};
 
-/// Pieces are not halved below this share of the ray's way through the box; those in which the
-/// function is smooth end where rounding hides what is going on, which is mostly earlier.
+/// Least length of a piece, as a share of the ray's path through the box. Where the function is
+/// smooth, halving mostly ends earlier, when rounding errors exceed the function's changes.
 const SMALLEST: f64 = f64::from_bits((1023 - 44) << 52); // 2^-44
 
-/// More undecided pieces than this are one.
+/// Most undecided pieces reported one by one. After that, the rest of the ray is one piece.
 const MOST_UNRESOLVED: usize = 64;
 
-/// A Newton step that leaves more than this share of a piece is not worth its two remainders.
+/// Largest share of a piece that a Newton step may leave. Otherwise its remainders cost too much.
 const NEWTON_LEAVES: f64 = 0.5;
-/// By this share of its width a Newton step's result is widened, so that what is cut off can be
-/// proven empty.
+/// Margin added to either end of a Newton step's result, as a share of its width. It makes it
+/// possible to prove the parts cut off empty.
 const NEWTON_MARGIN: f64 = 0.125;
 
-/// What an evaluation says of a piece.
+/// Result of evaluating the function on a piece.
 enum Verdict {
-    /// There is no zero; the sign of the values, if there are any.
+    /// The piece contains no zero. The sign is that of the values, if there are any.
     Empty(Option<Sign>),
-    /// To be cut here.
+    /// The piece has to be cut at these distances.
     Cut(Vec<f64>),
-    /// It is as small as makes sense, because of this if not of rounding.
+    /// The piece is too small to cut. If no reason is given, the signs on either side decide.
     Leaf(Option<Reason>),
 }
 
@@ -33,7 +33,7 @@ enum Sign {
     Positive,
 }
 
-/// Neighbouring leaves.
+/// Adjacent leaves.
 #[derive(Clone, Copy)]
 struct Cluster {
     near: f64,
@@ -42,7 +42,7 @@ struct Cluster {
     reason: Option<Reason>,
 }
 
-/// The search on one line.
+/// The search for zeros on one line.
 pub(super) struct Search<'a> {
     value: Oracle<'a>,
     both: Oracle<'a>,
@@ -115,10 +115,10 @@ impl<'a> Search<'a> {
         self.found.push(Unresolved { near, far, reason: Reason::Budget });
     }
 
-    /// Decides on neighbouring leaves, from the signs on either side.
+    /// Decides on adjacent leaves by the signs on either side.
     ///
-    /// At a common end of a leaf in which the function is defined and of a piece that has a sign,
-    /// the function has a value, and the value that sign.
+    /// A leaf in which the function is defined shares an end with an empty piece. The function has
+    /// a value there, with the sign of the empty piece.
     fn close(&mut self, cluster: Cluster, after: Option<Sign>, clip: &Clip) -> Option<Crossing> {
         let Cluster { near, far, before, reason } = cluster;
         let inside = clip.inner[0] <= near && far <= clip.inner[1];
@@ -174,7 +174,7 @@ impl<'a> Search<'a> {
         Verdict::Cut(newton(near, far, middle, at_middle, slope).unwrap_or(vec![middle]))
     }
 
-    /// Whether the function is below 0 between two distances, if it is certain throughout.
+    /// Whether the function is below 0 between two distances, if that is certain throughout.
     pub(super) fn is_below(&mut self, near: f64, far: f64) -> Option<bool> {
         let claim = self.value(near, far).values;
         match claim.defined {
@@ -197,7 +197,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Where to cut a piece such that all zeros lie between the cuts, if that is worth it.
+/// Returns cuts of a piece such that all zeros lie between them, or `None` if they gain too little.
 fn newton(near: f64, far: f64, middle: f64, value: Span, slope: Span) -> Option<Vec<f64>> {
     if slope.has_zero() {
         return None;

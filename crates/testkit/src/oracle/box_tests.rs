@@ -1,4 +1,4 @@
-//! Claims about boxes against claims about points in them.
+//! Claims about boxes, checked against claims about points in them.
 
 use super::{BoxClaim, Defined, Oracle};
 use crate::{Ends, GraphOptions, Rng, point_in_box, random_box, random_graph};
@@ -38,7 +38,7 @@ fn a_claim_about_a_box_holds_at_its_points() {
     assert!(met > 50_000 && continuous > 5000, "{met} {continuous}");
 }
 
-/// The claim on `op` over ranges of x, y, z.
+/// Returns the claim about `op` over ranges of x, y, z.
 fn over(op: Op, ranges: &[(f64, f64)]) -> BoxClaim {
     let mut graph = Graph::new();
     let ids: Vec<NodeId> =

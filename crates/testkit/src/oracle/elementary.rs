@@ -1,14 +1,13 @@
-//! Elementary functions over a small range of operands.
+//! Elementary functions over ranges of operands.
 //!
-//! A non-zero rational operand has an irrational value under exp, ln, sin, cos, tan, atan and the
-//! others of their kind (Lindemann), except for ln 1, so the exact cases named here are all there
-//! are.
+//! For a non-zero rational operand, exp, ln, sin, cos, tan, atan and similar functions have an
+//! irrational value (Lindemann), except for ln 1. So the exact cases named here are all there are.
 
 use super::rounded::Rounded;
 use super::span::Span;
 
-/// Ranges narrower than this, in radians, hold at most one zero of a sine or cosine: it is less
-/// than π by far more than the rounding of a width.
+/// Width below which a range, in radians, contains at most one zero of a sine or cosine. It is less
+/// than π by far more than the rounding error of a width.
 const LESS_THAN_HALF_PERIOD: f64 = 3.0;
 
 pub(super) fn exp(a: Span) -> Span {
@@ -16,12 +15,12 @@ pub(super) fn exp(a: Span) -> Span {
         .within(0.0, f64::INFINITY)
 }
 
-/// The natural logarithm of the positive members of `a`.
+/// Natural logarithm of the positive members of `a`.
 pub(super) fn ln(a: Span) -> Span {
     logarithm(a, |x| Rounded::when(core_math::log(x), x == 1.0))
 }
 
-/// The binary logarithm of the positive members of `a`.
+/// Binary logarithm of the positive members of `a`.
 pub(super) fn log2(a: Span) -> Span {
     logarithm(a, |x| {
         let (exponent, fraction) = (x.to_bits() >> 52, x.to_bits() & ((1 << 52) - 1));
@@ -30,10 +29,10 @@ pub(super) fn log2(a: Span) -> Span {
     })
 }
 
-/// The decimal logarithm of the positive members of `a`.
+/// Decimal logarithm of the positive members of `a`.
 pub(super) fn log10(a: Span) -> Span {
     logarithm(a, |x| {
-        // No other powers of ten are floats; up to the 22nd the products are exact.
+        // No other powers of ten are floats. Up to the 22nd power the products are exact.
         let is_power = (0..=22).scan(1.0, |power, _| {
             let this = *power;
             *power *= 10.0;
@@ -59,7 +58,7 @@ pub(super) fn cos(a: Span) -> Span {
     wave(a, core_math::cos, |x| -core_math::sin(x), 1.0)
 }
 
-/// A sine or cosine with the sign of its derivative, and its value at 0.
+/// A sine or cosine `f`. `slope` has the sign of its derivative, `at_zero` is its value at 0.
 fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span {
     if !is_narrow(a) {
         return Span::new(-1.0, 1.0);
@@ -69,8 +68,8 @@ fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span
         _ => Rounded::inexact(f(x)),
     };
     let mut range = Span::hull(value(a.lo), value(a.hi));
-    // The slope has at most one zero here, so a change of its sign is the one extremum. A slope
-    // that is rounded correctly has the right sign, and is 0 only where it is exactly 0: at an end.
+    // The slope has at most one zero here, so a change of its sign means one extremum. A correctly
+    // rounded slope has the right sign, and is 0 only if it is exactly 0, which happens at an end.
     let (before, after) = (slope(a.lo), slope(a.hi));
     if before > 0.0 && after < 0.0 {
         range.hi = 1.0;
@@ -81,12 +80,12 @@ fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span
     range.within(-1.0, 1.0)
 }
 
-/// Whether `a` certainly holds no pole of the tangent.
+/// Whether `a` certainly contains no pole of the tangent.
 pub(super) fn has_no_pole(a: Span) -> bool {
     is_narrow(a) && (core_math::cos(a.lo) > 0.0) == (core_math::cos(a.hi) > 0.0)
 }
 
-/// The tangent over `a`; unbounded if there may be a pole.
+/// Tangent over `a`; unbounded if there may be a pole.
 pub(super) fn tan(a: Span) -> Span {
     if has_no_pole(a) {
         a.increasing(|x| Rounded::when(core_math::tan(x), x == 0.0))
@@ -99,12 +98,12 @@ pub(super) fn atan(a: Span) -> Span {
     a.increasing(|x| Rounded::when(core_math::atan(x), x == 0.0))
 }
 
-/// The arc sine of the members of `a` from −1 to 1.
+/// Arc sine of the members of `a` from −1 to 1.
 pub(super) fn asin(a: Span) -> Span {
     a.within(-1.0, 1.0).increasing(|x| Rounded::when(core_math::asin(x), x == 0.0))
 }
 
-/// The arc cosine of the members of `a` from −1 to 1.
+/// Arc cosine of the members of `a` from −1 to 1.
 pub(super) fn acos(a: Span) -> Span {
     let a = a.within(-1.0, 1.0);
     let value = |x: f64| Rounded::when(core_math::acos(x), x == 1.0);
@@ -129,28 +128,27 @@ pub(super) fn asinh(a: Span) -> Span {
     a.increasing(|x| Rounded::when(core_math::asinh(x), x == 0.0 || x.is_infinite()))
 }
 
-/// The inverse hyperbolic cosine of the members of `a` from 1 on.
+/// Inverse hyperbolic cosine of the members of `a` that are at least 1.
 pub(super) fn acosh(a: Span) -> Span {
     a.within(1.0, f64::INFINITY)
         .increasing(|x| Rounded::when(core_math::acosh(x), x == 1.0 || x.is_infinite()))
 }
 
-/// The inverse hyperbolic tangent of the members of `a` between −1 and 1.
+/// Inverse hyperbolic tangent of the members of `a` between −1 and 1.
 pub(super) fn atanh(a: Span) -> Span {
-    // Infinite at ±1.
+    // The values at ±1 are infinite.
     a.within(-1.0, 1.0)
         .increasing(|x| Rounded::when(core_math::atanh(x), x == 0.0 || x.abs() == 1.0))
 }
 
-/// The angles of the points (x, y): every angle if they surround the origin or meet the cut from
-/// below.
+/// Angles of the points (x, y). Returns every angle if the points surround the origin or meet the
+/// branch cut from below.
 pub(super) fn atan2(y: Span, x: Span) -> Span {
     let everything = Span::new(-core::f64::consts::PI.next_up(), core::f64::consts::PI.next_up());
     if x.has_zero() && y.has_zero() || x.lo < 0.0 && y.lo < 0.0 && y.hi >= 0.0 {
         return everything;
     }
-    // No corner is the origin, and along each edge an angle is monotonic: the extremes are at
-    // corners.
+    // No corner is the origin, and the angle is monotonic on each edge: extremes are at corners.
     let value = |y: f64, x: f64| {
         let (y, x) = (y + 0.0, x + 0.0);
         Rounded::when(core_math::atan2(y, x), y == 0.0 && x > 0.0)

@@ -1,4 +1,4 @@
-//! Powers, which depend on what kind of expression the exponent is.
+//! Powers. Their domain of definition depends on the kind of expression of the exponent.
 
 use super::rounded::{self, Rounded};
 use super::span::Span;
@@ -7,24 +7,24 @@ use num_integer::Integer;
 use num_traits::Signed;
 use zeroset_ir::Constant;
 
-/// What is known of an exponent from the graph alone.
+/// Kind of an exponent, as far as the graph alone determines it.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Exponent {
-    /// An integer constant: any base but 0 will do, and 0 if it is not negative.
+    /// An integer constant. Every base but 0 is allowed, and 0 if the exponent is not negative.
     Integer {
-        /// Around the integer, which may be larger than a float can hold exactly.
+        /// Bounds of the integer, which may be too large for a float to represent exactly.
         value: Span,
         /// Whether it is odd.
         odd: bool,
         /// Whether it is below 0.
         negative: bool,
     },
-    /// A constant that is no integer.
+    /// A constant that is not an integer.
     Fraction,
-    /// An expression without coordinates and parameters: whether it is an integer constant is for
-    /// whoever folds constants to say, so both readings are allowed for.
+    /// An expression without coordinates and parameters. Constant folding may or may not turn it
+    /// into an integer constant, so both cases are allowed for.
     PerhapsInteger,
-    /// It depends on coordinates or parameters.
+    /// An expression that depends on coordinates or parameters.
     Varying,
 }
 
@@ -42,7 +42,7 @@ impl Exponent {
     }
 }
 
-/// `base` to the power `power`, whose node is of the kind `exponent`.
+/// `base` to the power `power`, for a node with this kind of exponent.
 pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defined) {
     let (a, b) = (base.span(), power.span());
     match exponent {
@@ -64,7 +64,7 @@ pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defin
     }
 }
 
-/// Integer powers of the members of `a`, without 0 if `n` is negative.
+/// Integer powers of the members of `a`, except 0 if `n` is negative.
 fn integer_power(a: Span, n: Span, odd: bool) -> Span {
     if !odd || a.lo >= 0.0 {
         return magnitudes(a.abs(), n);
@@ -73,7 +73,7 @@ fn integer_power(a: Span, n: Span, odd: bool) -> Span {
     if a.hi <= 0.0 { negative } else { negative.union(magnitudes(Span::new(0.0, a.hi), n)) }
 }
 
-/// Powers where the base is positive, or 0 under a positive exponent.
+/// Real powers: the base is positive, or 0 under a positive exponent.
 fn real_power(a: Span, b: Span) -> (Span, Defined) {
     let defined = Defined::decide(
         a.lo > 0.0 || (a.lo >= 0.0 && b.lo > 0.0),
@@ -82,13 +82,13 @@ fn real_power(a: Span, b: Span) -> (Span, Defined) {
     (magnitudes(a.within(0.0, f64::INFINITY), b), defined)
 }
 
-/// xʸ for x ≥ 0: monotonic in x and in y, so extremes are at corners. The limits at 0 and ∞ are
-/// those that IEEE 754 gives to `pow`.
+/// Powers xʸ for x ≥ 0. They are monotonic in x and in y, so extremes are at corners. The limits at
+/// 0 and ∞ are those of `pow` in IEEE 754.
 fn magnitudes(x: Span, y: Span) -> Span {
     Span::of(&x.corners(y, corner)).within(0.0, f64::INFINITY)
 }
 
-/// xʸ for x ≥ 0, both possibly infinite.
+/// xʸ for x ≥ 0. Both may be infinite.
 fn corner(x: f64, y: f64) -> Rounded {
     if x == 0.0 || x == 1.0 || y == 0.0 || x.is_infinite() || y.is_infinite() {
         return Rounded::exact(core_math::pow(x.abs(), y));
@@ -98,7 +98,7 @@ fn corner(x: f64, y: f64) -> Rounded {
 
 /// xʸ by multiplication, if y is a small integer and no step rounds.
 fn exact_power(x: f64, y: f64) -> Option<f64> {
-    // Beyond 64 factors only powers of two stay exact, and they soon overflow.
+    // With more than 64 factors only powers of two stay exact, and they soon overflow.
     const MOST_FACTORS: f64 = 64.0;
     if y.fract() != 0.0 || y.abs() > MOST_FACTORS {
         return None;

@@ -1,10 +1,11 @@
-//! Single operations of `f64` that know whether their result is exact.
+//! Single operations of `f64` with a flag whether the result is exact.
 
-/// Below this magnitude the remainder of a product or quotient might underflow, and exactness is
-/// not claimed. Twice 53 bits below it there is still room above the smallest subnormal, 2⁻¹⁰⁷⁴.
+/// Magnitude below which exactness is not claimed, since the remainder of a product or quotient
+/// might underflow. A remainder is at most 2 · 53 bits below it, still above the smallest
+/// subnormal, 2⁻¹⁰⁷⁴.
 const REMAINDER_IS_SAFE: f64 = f64::from_bits((1023 - 900) << 52); // 2^-900
 
-/// A result of rounding to nearest (infinite if it overflowed).
+/// A result rounded to nearest. Infinite if it overflowed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rounded {
     value: f64,
@@ -20,12 +21,12 @@ impl Rounded {
         Self { value, exact: false }
     }
 
-    /// `value`, said to be exact if `exact` and not an overflow.
+    /// `value`, which is exact if `exact`. An overflow must not be passed as exact.
     pub(super) fn when(value: f64, exact: bool) -> Self {
         Self { value, exact }
     }
 
-    /// A float at or below the exact result.
+    /// Returns a float at or below the exact result.
     pub(super) fn down(self) -> f64 {
         match self.value {
             v if v.is_nan() => f64::NEG_INFINITY,
@@ -34,7 +35,7 @@ impl Rounded {
         }
     }
 
-    /// A float at or above the exact result.
+    /// Returns a float at or above the exact result.
     pub(super) fn up(self) -> f64 {
         match self.value {
             v if v.is_nan() => f64::INFINITY,
@@ -43,7 +44,7 @@ impl Rounded {
         }
     }
 
-    /// The exact result, if it is known and a float.
+    /// Returns the exact result, if it is a float and known to be exact.
     pub(super) fn known(self) -> Option<f64> {
         (self.exact && self.value.is_finite()).then_some(self.value)
     }
@@ -54,11 +55,11 @@ pub(super) fn add(a: f64, b: f64) -> Rounded {
     let sum = a + b;
     let b_part = sum - a;
     let error = (a - (sum - b_part)) + (b - b_part);
-    // An infinite operand is a bound that stays unbounded: nothing is rounded there.
+    // An infinite operand is an unbounded end, for which nothing is rounded.
     Rounded::when(sum, error == 0.0 || a.is_infinite() || b.is_infinite())
 }
 
-/// a·b, where an unbounded end times 0 is 0.
+/// a·b, where an infinite end times 0 is 0.
 pub(super) fn mul(a: f64, b: f64) -> Rounded {
     if a == 0.0 || b == 0.0 {
         return Rounded::exact(0.0);
@@ -71,8 +72,8 @@ pub(super) fn mul(a: f64, b: f64) -> Rounded {
     Rounded::when(product, safe && a.mul_add(b, -product) == 0.0)
 }
 
-/// a/b. Over an unbounded b it is 0; over a zero of either sign it is unbounded, but 0/0 is 0: ends
-/// of a quotient whose divisor is not 0 need just that.
+/// a/b. It is 0 for an infinite b, unbounded for b = ±0, and 0 for 0/0. The ends of a quotient
+/// whose divisor is not 0 need these conventions.
 pub(super) fn div(a: f64, b: f64) -> Rounded {
     if a == 0.0 || b.is_infinite() {
         return Rounded::exact(0.0);

@@ -1,4 +1,4 @@
-//! The rule of every operation.
+//! The rules of all operations.
 
 use super::power::{self, Exponent};
 use super::rounded::{self, Rounded};
@@ -6,8 +6,8 @@ use super::span::Span;
 use super::{Claim, Defined, elementary};
 use zeroset_ops::{Class, Continuity, Law, Op};
 
-/// What is certain of `op` applied to `operands`, of which there are as many as its arity says.
-/// `exponent` describes the last operand and matters for powers alone.
+/// Returns what is certain about `op` applied to `operands`, of which its arity says how many are
+/// used. `exponent` describes the last operand and matters only for powers.
 pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     if op == Op::SelectNegative {
         return select_negative(operands);
@@ -35,7 +35,7 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         Op::Log10 => (elementary::log10(a), positive(a)),
         Op::Sin => everywhere(elementary::sin(a)),
         Op::Cos => everywhere(elementary::cos(a)),
-        // Where a cosine is 0 is irrational, so no range is certain to hold nothing else.
+        // A cosine is 0 only at irrational numbers, so every range contains numbers without a pole.
         Op::Tan => (elementary::tan(a), Defined::decide(elementary::has_no_pole(a), true)),
         Op::Asin => (elementary::asin(a), within_one(a)),
         Op::Acos => (elementary::acos(a), within_one(a)),
@@ -74,8 +74,8 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     Claim::new(value, defined)
 }
 
-/// Whether `op` is certainly continuous where its value is `value`, given its operands' values and
-/// whether they are continuous. It is taken to be defined.
+/// Whether `op` is certainly continuous, given its `value`, and the values and continuity of its
+/// operands. `op` must be defined there.
 pub(super) fn is_continuous(
     op: Op,
     value: Claim,
@@ -96,7 +96,7 @@ pub(super) fn is_continuous(
         }
         (Continuity::Jumps, Class::Remainder) => all && one_step(a.div(b)),
         (Continuity::Jumps, Class::Function(Law::Fraction)) => all && one_step(a),
-        // The others are constant between jumps.
+        // Other operations with jumps are constant between them.
         (Continuity::Jumps, _) => all && value.lo == value.hi,
     }
 }
@@ -145,13 +145,13 @@ fn modulo(a: Span, b: Span) -> Span {
     if whole != quotient.hi.floor() || !whole.is_finite() {
         return Span::new(least, most);
     }
-    // Linear in a and b, with one rounding at each corner.
+    // It is linear in a and b, with one rounding at each corner.
     let corner = |a: f64, b: f64| rounded::mul_add(-whole, b, a);
     let corners = [corner(a.lo, b.lo), corner(a.lo, b.hi), corner(a.hi, b.lo), corner(a.hi, b.hi)];
     Span::of(&corners).within(least, most)
 }
 
-/// b where a < 0, c where a ≥ 0; the other branch need not be defined.
+/// b where a < 0, c where a ≥ 0. The other branch may be undefined.
 fn select_negative([a, b, c]: [Claim; 3]) -> Claim {
     let chosen = if a.hi < 0.0 {
         b
@@ -159,7 +159,7 @@ fn select_negative([a, b, c]: [Claim; 3]) -> Claim {
         c
     } else {
         match (b.defined, c.defined) {
-            // A branch without a value cannot give one.
+            // An undefined branch gives no value.
             (Defined::No, Defined::No) => b,
             (Defined::No, _) => Claim::new(c.span(), Defined::Unknown),
             (_, Defined::No) => Claim::new(b.span(), Defined::Unknown),
@@ -173,7 +173,7 @@ fn select_negative([a, b, c]: [Claim; 3]) -> Claim {
 fn otherwise([a, b, _]: [Claim; 3]) -> Claim {
     match (a.defined, b.defined) {
         (Defined::No, _) => b,
-        // Without a value of b, only a can give one, if anything does.
+        // If b is undefined, only a can give a value.
         (Defined::Yes, _) | (Defined::Unknown, Defined::No) => a,
         (Defined::Unknown, defined) => Claim::new(a.span().union(b.span()), defined),
     }

@@ -1,4 +1,4 @@
-//! A range of reals with `f64` ends, and the arithmetic of the four rules on it.
+//! Ranges of reals with `f64` ends, and their addition, subtraction, multiplication and division.
 
 use super::around;
 use super::rounded::{self, Rounded};
@@ -6,7 +6,7 @@ use num_rational::BigRational;
 use num_traits::{Signed, ToPrimitive};
 use zeroset_ir::Constant;
 
-/// The reals from `lo` to `hi`. Never NaN, `lo ≤ hi`, `lo < +∞`, `hi > −∞`.
+/// The reals from `lo` to `hi`. Never NaN; `lo ≤ hi`, `lo < +∞`, `hi > −∞`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Span {
     pub(crate) lo: f64,
@@ -16,10 +16,10 @@ pub(crate) struct Span {
 impl Span {
     pub(crate) const ENTIRE: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
-    /// From `lo` to `hi`; everything, if that is no range.
+    /// Returns the range from `lo` to `hi`, or all reals if these are not the ends of a range.
     pub(crate) fn new(lo: f64, hi: f64) -> Self {
         if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY {
-            // Adding +0 turns −0 into +0, so that no rule meets a signed zero.
+            // Adding +0 turns −0 into +0, so that no rule encounters −0.
             Self { lo: lo + 0.0, hi: hi + 0.0 }
         } else {
             Self::ENTIRE
@@ -30,19 +30,19 @@ impl Span {
         if value.is_finite() { Self::new(value, value) } else { Self::ENTIRE }
     }
 
-    /// Around both results of rounding.
+    /// Returns the range around two rounded results.
     pub(super) fn hull(a: Rounded, b: Rounded) -> Self {
         Self::of(&[a, b])
     }
 
-    /// Around all of `results`, of which there is at least one.
+    /// Returns the range around all of `results`, of which there must be at least one.
     pub(super) fn of(results: &[Rounded]) -> Self {
         let lo = results.iter().map(|r| r.down()).fold(f64::INFINITY, f64::min);
         let hi = results.iter().map(|r| r.up()).fold(f64::NEG_INFINITY, f64::max);
         Self::new(lo, hi)
     }
 
-    /// Around a constant of a graph.
+    /// Returns the range around a constant of a graph.
     pub(crate) fn constant(value: &Constant) -> Self {
         match value {
             Constant::Exact(value) => rational(value),
@@ -69,7 +69,7 @@ impl Span {
         Self::new(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 
-    /// The part between `lo` and `hi`, where the true value is known to lie.
+    /// Returns the part between `lo` and `hi`, where the true value is known to lie.
     pub(crate) fn within(self, lo: f64, hi: f64) -> Self {
         Self::new(self.lo.clamp(lo, hi), self.hi.clamp(lo, hi))
     }
@@ -113,29 +113,29 @@ impl Span {
         if other.lo < 0.0 && 0.0 < other.hi {
             return Self::ENTIRE;
         }
-        // A zero end stands for arbitrarily small divisors of the other end's sign.
+        // A zero end represents arbitrarily small divisors with the other end's sign.
         let other = if other.hi == 0.0 { Self { lo: other.lo, hi: -0.0 } } else { other };
         Self::of(&self.corners(other, rounded::div))
     }
 
-    /// `f` at the four pairs of ends.
+    /// Returns `f` at the four pairs of ends.
     pub(super) fn corners(self, other: Self, f: fn(f64, f64) -> Rounded) -> [Rounded; 4] {
         [f(self.lo, other.lo), f(self.lo, other.hi), f(self.hi, other.lo), f(self.hi, other.hi)]
     }
 
-    /// `f`, which never decreases, at both ends.
+    /// Returns the range of `f`, which never decreases, from its values at both ends.
     pub(super) fn increasing(self, f: impl Fn(f64) -> Rounded) -> Self {
         Self::hull(f(self.lo), f(self.hi))
     }
 }
 
-/// Two floats around a rational number, equal if it is one.
+/// Returns two floats around a rational number, equal if it is one.
 fn rational(value: &BigRational) -> Span {
     if value.is_integer() {
         return around(value.numer());
     }
     let exact = |x: f64| BigRational::from_float(x);
-    // Only a guess; what makes it right are the exact comparisons.
+    // The guess is corrected by exact comparisons.
     let Some(guess) = value.to_f64().filter(|x| x.is_finite()) else {
         let huge = Span::new(f64::MAX, f64::INFINITY);
         return if value.is_negative() { huge.neg() } else { huge };

@@ -19,7 +19,7 @@ fn digits(text: &str) -> BigRational {
     if negative { -value } else { value }
 }
 
-/// The claim on `op` over up to three numbers, as variables.
+/// Returns the claim about `op` over up to three numbers, which are variables.
 fn claim(op: Op, operands: &[f64]) -> Claim {
     let mut graph = Graph::new();
     let ids: Vec<NodeId> =
@@ -30,7 +30,7 @@ fn claim(op: Op, operands: &[f64]) -> Claim {
     enclose_at(&graph, &[root], point, &[])[0]
 }
 
-/// The claim on `op` over ranges, which are parameters.
+/// Returns the claim about `op` over ranges, which are parameters.
 fn claim_over(op: Op, ranges: &[(f64, f64)]) -> Claim {
     let mut graph = Graph::new();
     let ids: Vec<NodeId> = (0..ranges.len() as u32).map(|number| graph.parameter(number)).collect();
@@ -46,7 +46,7 @@ fn power_claim(base: f64, exponent: Constant) -> Claim {
     enclose_at(&graph, &[root], [base, 0.0, 0.0], &[])[0]
 }
 
-/// Fails unless `claim` is certain, holds `truth` and is at most `ulps` steps of `f64` wide.
+/// Fails unless `claim` is certain, contains `truth` and is at most `ulps` steps of `f64` wide.
 #[track_caller]
 fn assert_tight(claim: Claim, truth: &BigRational, ulps: u32, case: &str) {
     assert_eq!(claim.defined, Defined::Yes, "{case}: {claim:?}");
@@ -64,7 +64,7 @@ fn is_exactly(claim: Claim, value: f64) -> bool {
     claim.defined == Defined::Yes && claim.lo == value && claim.hi == value
 }
 
-/// Numbers of all magnitudes, among them those whose sums, products and quotients are exact.
+/// Returns a number of any magnitude. Some have exact sums, products and quotients.
 fn number(rng: &mut fastrand::Rng) -> f64 {
     let bits = rng.u64(..);
     let value = match rng.u32(0..6) {
@@ -130,7 +130,7 @@ fn exact_results_are_recognised() {
     }
     let three = f64::from_bits(3);
     assert!(claim(Op::Log2, &[three]).lo < claim(Op::Log2, &[three]).hi);
-    // Neighbours are not exact, though they round to the same.
+    // The next float is not a power of ten, though its logarithm rounds to the same value.
     let claim = claim(Op::Log10, &[1e22_f64.next_up()]);
     assert!(claim.lo < 22.0 && claim.hi > 22.0);
 }
@@ -184,7 +184,7 @@ fn powers_too_large_for_floats_keep_their_sign() {
     assert!(is_exactly(got, -1.0), "{got:?}");
 }
 
-/// Digits from the OEIS, and of sin 10²² from the literature on argument reduction.
+/// The digits are from the OEIS, those of sin 10²² from the literature on argument reduction.
 #[test]
 fn published_values_are_enclosed() {
     for (op, at, text) in [
@@ -207,15 +207,15 @@ fn published_values_are_enclosed() {
     }
     let third = Constant::ratio(1, 3).expect("a ratio");
     let root = digits("1.25992104989487316476721060727822835057025146470151");
-    // One third is a range, so the result is wider than the last place.
+    // One third is a range, so the result is wider than usual.
     assert_tight(power_claim(2.0, third), &root, 4, "2^(1/3)");
     let root = digits("1.41421356237309504880168872420969807856967187537694");
     let half = Constant::ratio(1, 2).expect("a ratio");
     assert_tight(power_claim(2.0, half), &root, 2, "2^(1/2)");
 }
 
-/// The sum of the series Σ first·Π ratio(k), k = 1, 2, …, and a bound on what was left out, for
-/// ratios of at most one half.
+/// Returns the sum of the series Σ first·Π ratio(k), k = 1, 2, …, and a bound of the remainder. The
+/// ratios must be at most one half.
 fn series(first: BigRational, ratio: impl Fn(i64) -> BigRational) -> (BigRational, BigRational) {
     let enough = exact(2f64.powi(-120));
     let (mut sum, mut term) = (first.clone(), first);
@@ -370,7 +370,7 @@ fn overflow_is_an_unbounded_claim() {
     assert_eq!(claim(Op::Exp, &[-1e300]).lo, 0.0);
 }
 
-/// Where each operation is defined, over a range of each operand.
+/// Checks where each operation is defined, over a range of each operand.
 #[test]
 fn definedness_is_claimed_only_when_certain() {
     use Defined::{No, Unknown, Yes};
@@ -431,8 +431,8 @@ fn powers_are_defined_as_the_table_says() {
     assert_eq!(at(0.0)[2].defined, No);
 }
 
-/// Every operation is undefined where an operand is, except the branch that is not chosen, and
-/// where another stands in.
+/// Every operation is undefined where an operand is, except for a branch that is not chosen and for
+/// operands of `otherwise`.
 #[test]
 fn undefined_operands_spread() {
     for row in zeroset_ops::TABLE {

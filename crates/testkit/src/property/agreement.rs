@@ -1,5 +1,5 @@
-//! Native code gives the bits of the reference evaluator; −0 equals +0 and NaN equals NaN. So does
-//! that for narrower vectors, which a processor with wider ones never runs elsewhere.
+//! Native code must give the same bits as the reference evaluator, where −0 equals +0 and NaN
+//! equals NaN. Vectors narrower than the processor's are used nowhere else, and are checked too.
 
 use super::tile::{Tile, pack_segments, pack_tiles};
 use crate::suite::{Failure, Tally};
@@ -13,10 +13,10 @@ use zeroset_eval::{
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, vector_widths};
 
-/// Compilation is superlinear, so that longer functions would take most of the time.
+/// Compilation is superlinear, so longer functions would take most of the time.
 const LONGEST: usize = 400;
 
-/// What kernels compute.
+/// The query that a kernel answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// Enclosures over boxes.
@@ -25,20 +25,20 @@ pub enum Subject {
     Values,
     /// Values and derivatives at points.
     Gradients,
-    /// Where a function may vanish.
+    /// Whether a function may have a zero in a box.
     Zeros,
-    /// Where it may vanish, branch by branch. A function that does not jump is left out.
+    /// The same, branch by branch. Functions without jumps are skipped.
     Branches,
-    /// Enclosures of function and derivatives over boxes.
+    /// Enclosures of a function and its derivatives over boxes.
     GradientBounds,
-    /// Segments of rays, made narrower.
+    /// Segments of rays, narrowed.
     Segments,
-    /// Tiles of rays, made narrower, and planes.
+    /// Tiles of rays, narrowed, and their planes.
     Tiles,
 }
 
 impl Subject {
-    /// All of them.
+    /// All kinds of kernels.
     pub const ALL: [Self; 8] = [
         Self::Bounds,
         Self::Values,
@@ -50,13 +50,13 @@ impl Subject {
         Self::Tiles,
     ];
 
-    /// Whether derivatives are computed.
+    /// Whether the kernel computes derivatives.
     pub fn is_differentiated(self) -> bool {
         matches!(self, Self::Gradients | Self::GradientBounds)
     }
 
-    /// The steps that compute this of a case: of its function as typed, or, if `simple`, made as
-    /// programs make them. `None` if they are too many, or there are none.
+    /// Returns the tape of this kernel for a case: for the function as typed or, if `simple`,
+    /// rewritten and simplified as in programs. `None` if it is too long, or has no branches.
     pub fn tape<T: Real>(self, simple: bool, case: &Case) -> Option<Tape<T>> {
         let Assumptions { domain, parameters } = &case.assumptions;
         let (mut graph, mut root) = (case.graph.clone(), case.root);
@@ -81,12 +81,12 @@ impl Subject {
     }
 }
 
-/// Compares native code and reference in the precision `T` on `inputs` random inputs: of the
-/// function as typed, or as simplified if `simple`. A function that is too long is left out, and
-/// nothing compared.
+/// Compares native code with the reference evaluator in the precision `T` on `inputs` random
+/// inputs. The function is as typed, or simplified if `simple`. A function that is too long is
+/// skipped, and nothing is compared.
 ///
 /// # Errors
-/// The first input on which they differ, with a smaller case that still does.
+/// The first input on which they differ, with a smaller case that still shows it.
 ///
 /// # Panics
 /// If the code of a function of moderate length does not compile.
@@ -100,7 +100,7 @@ pub fn agree<T: Adversarial>(
     let tape = |case: &Case| subject.tape::<T>(simple, case);
     let (boxes, points) = (random_boxes, random_points);
     let (segments, tiles) = (random_segments, random_tiles);
-    // Mostly the widest.
+    // Mostly the widest vectors.
     let widths: Vec<usize> = vector_widths().collect();
     let width = widths[if rng.bool() { 0 } else { rng.u32(0..widths.len() as u32) as usize }];
     match subject {
@@ -131,7 +131,7 @@ pub fn agree<T: Adversarial>(
     }
 }
 
-/// Random batches with `inputs` lanes in use between them, often fewer than all of a batch.
+/// Returns random batches with `inputs` lanes in use in total. Many batches are not full.
 fn batches<I>(
     case: &Case,
     rng: &mut Rng,
@@ -152,13 +152,13 @@ fn random_boxes<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Box
     pack_boxes(&regions).remove(0)
 }
 
-/// Samples assume nothing of the domain, so any point will do, infinite ones too.
+/// Samples assume nothing about the domain, so any point will do, infinite ones too.
 fn random_points<T: Adversarial>(_: &Case, rng: &mut Rng, count: usize) -> Points<T> {
     let mut lanes = || Lanes([(); LANES].map(|()| T::adversarial(rng, Ends::Infinite)));
     Points { at: [(); 3].map(|()| lanes()), count: count as u32 }
 }
 
-/// Numbers of any kind in a share of the lanes: nothing is asked of rays.
+/// Puts arbitrary numbers into some lanes, since the comparison needs no valid rays.
 fn spoilt<T: Adversarial, B: Input<T>>(mut batch: B, rng: &mut Rng) -> B {
     if rng.u32(0..4) == 0 {
         for number in 0..B::QUANTITIES {
@@ -184,7 +184,7 @@ fn random_segments<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> 
     spoilt(pack_segments(&tiles, &probe), rng)
 }
 
-/// Whether two answers are the same in the first `count` lanes.
+/// Whether two results are equal in the first `count` lanes.
 fn same<T: Real, B: Output<T>>(a: &B, b: &B, count: usize) -> bool {
     let equal = |(a, b): (&T, &T)| a == b || ((*a).into().is_nan() && (*b).into().is_nan());
     let quantities = (0..B::QUANTITIES)
@@ -194,7 +194,7 @@ fn same<T: Real, B: Output<T>>(a: &B, b: &B, count: usize) -> bool {
     quantities && (0..B::MASKS).all(|number| used(a, number) == used(b, number))
 }
 
-/// The answers of native code, for vectors of so many bytes, and of the reference.
+/// Returns the results of native code, for vectors of `width` bytes, and of the reference.
 fn both<Q: Query, T: Real>(
     tape: Tape<T>,
     case: &Case,
@@ -218,7 +218,7 @@ where
     Q::Input<T>: Debug,
     Q::Output<T>: Debug,
 {
-    /// The first input on which they differ.
+    /// Returns the first input on which they differ.
     fn differing<Q: Query, T: Real>(
         answers: &[Vec<Q::Output<T>>; 2],
         inputs: &[Q::Input<T>],

@@ -1,5 +1,5 @@
-//! Segments and tiles of rays: where a function is claimed to have no zero it has none, and the
-//! plane of a tile is as near to it as claimed.
+//! Queries about segments and tiles of rays: a function has no zero where the kernel reports none,
+//! and the plane of a tile is as close to it as reported.
 
 use super::Subject;
 use super::tile::{Probe, Tile, pack_segments, pack_tiles};
@@ -14,28 +14,28 @@ use zeroset_jit::Native;
 use zeroset_jit::comparison::{Arithmetic, Compared};
 use zeroset_ops::Op;
 
-/// Points tried in each tile.
+/// Points checked in each tile.
 const PROBES: usize = 8;
-/// Values of a case that are made roots.
+/// Number of values of a case that are turned into roots.
 const ROOTS: usize = 2;
 
-/// What was looked at.
+/// Counts of the checks done by [`contract`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Contracted {
-    /// Points.
+    /// Number of points.
     pub points: u64,
-    /// Those at which a value was held against a plane.
+    /// Number of points at which a value was compared with a plane.
     pub planes: u64,
-    /// Roots, each in one tile and on one segment.
+    /// Number of roots, counted for a tile and for a segment each.
     pub roots: u64,
-    /// Those in lanes that were made narrower.
+    /// Number of roots in tiles and segments that were narrowed to less than half.
     pub narrowed: u64,
-    /// Tiles in which each ray was said to have a zero.
+    /// Number of tiles reported to have a zero on each ray.
     pub crossings: u64,
 }
 
 impl Contracted {
-    /// Counts what `other` counts, too.
+    /// Adds the counts of `other`.
     pub fn add(&mut self, other: Self) {
         self.points += other.points;
         self.planes += other.planes;
@@ -45,23 +45,23 @@ impl Contracted {
     }
 }
 
-/// How kernels are made.
+/// The way in which kernels are created.
 #[derive(Clone, Copy, Debug)]
 pub struct Manner {
-    /// Of the function as simplified.
+    /// Whether the function is simplified first.
     pub simple: bool,
-    /// What runs them.
+    /// The evaluator of the kernel.
     pub engine: Engine,
 }
 
-/// What runs kernels.
+/// An evaluator of kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Engine {
-    /// The reference.
+    /// The reference evaluator.
     Reference,
     /// Native code.
     Native,
-    /// Native code in some arithmetic.
+    /// Native code in this arithmetic.
     Compared(Arithmetic),
 }
 
@@ -79,12 +79,13 @@ impl Manner {
     }
 }
 
-/// Asks about `batches` of random tiles and segments of a case: the oracle's bounds at points of a
-/// tile must meet its plane; values at a crossing's ends must not have the same sign. Then roots
-/// are made of values at points, by subtracting them: no contraction may leave one out.
+/// Checks `batches` of random tiles and segments of a case. The oracle's bounds at points of a tile
+/// must overlap its plane. Values at a crossing's ends must not have the same sign. Then values at
+/// points are subtracted from the function, which makes the points roots. No contraction may lose
+/// one.
 ///
 /// # Errors
-/// The first contradiction, made smaller.
+/// The first contradiction, shrunk.
 pub fn contract<T: Adversarial>(
     manner: Manner,
     case: &Case,
@@ -129,7 +130,7 @@ pub fn contract<T: Adversarial>(
         }
         let (tile, probe, claim, values) = &known[rng.u32(0..known.len() as u32) as usize];
         let tiles: Vec<Tile> = (0..LANES).map(|_| tile.narrower::<T>(rng, probe)).collect();
-        // Code is dear, and the reference gives the same bits.
+        // Compiling is slow, and the reference gives the same bits.
         let manner = match manner.engine {
             Engine::Native => Manner { engine: Engine::Reference, ..manner },
             Engine::Reference | Engine::Compared(_) => manner,
@@ -141,7 +142,7 @@ pub fn contract<T: Adversarial>(
     Ok(all)
 }
 
-/// A case's function minus its value at a point, which is some number within bounds.
+/// Returns a case whose function is that of `case` minus a number within the bounds of `claim`.
 fn with_root(case: &Case, claim: Claim) -> Case {
     let mut case = case.clone();
     let value = case.graph.constant(Constant::enclosed(Interval { lo: claim.lo, hi: claim.hi }));
@@ -149,7 +150,7 @@ fn with_root(case: &Case, claim: Claim) -> Case {
     case
 }
 
-/// The tile of which the root at a probe is denied or left out.
+/// Returns the index of a tile for which the root at a probe is denied or left out.
 fn lost_root<T: Adversarial>(
     manner: Manner,
     case: &Case,
@@ -197,13 +198,13 @@ fn explain_root<T: Adversarial>(
     Failure::new(format!("{manner:?} loses the root at {probe:?} of {tile:?}\n{case}"))
 }
 
-/// Whether a value is known well enough to be subtracted.
+/// Whether a value is known precisely enough to be subtracted.
 fn is_narrow(claim: Claim) -> bool {
     let size = claim.hi.abs().max(claim.lo.abs());
     claim.defined == Defined::Yes && size.is_finite() && claim.hi - claim.lo <= size * 1e-9
 }
 
-/// One lane of an answer.
+/// One lane of a kernel's result.
 #[derive(Clone, Copy, Debug)]
 struct Plane {
     value: f64,
@@ -228,7 +229,7 @@ impl Plane {
         }
     }
 
-    /// What is wrong with it, given what is certain at points.
+    /// Returns what is wrong with this result, given the oracle's claims at points.
     fn contradiction(&self, tile: &Tile, probes: &[Probe], claims: &[Claim]) -> Option<String> {
         for (probe, claim) in probes.iter().zip(claims) {
             let is_defined = claim.defined == Defined::Yes;
@@ -247,7 +248,7 @@ impl Plane {
                 return Some(format!("{claim:?} at {probe:?} is off the plane"));
             }
         }
-        // Probes come ray by ray, its ends first.
+        // Probes are ordered by ray, with the ends of each ray first.
         let rays = probes.chunk_by(|a, b| a.ray == b.ray).zip(claims_by_ray(probes, claims));
         for (probes, claims) in rays {
             let [near, far] = [0, 1].map(|end| probes.get(end).map(|probe| probe.t));

@@ -1,17 +1,16 @@
-//! Sums of products in twice the precision of `f64`, to tell whether a linear function meets
-//! bounds.
+//! Sums of products in twice the precision of `f64`, to compare a linear function with bounds.
 
-/// A sum of products, and how far it may be off.
+/// A sum of products, and a bound of its error.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dot {
-    /// The sum, rounded.
+    /// The rounded sum.
     pub value: f64,
-    /// What the exact sum may differ by from `value`, but for one rounding of `value`.
+    /// Bound of the difference between the exact sum and `value`, besides one rounding of `value`.
     slack: f64,
 }
 
-/// Source: Ogita, Rump and Oishi 2005, algorithm 5.3 (`Dot2`): as if computed in twice the
-/// precision, and rounded.
+/// Returns a sum of products as if computed in twice the precision and rounded. Source: Ogita, Rump
+/// and Oishi 2005, algorithm 5.3 (`Dot2`).
 pub(super) fn dot(terms: impl IntoIterator<Item = (f64, f64)>) -> Dot {
     let (mut head, mut tail, mut size, mut count) = (0.0_f64, 0.0_f64, 0.0_f64, 0.0_f64);
     for (a, b) in terms {
@@ -24,18 +23,18 @@ pub(super) fn dot(terms: impl IntoIterator<Item = (f64, f64)>) -> Dot {
         size += product.abs();
         count += 1.0;
     }
-    // γₙ² of the sum of magnitudes, and what products below the normal numbers lose.
+    // γₙ² times the sum of magnitudes, plus the errors of products below the normal numbers.
     let unit = count * f64::EPSILON;
     Dot { value: head + tail, slack: unit * unit * size + count * 2f64.powi(-1072) }
 }
 
 impl Dot {
-    /// Whether the exact sum is certainly above 0. Nothing is certain of what overflows.
+    /// Whether the exact sum is certainly above 0. False if it overflows.
     pub(super) fn is_positive(self) -> bool {
         self.value.is_finite() && self.value > self.slack
     }
 
-    /// At least the magnitude of the exact sum; infinite if that is not known.
+    /// Returns an upper bound of the magnitude of the exact sum, infinite if none is known.
     pub(super) fn most(self) -> f64 {
         let most = self.value.abs() * (1.0 + 4.0 * f64::EPSILON) + self.slack;
         if most.is_finite() { most.next_up() } else { f64::INFINITY }

@@ -1,4 +1,4 @@
-//! Native intervals hold what the oracle knows of the function as typed.
+//! Bounds of native code must overlap the oracle's bounds of the function as typed.
 
 use crate::suite::{Failure, Tally, check_interval_case};
 use crate::{Adversarial, Case, Rng};
@@ -7,8 +7,8 @@ use zeroset_ir::{rewrite, simplify};
 use zeroset_jit::Native;
 use zeroset_jit::comparison::{Arithmetic, Compared};
 
-/// Native code for a case, by the steps that lead from a document to a kernel: simplified over its
-/// domain, parameters bound. `None` if the graph is too large.
+/// Compiles a case to native code in the same steps as a document: simplified over its domain, with
+/// parameters bound. Returns `None` if the graph is too large.
 ///
 /// # Panics
 /// If the code does not compile.
@@ -17,7 +17,7 @@ pub fn native_interval<T: Real>(case: &Case) -> Option<Box<dyn Kernel<Enclose, T
     Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
 }
 
-/// The same in some arithmetic.
+/// Like [`native_interval`], in another arithmetic.
 ///
 /// # Panics
 /// If the code does not compile.
@@ -29,7 +29,7 @@ pub fn compared_interval<T: Real>(
     Some(Box::new(Compared::new(tape, binding, arithmetic).expect("compiles")))
 }
 
-/// The steps of a case, simplified over its domain.
+/// Returns the tape of a case, simplified over its domain.
 fn tape_of<T: Real>(case: &Case) -> Option<Tape<T>> {
     let bounds = &case.assumptions;
     let (graph, roots) =
@@ -38,12 +38,11 @@ fn tape_of<T: Real>(case: &Case) -> Option<Tape<T>> {
     Some(Tape::new(&graph, &roots, bounds))
 }
 
-/// Asks native code of a case about `boxes` random boxes: the oracle's enclosure at points of a
-/// box, of the unsimplified graph, must meet the code's enclosure of that box, and the code's
-/// claims must be true there.
+/// Checks native code of a case on `boxes` random boxes. At points of a box the oracle encloses the
+/// graph as typed. The code's bounds over the box must overlap that, and its facts must be true.
 ///
 /// # Errors
-/// The first contradiction, made smaller, with a line that reproduces it.
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn enclose<T: Adversarial>(case: &Case, rng: &mut Rng, boxes: usize) -> Result<Tally, Failure> {
     check_interval_case::<T>(&native_interval, case, rng, boxes)
 }

@@ -1,4 +1,4 @@
-//! Affine forms of single operations: what they claim of values is true.
+//! Affine forms of single operations must enclose their values.
 
 use super::dot::dot;
 use crate::suite::Failure;
@@ -12,27 +12,27 @@ use zeroset_interval::{
 use zeroset_ir::{Axis, Constant, Graph};
 use zeroset_ops::Op;
 
-/// Symbols of the forms.
+/// Number of symbols of the forms.
 const SYMBOLS: usize = 3;
-/// Points tried in each lane.
+/// Points checked in each lane.
 const POINTS: usize = 8;
 
-/// What was looked at.
+/// Counts of the checks done by [`linear`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Lines {
-    /// Points at which a value was compared: the operation is defined there, and the form claims
-    /// something.
+    /// Number of points at which a value was compared: the operation is defined there, and the form
+    /// has a finite error.
     pub compared: u64,
-    /// Lanes in which values were compared.
+    /// Number of lanes in which values were compared.
     pub finite: u64,
-    /// Those whose form depends on a symbol: bounds alone were not better.
+    /// Number of lanes whose form depends on a symbol, since bounds alone were not better.
     pub slanted: u64,
-    /// All lanes.
+    /// Number of all lanes.
     pub lanes: u64,
 }
 
 impl Lines {
-    /// Counts what `other` counts, too.
+    /// Adds the counts of `other`.
     pub fn add(&mut self, other: Self) {
         self.compared += other.compared;
         self.finite += other.finite;
@@ -41,11 +41,11 @@ impl Lines {
     }
 }
 
-/// What an operand is, in all lanes.
+/// The kind of an operand, for all lanes.
 enum Kind {
-    /// c + Σ s·ε ± e.
+    /// An affine form c + Σ s·ε ± e.
     Varying,
-    /// Known by bounds.
+    /// A value known only by bounds.
     Between,
     /// One number.
     Fixed(Constant),
@@ -60,8 +60,7 @@ struct Lane {
     bounds: [f64; 2],
 }
 
-/// An operand: its lanes, what is taken for granted of it, and its values at the points of each
-/// lane.
+/// An operand: its lanes, its assumed range, and its values at the points of each lane.
 struct Drawn {
     kind: Kind,
     range: Interval,
@@ -69,11 +68,11 @@ struct Drawn {
     values: Vec<[f64; POINTS]>,
 }
 
-/// Values of the symbols, at the points of a lane.
+/// Values of the symbols at the points of a lane.
 type Symbols = [[f64; SYMBOLS]; POINTS];
 
-/// Asks for the form of `op` over `rounds` vectors of random operands: at points of each lane the
-/// oracle's bounds of the operation must meet the form.
+/// Checks the form of `op` over `rounds` vectors of random operands. At points of each lane the
+/// oracle's bounds of the operation must overlap the form.
 ///
 /// # Errors
 /// The first contradiction.
@@ -88,7 +87,7 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Li
             (0..made_of).map(|_| Drawn::random::<T>(rng, Kind::Varying, &symbols)).collect();
         operands.extend((made_of.min(1)..op.arity()).map(|place| {
             let kind = match rng.u32(0..4) {
-                // A power's exponent is mostly a constant.
+                // The exponent of a power is mostly a constant.
                 _ if op == Op::Pow && place == 1 && fixed > 0 => Kind::Fixed(exponent(rng)),
                 0 if op.arity() > 1 && fixed == place => Kind::Fixed(random_constant(rng, true)),
                 1 if op.arity() > 1 && fixed == place => Kind::Between,
@@ -102,9 +101,10 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Li
     Ok(lines)
 }
 
-/// What the first operand of `op` is made of, if it is not drawn itself: forms may put off counting
-/// what they round, to whoever takes them. With two operands of its own, there is a coordinate for
-/// each.
+/// Returns an operation that computes the first operand of `op`, or `None` if that is drawn
+/// directly. A form may leave its rounding errors to the operation that takes it, so such operands
+/// are checked too. `op` then has fewer than 3 operands, so that each drawn operand has its own
+/// coordinate.
 fn random_inner(op: Op, rng: &mut Rng) -> Option<Op> {
     const INNER: [Op; 5] = [Op::Neg, Op::Add, Op::Sub, Op::Mul, Op::Sqr];
     (op.arity() < 3 && rng.bool()).then(|| INNER[rng.u32(0..INNER.len() as u32) as usize])
@@ -199,7 +199,7 @@ fn compare<T: Adversarial>(
                 return fail(format!("at {at:?}, symbols {symbols:?}, {claim:?} is not within"));
             }
         }
-        // Elsewhere nothing is claimed: the operands have no values there.
+        // If nothing was compared, the operands have no values at these points.
         if lines.compared > before {
             lines.finite += 1;
             lines.slanted += u64::from(slopes.iter().any(|slope| *slope != 0.0));
@@ -208,7 +208,7 @@ fn compare<T: Adversarial>(
     Ok(lines)
 }
 
-/// Mostly corners.
+/// Returns values of the symbols, mostly at corners of their range.
 fn random_symbols(rng: &mut Rng) -> Symbols {
     [(); POINTS].map(|()| {
         [(); SYMBOLS].map(|()| match rng.u32(0..4) {
@@ -229,7 +229,7 @@ fn exponent(rng: &mut Rng) -> Constant {
     }
 }
 
-/// Where operations have corners, poles and ends of their domains, or overflow.
+/// Numbers at which operations have kinks, poles or ends of domains, or overflow.
 const CORNERS: [f64; 12] =
     [0.0, 0.0, 1.0, -1.0, 0.5, FRAC_PI_2, -FRAC_PI_2, 2.0, 88.7, -87.3, 709.0, -3.0];
 
@@ -244,7 +244,7 @@ fn random_centre<T: Adversarial>(rng: &mut Rng) -> f64 {
     T::nearest(centre).into()
 }
 
-/// A size of spreads: from 1e-6 to 1e3, or any.
+/// Returns the size of a spread: 0, from 1e-6 to 10, a share of the center, or any.
 fn random_size<T: Adversarial>(rng: &mut Rng, centre: f64) -> f64 {
     let size = match rng.u32(0..8) {
         0 => T::adversarial(rng, Ends::Finite).into().abs(),
@@ -332,8 +332,8 @@ impl Drawn {
     }
 }
 
-/// A lane, and values of its form: each the nearest float to that of the line, or up to an error
-/// off.
+/// Returns a lane, and values of its form: each the float nearest to the line, or an offset from
+/// it. The lane's error covers them all.
 fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (Lane, [f64; POINTS]) {
     let mut centre = random_centre::<T>(rng);
     let size = random_size::<T>(rng, centre);
@@ -343,7 +343,7 @@ fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (Lane, [f64; POI
         _ => T::nearest((f64::uniform(rng) * 2.0 - 1.0) * size).into(),
     });
     if rng.u32(0..4) == 0 {
-        // So that an end touches where the centre was.
+        // Moves an end of the range to where the center was.
         let spread: f64 = slopes.iter().map(|slope: &f64| slope.abs()).sum();
         centre = T::nearest(centre + if rng.bool() { spread } else { -spread }).into();
     }

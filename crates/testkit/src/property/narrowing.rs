@@ -1,4 +1,4 @@
-//! Where a linear function may vanish on a segment, against exact rationals.
+//! Narrowing of segments to the zeros of linear functions, checked against exact rationals.
 
 use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Ends, Rng};
@@ -7,7 +7,7 @@ use num_traits::{One, Signed, Zero};
 use zeroset_eval::{LANES, Lanes, Real};
 use zeroset_interval::{Form, Machine, Software, contract};
 
-/// One lane: c + Σ s·ε ± e, whose last symbol is ε for t = middle + half·ε from `near` to `far`.
+/// One lane: c + Σ s·ε ± e. Its last symbol is ε for t = middle + half·ε from `near` to `far`.
 #[derive(Clone, Copy, Debug)]
 struct Lane<const N: usize> {
     centre: f64,
@@ -19,7 +19,7 @@ struct Lane<const N: usize> {
     far: f64,
 }
 
-/// What the kernels' text makes of a lane.
+/// Result of [`contract`] in one lane.
 #[derive(Clone, Copy, Debug)]
 struct QueryResult {
     near: f64,
@@ -28,11 +28,11 @@ struct QueryResult {
     crossing: bool,
 }
 
-/// Narrows random segments by random linear functions of `N` symbols: `defined` counts those that
-/// keep a zero and are made narrower.
+/// Checks the narrowing of random segments to the zeros of random linear functions of `N` symbols.
+/// `defined` counts segments that are narrowed and may have a zero.
 ///
 /// # Errors
-/// The first that loses a zero, or claims one.
+/// The first result that loses a zero, reports a false crossing, or narrows too little.
 pub fn narrow<T: Adversarial, const N: usize>(
     rng: &mut Rng,
     vectors: usize,
@@ -87,7 +87,7 @@ fn answers<T: Adversarial, const N: usize>(
         .collect()
 }
 
-/// A float's value; `None` if it is not finite.
+/// Returns a float's value, or `None` if it is not finite.
 fn exact(x: f64) -> Option<BigRational> {
     BigRational::from_float(x)
 }
@@ -121,7 +121,7 @@ impl<const N: usize> Lane<N> {
         slopes[N - 1] = depth;
         let mut error = if rng.bool() { number(size) } else { 0.0 };
         if rng.u32(0..8) == 0 {
-            // Or anything, numbers that are none too.
+            // Or any numbers, including infinities and NaN.
             (centre, error) = (any(rng), any(rng).abs());
             slopes[N - 1] = any(rng);
             match rng.u32(0..16) {
@@ -166,7 +166,7 @@ impl<const N: usize> Lane<N> {
         };
         let line = |t: &BigRational| &centre + &depth * symbol(t);
         let values = ends.each_ref().map(line);
-        // A line is within the rest of 0 at an end, or on both sides of it, or nowhere.
+        // A line is within `rest` of 0 somewhere only if it is at an end, or has both signs.
         let apart = |value: &BigRational| value.abs() > rest;
         let opposite = values[0].is_negative() != values[1].is_negative();
         if answer.crossing && !(values.iter().all(apart) && opposite) {
@@ -193,7 +193,7 @@ impl<const N: usize> Lane<N> {
         if low || high {
             return Some("a zero left out");
         }
-        // Not by much more than what is rounded.
+        // The result may be wider than the zeros by rounding errors only.
         let unit = BigRational::from_float(match T::FORMAT {
             zeroset_interval::Format::F32 => 2f64.powi(-20),
             zeroset_interval::Format::F64 => 2f64.powi(-49),
@@ -201,7 +201,7 @@ impl<const N: usize> Lane<N> {
         let tiny = exact(T::LARGEST.into()).map(|most| BigRational::one() / most)?;
         let size = middle.abs() + &half;
         let slack = &size * &unit + &half * (&rest / depth.abs().max(tiny.clone())) * unit + tiny;
-        // Where sums overflow nothing is.
+        // Where sums overflow, nothing is narrowed.
         let is_normal = depth.abs() > exact(2f64.powi(-100))?
             && centre.abs() + &rest < exact(T::LARGEST.into())? / BigRational::from_float(4.0)?;
         let wide = kept(answer.near)? < zeros[0].clone() - &slack
@@ -210,7 +210,7 @@ impl<const N: usize> Lane<N> {
     }
 }
 
-/// The middle of a segment, and at least half of it, as kernels make them: all rounded up.
+/// Returns the middle of a segment, and at least half its length, rounded up as in kernels.
 fn middle<T: Adversarial>(near: f64, far: f64) -> (f64, f64) {
     let m = &mut Software::new();
     let lanes = |x: f64| T::load(&Lanes([T::nearest(x); LANES]), 0);

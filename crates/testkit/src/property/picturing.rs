@@ -1,11 +1,11 @@
-//! What a picture claims of its rays is true, by the certified tracer.
+//! Claims of a picture about its rays must be true according to the certified tracer.
 
 use super::scene::{Scene, describe};
 use crate::certified::{Certificate, Entry, Function, Line};
 use crate::suite::{Failure, Tally};
 
-/// What a picture says of one ray. Distances are multiples of the line's direction. A solid also
-/// has zeros where its inside meets the region's faces.
+/// The claim of a picture about one ray. Distances are multiples of the line's direction. A solid
+/// also has zeros where its inside meets the region's faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Claimed {
     /// There is no zero.
@@ -16,7 +16,7 @@ pub enum Claimed {
     Undecided(f64),
 }
 
-/// A pixel's ray, and what is claimed of it.
+/// A pixel's ray, and the claim about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
     /// Column and row.
@@ -25,27 +25,27 @@ pub struct Pixel {
     pub line: Line,
     /// The claim.
     pub claimed: Claimed,
-    /// Of hits, the number of the surface that is painted, and between which distances it is.
+    /// For a hit: the number of the painted surface, and the bracket of its distance.
     pub hit: Option<(usize, [f64; 2])>,
 }
 
-/// Evaluations per ray: what takes more remains undecided.
+/// Evaluations per ray. A ray that needs more remains undecided.
 const BUDGET: u32 = 4000;
 
-/// Parts by which a distance in world units, plus 1, may be off: by a few roundings of the floats
-/// in which it was computed.
+/// Returns the tolerance of a distance d in world units, as a share of d + 1. It allows for a few
+/// roundings of the floats in which the distance was computed.
 fn rounding(scene: &Scene) -> f64 {
     if scene.precision == "f64" { 1e-12 } else { 1e-6 }
 }
 
-/// What is certain of a surface on a ray.
+/// Proven statements about a surface on a ray.
 #[derive(Debug)]
 struct Certain {
-    /// Of the function's zeros.
+    /// The zeros of the function.
     zeros: Certificate,
-    /// Of the region's face, for a solid.
+    /// The face of the region, for a solid.
     face: Option<Entry>,
-    /// Whether the face is part of the solid is known, or else does not matter.
+    /// Whether it is known if the face belongs to the solid. True for other surfaces.
     known: bool,
 }
 
@@ -56,26 +56,26 @@ impl Certain {
         Self { zeros: function.trace(line, region, BUDGET), face, known }
     }
 
-    /// Where the solid certainly meets the region's face.
+    /// Returns the distance at which the solid certainly meets the region's face.
     fn capped(&self) -> Option<(f64, f64)> {
         self.face.filter(|face| face.below == Some(true)).map(|face| face.distance)
     }
 
-    /// A distance before which there certainly is nothing.
+    /// Returns a distance before which there certainly is nothing.
     fn first(&self) -> f64 {
         let beyond = if self.known { self.zeros.first() } else { f64::NEG_INFINITY };
         self.capped().map_or(beyond, |(near, _)| near)
     }
 
-    /// A distance before which there certainly is something.
+    /// Returns a distance before which there certainly is something.
     fn last(&self) -> f64 {
         let crossing = self.zeros.crossing.map_or(f64::INFINITY, |crossing| crossing.far);
         self.capped().map_or(crossing, |(_, far)| far)
     }
 }
 
-/// Draws `scene` by `draw`, which gives the pixels or `None` if nothing can be drawn, and holds
-/// each claim against what is certain of the nearest surface on that ray. `defined` counts rays
+/// Draws `scene` by `draw`, which returns the pixels, or `None` if nothing can be drawn. Checks
+/// each claim against what is certain about the nearest surface on its ray. `defined` counts rays
 /// with a certain crossing.
 ///
 /// # Errors

@@ -1,14 +1,14 @@
-//! Any text is read or refused, and what was read is printed so that it reads alike.
+//! Every text must be read or refused. The statements read must print as an equivalent text.
 
 use crate::suite::{Failure, Tally};
 use zeroset_ir::Graph;
 use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
 
-/// Small, so that texts that expand cost a fuzzer little.
+/// Small limits, so that texts that expand cost a fuzzer little.
 const LIMITS: Limits =
     Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12, surfaces: 1000 };
 
-/// For what was printed: its brackets nest deeper than signs and powers that were typed without.
+/// Limits for printed text. Its brackets nest deeper than signs and powers typed without them.
 const PRINTED: Limits = Limits {
     bytes: 1 << 20,
     symbols: 100_000,
@@ -17,14 +17,14 @@ const PRINTED: Limits = Limits {
     surfaces: 1000,
 };
 
-/// Reads `data`; renders what is said about it; prints the statements read and reads them again:
-/// the trees and the graph must be the same. `defined` counts the texts that were accepted.
+/// Reads `data` and renders its diagnostics. Then prints the statements and reads them again: trees
+/// and graph must be the same. `defined` counts accepted texts.
 ///
 /// # Errors
-/// What differs, and the text.
+/// A difference, and the text.
 ///
 /// # Panics
-/// If the parser does.
+/// If the parser panics.
 pub fn read_and_print(data: &[u8]) -> Result<Tally, Failure> {
     let options = Options { limits: LIMITS, ..Options::default() };
     let document = read_bytes(data, &options);
@@ -72,7 +72,7 @@ fn well_formed(document: &Document, text: &str) -> Result<(), String> {
     beyond.map_or(Ok(()), |surface| Err(format!("a surface without a function: {surface:?}")))
 }
 
-/// The statements of `text`, printed, if they read as the same trees.
+/// Returns the statements of `text` as printed, if they read as the same trees.
 fn printed(text: &str) -> Result<String, String> {
     let statements = parse(text, &LIMITS).map_err(|errors| format!("not parsed: {errors}"))?;
     let lines: Vec<String> = statements.iter().map(ToString::to_string).collect();

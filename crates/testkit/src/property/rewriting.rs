@@ -1,4 +1,4 @@
-//! Simplifying keeps values and domains of definition.
+//! Simplification must preserve values and domains of definition.
 
 use crate::suite::{Failure, Tally, contradiction};
 use crate::{Case, Defined, Oracle, Place, Rng, minimise, pack_boxes};
@@ -7,7 +7,7 @@ use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{Graph, IrError, Node, NodeId, display, rewrite, simplify};
 use zeroset_ops::Op;
 
-/// Points and boxes tried on each case.
+/// Points and boxes checked on each case.
 const POINTS: usize = 16;
 const BOXES: usize = 4;
 
@@ -15,7 +15,7 @@ const BOXES: usize = 4;
 type Pass =
     fn(&Graph, &[NodeId], &[Interval; 3], &[Interval]) -> Result<(Graph, Vec<NodeId>), IrError>;
 
-/// A function before and after.
+/// A function before and after the passes.
 struct Versions {
     typed: (Graph, NodeId),
     rewritten: (Graph, NodeId),
@@ -37,8 +37,8 @@ impl Versions {
     }
 }
 
-/// Compares a case's function with what is left of it after rewriting and after simplifying, by the
-/// oracle at points of its domain, and by the reference evaluator over boxes.
+/// Compares a case's function with its rewritten and its simplified form: by the oracle at points
+/// of its domain, and by the reference evaluator over boxes.
 ///
 /// # Errors
 /// The first contradiction, with a smaller case that still shows it.
@@ -76,7 +76,7 @@ impl<'a> Oracles<'a> {
         Self(all.map(|(graph, root)| Oracle::new(graph, &[*root])))
     }
 
-    /// Whether all are certainly defined at a point, or what is wrong.
+    /// Returns whether all versions are certainly defined at a point, or what is wrong.
     fn contradiction(&self, point: [f64; 3], values: &[(f64, f64)]) -> Result<bool, String> {
         let [was, rewritten, simplified] = self.0.each_ref().map(|o| o.at(point, values)[0]);
         for (is, pass) in [(rewritten, "rewritten"), (simplified, "simplified")] {
@@ -88,16 +88,16 @@ impl<'a> Oracles<'a> {
     }
 }
 
-/// What the oracle finds at a point.
+/// Returns the contradiction that the oracle finds at a point.
 fn at(case: &Case, point: [f64; 3], values: &[(f64, f64)]) -> Option<String> {
     let versions = Versions::of(case)?;
     Oracles::new(&versions).contradiction(point, values).err()
 }
 
-/// What the reference evaluator finds over a box.
+/// Returns the contradiction that the reference evaluator finds over a box.
 fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
-    // Only folding tells whether such an exponent is an integer, so the graph as typed means less
-    // to the evaluator.
+    // Only constant folding can tell whether such an exponent is an integer. The evaluator knows
+    // less about the graph as typed.
     if has_computed_exponent(&case.graph) {
         return None;
     }

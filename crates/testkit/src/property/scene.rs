@@ -10,25 +10,25 @@ use zeroset_ir::{Axis, Constant, Graph, NodeId};
 use zeroset_ops::{Notation, Op, TABLE};
 use zeroset_syntax::{Document, Options, Surface, SurfaceKind, read};
 
-/// A function as text that can be typed, over a bounded region.
+/// A function as a text that can be typed, over a bounded region.
 #[derive(Clone, Debug)]
 pub struct Formula {
-    /// What is typed.
+    /// The text as typed.
     pub text: String,
-    /// What is read: at least one surface, none of them hidden.
+    /// The document that it reads as. It has at least one surface, and no hidden ones.
     pub document: Document,
     /// Per axis, the lower and the upper end, in order and not equal.
     pub region: [[f64; 2]; 3],
-    /// A point of the region near which there mostly is a zero.
+    /// A point of the region, mostly close to a zero.
     pub aim: [f64; 3],
 }
 
 impl Formula {
-    /// A formula that can be typed, mostly one that has a zero near some point of the region;
-    /// `None` if what was drawn cannot be typed.
+    /// Returns a formula that can be typed, mostly with a zero near some point of the region.
+    /// `None` if the drawn graph cannot be typed.
     ///
     /// # Panics
-    /// If what was printed does not read.
+    /// If the printed text does not read.
     pub fn random(rng: &mut Rng, largest: u32) -> Option<Self> {
         let ops = TABLE.iter().filter(|row| row.notation != Notation::Internal).map(|row| row.op);
         let options = GraphOptions {
@@ -60,7 +60,7 @@ impl Formula {
         (document.surfaces.len() == 1).then_some(Self { text, document, region, aim })
     }
 
-    /// The surfaces of a text; `None` if it does not read, or does not show all that it draws.
+    /// Returns the formula of `text`. `None` if it does not read, draws nothing or hides surfaces.
     pub fn given(text: &str, region: [[f64; 2]; 3]) -> Option<Self> {
         let document = read(text, &Options::default()).ok()?;
         let surfaces = &document.surfaces;
@@ -71,10 +71,10 @@ impl Formula {
         Some(Self { text: text.to_owned(), document, region, aim })
     }
 
-    /// The solid where the function is not above 0.
+    /// Returns the solid where the function is not above 0.
     ///
     /// # Panics
-    /// If what was typed does not read as a part of an inequality.
+    /// If the typed text does not read as a side of an inequality.
     #[must_use]
     pub fn filled(self) -> Self {
         let text = format!("{} <= 0", self.text);
@@ -83,8 +83,8 @@ impl Formula {
         Self { text, document, ..self }
     }
 
-    /// The surfaces' functions as typed, for certified tracing, and whether each bounds a solid,
-    /// where it is below 0.
+    /// Returns the surfaces' functions as typed, for certified tracing. The flag tells whether the
+    /// surface is a solid, whose inside is where the function is below 0.
     pub fn functions(&self) -> Vec<(Function, bool)> {
         let Document { graph, parameters, surfaces, .. } = &self.document;
         let values: Vec<Constant> =
@@ -100,7 +100,7 @@ impl Formula {
         if rng.u32(0..4) == 0 { point_in_box(rng, &self.region) } else { self.aim }
     }
 
-    /// A line that meets the region, from inside or outside.
+    /// Returns a line that meets the region, from inside or outside.
     pub fn random_line(&self, rng: &mut Rng) -> Line {
         let eye = random_eye(rng, &self.region);
         let target = self.random_target(rng);
@@ -112,13 +112,13 @@ impl Formula {
     }
 }
 
-/// `text` as one word of a shell.
+/// Returns `text` as one word of a shell.
 fn quoted(text: &str) -> String {
     format!("'{}'", text.replace('\'', "'\\''"))
 }
 
 impl fmt::Display for Formula {
-    /// As arguments of `zeroset render`.
+    /// Prints arguments of `zeroset render`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ends: Vec<String> =
             self.region.iter().flatten().map(|end| format!("{end:?}")).collect();
@@ -126,7 +126,7 @@ impl fmt::Display for Formula {
     }
 }
 
-/// A cube as one might type it, or any box of moderate size.
+/// Returns a cube as a user might type it, or any box of moderate size.
 fn random_region(rng: &mut Rng) -> [[f64; 2]; 3] {
     let whole = f64::from(rng.u32(1..=8));
     match rng.u32(0..3) {
@@ -139,7 +139,7 @@ fn random_region(rng: &mut Rng) -> [[f64; 2]; 3] {
     }
 }
 
-/// A point in the region or up to four of its extents away.
+/// Returns a point in the region or up to four of its extents away.
 fn random_eye(rng: &mut Rng, region: &[[f64; 2]; 3]) -> [f64; 3] {
     if rng.u32(0..4) == 0 {
         return point_in_box(rng, region);
@@ -153,7 +153,8 @@ fn random_eye(rng: &mut Rng, region: &[[f64; 2]; 3]) -> [f64; 3] {
     })
 }
 
-/// `root` plus a multiple of each coordinate: many random formulas depend on few, or are flat.
+/// Returns `root` plus a multiple of each coordinate, since many random formulas are flat or depend
+/// on few coordinates.
 fn sloped(graph: &mut Graph, root: NodeId, rng: &mut Rng) -> NodeId {
     Axis::ALL.into_iter().fold(root, |sum, axis| {
         let factor = graph.integer(i64::from(rng.i32(-3..=3)));
@@ -163,7 +164,7 @@ fn sloped(graph: &mut Graph, root: NodeId, rng: &mut Rng) -> NodeId {
     })
 }
 
-/// `root` minus a number, so that it is 0 near `point`; or `root`, if it has no value there.
+/// Returns `root` minus a number, so that it is 0 near `point`, or `root` if undefined there.
 fn through(graph: &mut Graph, root: NodeId, point: [f64; 3], values: &[(f64, f64)]) -> NodeId {
     let claim = Oracle::new(graph, &[root]).at(point, values)[0];
     let level = claim.lo.midpoint(claim.hi);
@@ -174,37 +175,37 @@ fn through(graph: &mut Graph, root: NodeId, point: [f64; 3], values: &[(f64, f64
     graph.apply(Op::Sub, &[root, level])
 }
 
-/// A formula seen by a camera.
+/// A formula, and the camera that views it.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// What is drawn, and where.
+    /// The surfaces and their region.
     pub formula: Formula,
-    /// Where the camera stands.
+    /// Position of the camera.
     pub eye: [f64; 3],
-    /// What it looks at.
+    /// The point that the camera looks at.
     pub target: [f64; 3],
-    /// What is up.
+    /// The upward direction.
     pub up: [f64; 3],
-    /// The vertical angle of view in degrees, or else the height of an orthographic picture.
+    /// Vertical angle of view in degrees, or else the height of an orthographic picture.
     pub fov: Result<f64, f64>,
-    /// Pixels in a row, and rows.
+    /// Number of columns and rows.
     pub size: [usize; 2],
-    /// How often a ray's way is halved.
+    /// Greatest number of times that a ray's segment is halved.
     pub depth: u32,
-    /// How far off hits may be, in pixels.
+    /// Allowed error of hits, in pixels.
     pub tolerance: f64,
-    /// What kernels compute in: `f32`, `f64`, or `auto`.
+    /// Precision of the kernels: `f32`, `f64`, or `auto`.
     pub precision: &'static str,
 }
 
 impl Scene {
-    /// A small scene, or `None` if what was drawn cannot be typed. The camera may be impossible.
+    /// Returns a small scene, or `None` if its formula cannot be typed. The camera may be invalid.
     pub fn random(rng: &mut Rng) -> Option<Self> {
         /// Operations in the largest formula.
         const LARGEST: u32 = 10;
         /// Pixels on the longest side.
         const WIDEST: u32 = 6;
-        /// Deeper pictures cost a fuzzer much.
+        /// Deeper pictures would cost a fuzzer too much.
         const DEEPEST: u32 = 12;
         let formula = Formula::random(rng, LARGEST)?;
         let eye = random_eye(rng, &formula.region);
@@ -218,7 +219,7 @@ impl Scene {
         };
         let size = [(); 2].map(|()| rng.u32(1..=WIDEST) as usize);
         let depth = rng.u32(1..=DEEPEST);
-        // Once the size of packets; still drawn, so that saved seeds mean the same scenes.
+        // An unused draw, without which saved seeds would give other scenes.
         rng.u32(0..3);
         let precision = if rng.bool() { "f64" } else { "auto" };
         let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };
@@ -230,14 +231,13 @@ impl Scene {
         Some(scene)
     }
 
-    /// Moves the camera to where floats are short of digits or of range, mostly so that it still
-    /// sees what it saw.
+    /// Moves the camera to where floats run out of digits or range. It mostly still sees the same.
     fn be_extreme(&mut self, rng: &mut Rng) {
         let way = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let power = |rng: &mut Rng, most: i32| 10_f64.powi(rng.i32(1..=most));
         let Self { eye, target, up, fov, .. } = self;
         match rng.u32(0..5) {
-            // Far away, along an axis or anywhere, with rays so close together that they meet the
+            // Far away, along an axis or anywhere, with rays close enough together to hit the
             // region.
             0 => {
                 let (aim, distance) = (self.formula.aim, power(rng, 99));
@@ -258,13 +258,13 @@ impl Scene {
                 *eye = [0.0; 3];
                 *target = target.map(|part| part / distance);
             }
-            // The upward direction along the view, but for a little.
+            // The upward direction almost along the view.
             2 => {
                 let share = power(rng, 12);
                 let way = way(*eye, *target);
                 *up = [0, 1, 2].map(|axis| way[axis] + up[axis] / share);
             }
-            // Next to nothing, or half of space.
+            // An angle of view of almost zero, or of almost half of space.
             3 => *fov = Ok(180.0 / power(rng, 12)),
             _ => {
                 *fov = if rng.bool() {
@@ -278,7 +278,7 @@ impl Scene {
 }
 
 impl fmt::Display for Scene {
-    /// As arguments of `zeroset render`.
+    /// Prints the command line of `zeroset render`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let point = |v: [f64; 3]| format!("{:?},{:?},{:?}", v[0], v[1], v[2]);
         let [width, height] = self.size;
@@ -300,7 +300,7 @@ impl fmt::Display for Scene {
     }
 }
 
-/// A line's numbers, exactly.
+/// Returns a line's numbers exactly.
 pub(super) fn describe(line: &Line) -> String {
     format!("eye {:?}, direction {:?}", line.eye.map(hexadecimal), line.direction.map(hexadecimal))
 }

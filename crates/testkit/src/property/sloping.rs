@@ -1,4 +1,4 @@
-//! Bounds of gradients hold what the oracle knows of slopes and derivatives.
+//! Bounds of gradients must agree with the oracle's bounds of slopes and derivatives.
 
 use super::Subject;
 use crate::suite::{Failure, Tally, check_slopes};
@@ -6,8 +6,8 @@ use crate::{Adversarial, Case, Rng};
 use zeroset_eval::{Binding, EncloseGradient, Kernel, Real, Reference};
 use zeroset_jit::Native;
 
-/// Native code that bounds the gradient of a case, simplified over its domain; `None` if the graph
-/// is too large.
+/// Compiles the gradient bounds of a case, simplified over its domain, to native code. `None` if
+/// the graph is too large.
 ///
 /// # Panics
 /// If the code does not compile.
@@ -16,16 +16,16 @@ pub fn native_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGradi
     Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
 }
 
-/// The reference evaluator of a case as typed; `None` if the graph is too large.
+/// Returns the reference evaluator of a case as typed; `None` if the graph is too large.
 pub fn reference_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGradient, T>>> {
     let tape = Subject::GradientBounds.tape(false, case)?;
     Some(Box::new(Reference::<EncloseGradient, T>::new(tape, Binding::new(&case.parameters))))
 }
 
-/// Asks either about `boxes` random boxes of a case.
+/// Checks native code or the reference evaluator on `boxes` random boxes of a case.
 ///
 /// # Errors
-/// The first contradiction, made smaller, with a line that reproduces it.
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn bound<T: Adversarial>(
     native: bool,
     case: &Case,

@@ -1,4 +1,4 @@
-//! What is spelled by forms, vectors, choices and sums holds as what is written out does.
+//! Properties must also hold for functions spelled with forms, vectors, choices and sums.
 
 use super::{Subject, agree, enclose, keep, read_and_print};
 use crate::random::{random_domain, random_text};
@@ -7,18 +7,17 @@ use crate::{Case, Rng};
 use zeroset_eval::Assumptions;
 use zeroset_syntax::{Limits, Options, read};
 
-/// Brackets in the deepest text.
+/// Greatest nesting depth of a text.
 const DEEPEST: u32 = 3;
-/// Operations beyond which code would cost a fuzzer much.
+/// Small limits, so that code costs a fuzzer little.
 const LIMITS: Limits =
     Limits { bytes: 1 << 14, symbols: 5000, depth: 200, nodes: 300, surfaces: 10 };
 
-/// A text that bytes choose: it reads as it prints, and the function that it draws is simplified,
-/// compiled and enclosed as any other. Texts with too many operations are left out, and compare
-/// nothing.
+/// Checks a text drawn from bytes. It must read back as printed, and its function must be
+/// simplified, compiled and enclosed correctly. Texts with too many operations are skipped.
 ///
 /// # Errors
-/// What does not hold, and the text.
+/// The property that does not hold, and the text.
 pub fn spelled(data: &[u8]) -> Result<Tally, Failure> {
     let mut rng = Rng::from_bytes(data);
     let text = random_text(&mut rng, DEEPEST);

@@ -1,37 +1,36 @@
-//! Random tiles of rays, and exact points near them.
+//! Random tiles of rays, and exact points close to them.
 
 use super::dot::dot;
 use crate::{Adversarial, Case, Claim, Ends, Rng};
 use zeroset_eval::{LANES, Segments, Tiles};
 
-/// A tile of rays, each a segment deep, as [`Tiles`] has it. All numbers are of the kernel's float
-/// type.
+/// A tile of rays over a range of t, as in [`Tiles`]. All numbers are of the kernel's float type.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tile {
     centre: [f64; 2],
     half: [f64; 2],
     /// The ends of t.
     pub span: [f64; 2],
-    /// `o`, `oₐ` and `o_b`.
+    /// Vectors `o`, `oₐ` and `o_b`.
     origin: [[f64; 3]; 3],
-    /// `d`, `dₐ` and `d_b`.
+    /// Vectors `d`, `dₐ` and `d_b`.
     direction: [[f64; 3]; 3],
     error: [f64; 3],
 }
 
-/// A point on a ray of a tile, or as far off as the tile says.
+/// A point on a ray of a tile, or within the tile's error of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Probe {
-    /// The ray's number.
+    /// Number of the ray.
     pub ray: usize,
     screen: [f64; 2],
-    /// How far along.
+    /// Position along the ray.
     pub t: f64,
     /// The point.
     pub at: [f64; 3],
 }
 
-/// `value`, or one end of a symbol's range, or its middle.
+/// Returns an end of a range, its middle, or any number in it.
 fn within(rng: &mut Rng, [lo, hi]: [f64; 2]) -> f64 {
     let share = f64::uniform(rng);
     let value = match rng.u32(0..5) {
@@ -43,13 +42,13 @@ fn within(rng: &mut Rng, [lo, hi]: [f64; 2]) -> f64 {
     value.clamp(lo, hi)
 }
 
-/// A vector of about this length.
+/// Returns a vector of about this length.
 fn vector(rng: &mut Rng, length: f64) -> [f64; 3] {
     [(); 3]
         .map(|()| if rng.u32(0..5) == 0 { 0.0 } else { (f64::uniform(rng) * 2.0 - 1.0) * length })
 }
 
-/// (x − middle)/half, as a sum of two numbers: exact but for a share of 2⁻¹⁰⁰ or so.
+/// Returns (x − middle)/half as a sum of two numbers, with a relative error of about 2⁻¹⁰⁰.
 fn symbol(x: f64, middle: f64, half: f64) -> [f64; 2] {
     if half == 0.0 {
         return [0.0; 2];
@@ -90,7 +89,7 @@ impl Tile {
         tile.rounded::<T>()
     }
 
-    /// A box, whose sides are the symbols.
+    /// Returns a box as a tile whose symbols run along the sides.
     fn over(rng: &mut Rng, region: [[f64; 2]; 3]) -> Self {
         let first = rng.u32(0..3) as usize;
         let axes = [first, (first + 1) % 3, (first + 2) % 3];
@@ -109,7 +108,7 @@ impl Tile {
         }
     }
 
-    /// Rays through a neighbourhood of a point: from an eye, or parallel.
+    /// Returns a tile of rays through the neighborhood of a point, from an eye or parallel.
     fn seen(rng: &mut Rng, point: [f64; 3]) -> Self {
         let distance = 2f64.powi(rng.i32(-2..=3));
         let way = vector(rng, distance);
@@ -130,7 +129,7 @@ impl Tile {
             direction: [way.map(|way| way / t), screen[0], screen[1]],
             error: zero,
         };
-        // So that the middle ray meets the point.
+        // Makes the middle ray meet the point.
         let at = tile.position(centre, t);
         tile.origin[0] = [0, 1, 2].map(|k| point[k] - at[k]);
         tile
@@ -146,7 +145,7 @@ impl Tile {
         self
     }
 
-    /// The terms of a coordinate.
+    /// Returns the terms of a coordinate's sum.
     fn terms(&self, [a, b]: [f64; 2], t: f64, axis: usize) -> [(f64, f64); 8] {
         let [o, o_a, o_b] = self.origin.map(|v| v[axis]);
         let [d, d_a, d_b] = self.direction.map(|v| v[axis]);
@@ -158,8 +157,8 @@ impl Tile {
         [0, 1, 2].map(|axis| dot(self.terms(screen, t, axis)).value)
     }
 
-    /// Points of the domain on rays of the tile, ray by ray: its ends and others. The tile's error
-    /// becomes what holds for them.
+    /// Returns points of the domain on rays of the tile, ray by ray: the ends of each ray, then
+    /// others. Sets the tile's error to bound their distances from the rays.
     pub(super) fn random_probes<T: Adversarial>(
         &mut self,
         case: &Case,
@@ -175,7 +174,7 @@ impl Tile {
         for ray in 0..count / A_RAY {
             let screen = [0, 1].map(|k| {
                 let (centre, half) = (self.centre[k], self.half[k]);
-                // Ends rounded inward.
+                // The ends are rounded inward.
                 let lo = centre - half;
                 let lo = if dot([(centre, 1.0), (half, -1.0), (lo, -1.0)]).value > 0.0 {
                     lo.next_up()
@@ -200,7 +199,7 @@ impl Tile {
                 for (x, range) in at.iter_mut().zip(case.assumptions.domain) {
                     *x += [-off, off, 0.0][rng.u32(0..3) as usize];
                     let inside = x.clamp(range.lo, range.hi);
-                    // By a rounding of the tile's numbers at most.
+                    // The point is outside by one rounding of the tile's numbers at most.
                     is_inside &= (inside - *x).abs() <= 2.0 * f64::from(f32::EPSILON) * x.abs();
                     *x = inside;
                 }
@@ -218,7 +217,7 @@ impl Tile {
         probes
     }
 
-    /// At least the distance of a probe from its ray.
+    /// Returns an upper bound of the distance of a probe from its ray along an axis.
     fn off<T: Adversarial>(&self, probe: &Probe, axis: usize) -> f64 {
         let terms = self.terms(probe.screen, probe.t, axis).into_iter();
         let off = dot(terms.chain([(probe.at[axis], -1.0)])).most();
@@ -227,7 +226,7 @@ impl Tile {
         T::above((off + lost[0] + lost[1]).next_up().next_up()).into()
     }
 
-    /// A part of the tile that holds a probe.
+    /// Returns a part of the tile that contains a probe.
     pub(super) fn narrower<T: Adversarial>(&self, rng: &mut Rng, probe: &Probe) -> Self {
         let mut part = *self;
         let share = 2f64.powi(-rng.i32(0..=30));
@@ -248,8 +247,8 @@ impl Tile {
         part
     }
 
-    /// Whether a linear function of the tile's symbols and those of t certainly misses what is
-    /// certain at a probe, by more than its error.
+    /// Whether a linear function of the tile's symbols and the symbol of t certainly differs from
+    /// the claim at a probe by more than its error.
     pub(super) fn misses(
         &self,
         probe: &Probe,
@@ -276,7 +275,7 @@ impl Tile {
     }
 }
 
-/// Tiles as kernels read them.
+/// Packs tiles into a batch for kernels.
 pub(super) fn pack_tiles<T: Adversarial>(tiles: &[Tile]) -> Tiles<T> {
     let mut batch = Tiles { count: tiles.len().min(LANES) as u32, ..Tiles::default() };
     for (lane, tile) in tiles.iter().enumerate() {
@@ -297,7 +296,7 @@ pub(super) fn pack_tiles<T: Adversarial>(tiles: &[Tile]) -> Tiles<T> {
     batch
 }
 
-/// The rays of a probe on tiles that hold it, as segments.
+/// Packs the rays through a probe, one per tile, into a batch of segments.
 pub(super) fn pack_segments<T: Adversarial>(tiles: &[Tile], probe: &Probe) -> Segments<T> {
     let mut batch = Segments { count: tiles.len().min(LANES) as u32, ..Segments::default() };
     for (lane, tile) in tiles.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Where the certified tracer finds a zero, no kernel says that there is none.
+//! No kernel may report that there is no zero where the certified tracer finds one.
 
 use super::scene::{Formula, describe};
 use crate::certified::{Crossing, Line};
@@ -6,21 +6,21 @@ use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Rng, pack_boxes};
 use zeroset_eval::{FindZeros, Kernel};
 
-/// Lines tried on each formula, and boxes around each crossing.
+/// Lines checked on each formula, and boxes around each crossing.
 const LINES: usize = 6;
 const BOXES: usize = 4;
 
 /// Evaluations per line.
 const BUDGET: u32 = 2000;
 
-/// Makes the kernel that tells where a formula may vanish; `None` if it has no surface.
+/// Compiles the kernel that finds the zeros of a formula; `None` if it has no surface.
 pub type MakeZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
 
-/// Asks the kernel that `make` gives for a formula about boxes around certain zeros: it must not
-/// say that there is none. `defined` counts the boxes.
+/// Checks the kernel of a formula on boxes around certain zeros: it must not report that there is
+/// none. `defined` counts the boxes.
 ///
 /// # Errors
-/// The first zero denied.
+/// The first zero that the kernel denies.
 pub fn vanish<T: Adversarial>(
     formula: &Formula,
     rng: &mut Rng,
@@ -34,7 +34,7 @@ pub fn vanish<T: Adversarial>(
         tally.compared += 1;
         let certificate = function.trace(&line, &formula.region, BUDGET);
         let Some(crossing) = certificate.crossing else { continue };
-        // Most formulas have no zero, and code is dear.
+        // Most formulas have no zero, and compiling is slow.
         if kernel.is_none() {
             kernel = make(formula);
         }
@@ -54,8 +54,8 @@ pub fn vanish<T: Adversarial>(
     Ok(tally)
 }
 
-/// A box that holds the piece of the line between the ends of a crossing, which is inside the
-/// region; not further outside than a rounding.
+/// Returns a box around the piece of the line between the ends of a crossing. It exceeds the region
+/// by one rounding at most.
 fn around<T: Adversarial>(
     formula: &Formula,
     line: &Line,

@@ -94,8 +94,7 @@ fn exponent(rng: &mut Rng, adversarial: bool) -> Constant {
         1 => random_constant(rng, adversarial),
         2 => Constant::integer(i64::from(rng.i32(-40..=40))),
         3 if adversarial => {
-            // Exponents are treated by size, so numbers at the ends of integer types are worth
-            // trying.
+            // Near the limits where code may treat integer exponents differently.
             let end = 1_i64 << [16, 31, 32][below(rng, 3)];
             Constant::integer((end + i64::from(rng.i32(-1..=1))) * if rng.bool() { 1 } else { -1 })
         }
@@ -104,8 +103,8 @@ fn exponent(rng: &mut Rng, adversarial: bool) -> Constant {
 }
 
 /// Returns a constant as a user might type it: a small integer, a short decimal, a ratio, π, τ, e
-/// or φ. If `adversarial`, also huge and tiny decimals, adversarial `f32` numbers, integers that no
-/// `f32` represents, and numbers known only by their bounds.
+/// or φ. If `adversarial`, also huge and tiny decimals, adversarial `f32` numbers, integers about
+/// 2⁵³, and numbers known only by their bounds.
 pub fn random_constant(rng: &mut Rng, adversarial: bool) -> Constant {
     let decimal = |text: String| Constant::decimal(&text).unwrap_or_else(|| Constant::integer(0));
     let kinds = if adversarial { 12 } else { 6 };
@@ -208,8 +207,7 @@ mod tests {
         }
     }
 
-    /// Guards against a generator whose formulas are nowhere defined, for which every property
-    /// would hold.
+    /// If no formula were defined anywhere, every property would hold.
     #[test]
     fn a_fair_share_of_formulas_has_finite_values() {
         let mut rng = Rng::with_seed(SEED);

@@ -44,8 +44,8 @@ fn random_range<T: Adversarial>(rng: &mut Rng, ends: Ends) -> [T; 2] {
     }
 }
 
-/// Returns a domain: all of space, a box as a user might type it (its ends need not be `f32`), or
-/// any [`random_box`].
+/// Returns a domain: all of space, a box as typed (its ends need not be `f32`), or a
+/// [`random_box`].
 pub fn random_domain(rng: &mut Rng) -> [Interval; 3] {
     match rng.u32(0..4) {
         0 => [Interval::ENTIRE; 3],

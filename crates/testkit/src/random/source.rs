@@ -1,6 +1,4 @@
-//! Source of random choices: a seed, or the bytes of a fuzzer.
-//!
-//! What is chosen is not known here.
+//! Source of random choices, whatever they are: a seed, or the bytes of a fuzzer.
 
 use std::ops::{Bound, RangeBounds};
 

@@ -33,7 +33,7 @@ impl Text<'_> {
         leaves[below(self.rng, leaves.len())].to_owned()
     }
 
-    /// Returns the text of a number.
+    /// Returns a random expression for a number.
     fn number(&mut self, depth: u32) -> String {
         if depth == 0 {
             return self.leaf();
@@ -75,7 +75,7 @@ impl Text<'_> {
         }
     }
 
-    /// Returns the text of a vector with three components.
+    /// Returns a random expression for a vector of three components.
     fn vector(&mut self, depth: u32) -> String {
         if depth == 0 {
             return ["p", "q", "p.zxy", "q.yzx"][below(self.rng, 4)].to_owned();
@@ -98,7 +98,7 @@ impl Text<'_> {
         }
     }
 
-    /// Returns a square matrix of `size` columns: from all its elements, or from one number for the
+    /// Returns a matrix of `size` columns, from all its elements or from one number for the
     /// diagonal.
     fn matrix(&mut self, size: u8, depth: u32) -> String {
         let count = usize::from(size) * usize::from(size);

@@ -1,4 +1,4 @@
-//! Adversarial single numbers.
+//! Random adversarial numbers.
 
 use super::Rng;
 use std::f64::consts::FRAC_PI_2;

@@ -1,4 +1,4 @@
-//! Interval kernels of whole cases: over a domain, with parameters, as a program compiles them.
+//! Checks of interval kernels over a domain and with parameters, as in programs.
 
 use super::interval::QueryResult;
 use super::{Failure, Tally};
@@ -8,21 +8,22 @@ use crate::{
 };
 use zeroset_eval::{Enclose, Kernel, LANES};
 
-/// Makes a kernel of a case, parameters bound; `None` leaves the case out.
+/// Compiles a case, with its parameters bound, to a kernel. `None` skips the case.
 pub type MakeCase<'a, Q, T = f32> = &'a dyn Fn(&Case) -> Option<Box<dyn Kernel<Q, T>>>;
 
-/// Boxes per kernel and points per box: enough that compiling is a small part of the work.
+/// Boxes per kernel and points per box: enough to make compiling a small part of the work.
 const BOXES: usize = 64;
 const POINTS: usize = 6;
 
-/// Checks random cases drawn by `options` until `effort.cases` triples of graph, box and point were
-/// compared at which the function is certainly defined.
+/// Checks random cases drawn by `options`. It stops after `effort.cases` comparisons at points
+/// where the function is certainly defined.
 ///
-/// At each point the oracle's enclosure of the graph as typed, for some value within each
-/// parameter's bounds, must meet the kernel's; and what the kernel claims of the box must be true.
+/// At each point the oracle encloses the graph as typed, for some value within each parameter's
+/// bounds. The kernel's bounds must overlap that enclosure, and its facts about the box must be
+/// true.
 ///
 /// # Errors
-/// The first contradiction, made smaller, with a line that reproduces it.
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_interval_cases<T: Adversarial>(
     make: MakeCase<Enclose, T>,
     effort: Effort,
@@ -44,10 +45,10 @@ pub fn check_interval_cases<T: Adversarial>(
     Ok(tally)
 }
 
-/// As [`check_interval_cases`], over `boxes` boxes of one case.
+/// Like [`check_interval_cases`], over `boxes` boxes of one case.
 ///
 /// # Errors
-/// The first contradiction, made smaller, with a line that reproduces it.
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_interval_case<T: Adversarial>(
     make: MakeCase<Enclose, T>,
     case: &Case,
@@ -88,7 +89,7 @@ fn contradicts(answer: &QueryResult, claim: Claim) -> Option<&'static str> {
     answer.well_formed().and_then(|()| answer.agrees(claim)).err()
 }
 
-/// The contradiction in a case as small as can be.
+/// Returns the contradiction in the smallest case that still shows it.
 fn explain<T: Adversarial>(
     make: MakeCase<Enclose, T>,
     case: &Case,

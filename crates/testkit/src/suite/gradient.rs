@@ -1,4 +1,4 @@
-//! Gradient kernels: their derivatives agree with the slope between two values of the oracle.
+//! Checks of gradient kernels: derivatives agree with slopes between values of the oracle.
 
 use super::subjects::{Subject, subjects};
 use super::{Failure, Make, Tally};
@@ -6,14 +6,14 @@ use crate::{Defined, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, SampleGradient};
 use zeroset_ops::Op;
 
-/// Half the distance over which slopes are measured. Squared, times a third derivative, it is what
-/// a slope may be off by; the oracle's values are good to about 2⁻⁵², so rounding adds 2⁻³⁵.
+/// Half the distance over which a slope is measured. Its square times a third derivative bounds the
+/// error of the slope. The oracle's values are good to about 2⁻⁵², so rounding adds 2⁻³⁵.
 const STEP: f64 = 1.0 / (1 << 17) as f64;
 
-/// Checks every operation alone at `points` plain points (coordinates up to 4, away from jumps and
-/// kinks with probability nearly 1; where slopes on both sides differ, nothing is compared).
+/// Checks every operation alone at `points` plain points: coordinates up to 4, almost surely away
+/// from jumps and kinks. Points where the slopes to either side differ are skipped.
 ///
-/// A derivative passes within `relative` of the slope, or of 1 if the slope is smaller.
+/// A derivative may differ from the slope s by `relative` times max(|s|, 1).
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
@@ -39,7 +39,7 @@ pub fn check_gradients<T: Real>(
                     continue;
                 };
                 if subject.op == Op::Pow && value == 0.0 {
-                    // Of 0^x the table's derivative, a^b·ln a, has no value.
+                    // The table's derivative of 0^x, a^b·ln a, is undefined.
                     continue;
                 }
                 tally.defined += 1;
@@ -58,8 +58,8 @@ pub fn check_gradients<T: Real>(
     Ok(tally)
 }
 
-/// The value and the slope along `axis`, if the function is defined around `point`, known well, and
-/// straight enough that the slopes to either side agree.
+/// Returns the value and the slope along `axis`. `None` unless the function is defined around
+/// `point`, known precisely, and its slopes to either side agree.
 fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option<(f64, f64)> {
     let value = |offset: f64| {
         let mut at = point;
@@ -73,7 +73,7 @@ fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option
     let (left, right) = ((here - before) / STEP, (after - here) / STEP);
     let slope = left / 2.0 + right / 2.0;
     let smooth = (left - right).abs() <= relative * slope.abs().max(1.0);
-    // Steep slopes overflow in f32, and values too large for their slope leave it too few digits.
+    // Steep slopes overflow in f32. A value much larger than its slope leaves the slope few digits.
     let moderate = slope.abs() <= 1e30 && here.abs() <= slope.abs().max(1.0) * 1e6;
     (smooth && moderate).then_some((here, slope))
 }

@@ -1,4 +1,4 @@
-//! Interval kernels: their bounds hold the oracle's values, and their facts are true.
+//! Checks of interval kernels: bounds overlap the oracle's bounds, and facts are true.
 
 use super::subjects::subjects;
 use super::{Failure, Make, Tally};
@@ -10,7 +10,7 @@ use zeroset_eval::{Enclose, Enclosures, LANES, Real};
 use zeroset_interval::Facts;
 use zeroset_ir::{Graph, NodeId};
 
-/// Points tried in each box.
+/// Points checked in each box.
 const POINTS: u32 = 4;
 
 /// Checks every operation alone over `boxes` random boxes, unbounded ones included.
@@ -31,8 +31,7 @@ pub fn check_interval_ops<T: Adversarial>(
     Ok(tally)
 }
 
-/// Checks `graphs` random graphs drawn by `options` (without parameters) over `boxes` random boxes
-/// each.
+/// Checks `graphs` random graphs without parameters, drawn by `options`, over `boxes` boxes each.
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
@@ -90,7 +89,7 @@ fn check<T: Adversarial>(
     Ok(tally)
 }
 
-/// One lane of a kernel's answer.
+/// One lane of a kernel's result.
 #[derive(Debug)]
 pub(super) struct QueryResult {
     lo: f64,

@@ -1,5 +1,4 @@
-//! Point kernels: NaN exactly where an operation is undefined, and values within a stated
-//! tolerance.
+//! Checks of point kernels: NaN exactly where an operation is undefined, else accurate values.
 
 use super::subjects::{Subject, subjects};
 use super::{Failure, Make, Tally};
@@ -7,10 +6,10 @@ use crate::{Adversarial, Claim, Defined, Ends, Oracle, Place, Rng, reproduce_in}
 use zeroset_eval::{LANES, Points, Real, Sample};
 use zeroset_ops::Op;
 
-/// Checks every operation alone at `points` adversarial points, whose coordinates are operands.
+/// Checks every operation alone at `points` adversarial points, whose coordinates are the operands.
 ///
-/// `tolerance` says how far a value may lie from the oracle's bounds, or `None` to leave the value
-/// of this operation at this point unchecked. A value beyond the largest number of `T` may be
+/// `tolerance` returns the allowed distance of a value from the oracle's bounds, or `None` to skip
+/// the value of this operation at this point. A value beyond the largest number of `T` may be
 /// infinite.
 ///
 /// # Errors
@@ -55,7 +54,7 @@ fn agrees<T: Real>(value: T, claim: Claim, tolerance: Option<f64>) -> Result<(),
         (Defined::Yes, Some(tolerance)) => {
             let most = T::LARGEST.into();
             let close = if value.is_infinite() {
-                // It stands for all that lies beyond the largest finite number.
+                // An infinite value represents all numbers beyond the largest finite one.
                 let reached = if value > 0.0 { claim.hi } else { -claim.lo };
                 reached + tolerance >= most
             } else {

@@ -1,4 +1,4 @@
-//! Rewriting: values and domains of definition stay what they were.
+//! Checks of graph rewriting: values and domains of definition must not change.
 
 use super::{Failure, Tally};
 use crate::{
@@ -7,16 +7,15 @@ use crate::{
 };
 use zeroset_ir::{Graph, NodeId};
 
-/// Rewrites the function `root` over a box: per axis, its lower and upper end. `None` leaves it
-/// out.
+/// Rewrites the function `root` over a box: per axis, its lower and upper end. `None` skips it.
 pub type Rewrite<'a> = &'a dyn Fn(&Graph, NodeId, &[[f32; 2]; 3]) -> Option<(Graph, NodeId)>;
 
-/// Points tried on each graph.
+/// Points checked on each graph.
 const POINTS: u32 = 8;
 
-/// Checks `graphs` random graphs drawn by `options` (without parameters), each rewritten for one
-/// random box and compared at points of it: before and after it is defined at the same points, with
-/// values that may be equal.
+/// Checks `graphs` random graphs drawn by `options`, without parameters. Each is rewritten for a
+/// random box and compared with the original at points of the box. Both must be defined at the same
+/// points, and the enclosures of their values must overlap.
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
@@ -53,7 +52,7 @@ pub fn check_rewrite(
     Ok(tally)
 }
 
-/// What is wrong if `is` is to be said of the same value as `was`.
+/// Returns the contradiction if `was` and `is` cannot both describe the same value.
 pub(crate) fn contradiction(was: Claim, is: Claim) -> Option<&'static str> {
     match (was.defined, is.defined) {
         (Defined::Yes, Defined::No) => Some("no longer defined"),

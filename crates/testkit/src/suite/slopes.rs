@@ -1,8 +1,8 @@
-//! Bounds of gradients: they hold the derivatives where a function is called differentiable, and
-//! bound its changes where it is called Lipschitz continuous.
+//! Checks of gradient bounds: they enclose the derivatives of a function reported as
+//! differentiable, and bound the changes of one reported as Lipschitz continuous.
 //!
-//! The second is the mean value form, f(q) − f(p) ∈ G·(q − p). It needs values alone, so no table
-//! of derivatives is trusted in it.
+//! The second check is the mean value form, f(q) − f(p) ∈ G·(q − p). It uses values alone, so it
+//! does not depend on the table of derivatives.
 
 use super::subjects::subjects;
 use super::{Failure, MakeCase, Tally};
@@ -17,7 +17,7 @@ use zeroset_ops::Op;
 /// Pairs of points tried in each box.
 const PAIRS: usize = 4;
 
-/// Two points of a box and values of the parameters.
+/// Two points of a box, and values of the parameters.
 #[derive(Clone, Debug)]
 struct Probe {
     ends: [[f64; 3]; 2],
@@ -28,7 +28,7 @@ impl Probe {
     fn random<T: Adversarial>(case: &Case, rng: &mut Rng, region: &[[T; 2]; 3]) -> Self {
         let mut ends = [(); 2].map(|()| case.random_point(rng, region));
         if rng.bool() {
-            // Along one axis, whose slope is then not hidden by those along the others.
+            // Along one axis, so that slopes along the other axes hide nothing.
             let axis = rng.u32(0..3) as usize;
             let far = ends[1][axis];
             ends[1] = ends[0];
@@ -38,7 +38,7 @@ impl Probe {
     }
 }
 
-/// One lane of an answer.
+/// One lane of a kernel's result.
 #[derive(Debug)]
 struct QueryResult {
     bounds: [f64; 2],
@@ -60,8 +60,8 @@ impl QueryResult {
         }
     }
 
-    /// What is wrong with it, given what is certain of the function and its derivatives at both
-    /// ends of a probe.
+    /// Returns what is wrong with this result. `claims` are the oracle's claims about the function
+    /// and its derivatives at both `ends`.
     fn contradiction(
         &self,
         region: [[f64; 2]; 3],
@@ -85,8 +85,8 @@ impl QueryResult {
             }
             let (derivatives, corners) = derivatives.split_at(3);
             for (axis, claim) in derivatives.iter().enumerate() {
-                // At a face of the box there is a derivative towards its inside, which the rules
-                // may not give; nor do they everywhere where a function as simplified has one.
+                // Not at a face of the box, where the rules may not give the derivative towards the
+                // inside. Nor where only the simplified function has a derivative.
                 let [lo, hi] = region[axis];
                 let is_inside = lo < point[axis] && point[axis] < hi;
                 let is_known = self.differentiable
@@ -103,7 +103,7 @@ impl QueryResult {
             .then(|| format!("it changes by {change:?}, where slopes allow {allowed:?}"))
     }
 
-    /// What the bounds of the gradient allow the function to change by between two points.
+    /// Returns the change between two points that the bounds of the gradient allow.
     fn allowed(&self, [p, q]: &[[f64; 3]; 2]) -> Span {
         let term = |axis: usize| {
             let [lo, hi] = self.slopes[axis];
@@ -113,7 +113,7 @@ impl QueryResult {
     }
 }
 
-/// What a function changes by between two points, if it is certainly defined at both.
+/// Returns the change of a function between two points, if it is certainly defined at both.
 fn change(claims: &[Vec<Claim>; 2]) -> Option<Span> {
     let [from, to] = claims.each_ref().map(|claims| claims[0]);
     let is_defined = [from, to].iter().all(|claim| claim.defined == Defined::Yes);
@@ -124,16 +124,17 @@ fn ends_of<T: Real>(region: &[[T; 2]; 3]) -> [[f64; 2]; 3] {
     region.map(|range| range.map(Into::into))
 }
 
-/// Whether what turns at 0 has the derivative along an axis that the rules give, from what is
-/// certain of its argument and that one's derivatives: at 0 they give the mean of both sides, which
-/// is one where these agree. Simplified, a function may have another: max(0, min(0, y)) is 0.
+/// Whether an operation with a kink at `argument` = 0 has the derivative along an axis that the
+/// rules give. At the kink they give the mean of both sides, which is right if the argument's
+/// derivative is 0. A simplified function may have another derivative there: max(0, min(0, y)) is
+/// 0.
 fn is_smooth([argument, derivatives @ ..]: &[Claim; 4], axis: usize) -> bool {
     let (is_off, slope) = (argument.hi < 0.0 || 0.0 < argument.lo, derivatives[axis]);
     is_off || slope.lo == 0.0 && slope.hi == 0.0
 }
 
-/// A case's function and its derivatives; and each argument that something turns at 0 of, with its
-/// own.
+/// Returns a case's function and its derivatives. Each argument at whose zero an operation has a
+/// kink follows, with its own derivatives.
 fn derivatives(case: &Case) -> (Graph, Vec<NodeId>) {
     let mut graph = case.graph.clone();
     let mut roots = vec![case.root];
@@ -150,10 +151,10 @@ fn derivatives(case: &Case) -> (Graph, Vec<NodeId>) {
     (graph, roots)
 }
 
-/// Checks every operation alone over `boxes` random boxes, as [`check_slopes`].
+/// Checks every operation alone over `boxes` random boxes, like [`check_slopes`].
 ///
 /// # Errors
-/// The first contradiction, made smaller, with a line that reproduces it.
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_slopes_of_ops<T: Adversarial>(
     make: MakeCase<EncloseGradient, T>,
     seed: u64,
@@ -170,12 +171,12 @@ pub fn check_slopes_of_ops<T: Adversarial>(
     Ok(tally)
 }
 
-/// Asks a kernel of gradient bounds about `boxes` random boxes of a case. `compared` counts pairs
-/// of points in them, `defined` those at which the function is certainly defined, and called
-/// Lipschitz continuous in the box.
+/// Checks a kernel of gradient bounds on `boxes` random boxes of a case. `compared` counts pairs of
+/// points. `defined` counts pairs where the function is certainly defined at both points and
+/// reported as Lipschitz continuous in the box.
 ///
 /// # Errors
-/// The first contradiction, made smaller, with a line that reproduces it.
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_slopes<T: Adversarial>(
     make: MakeCase<EncloseGradient, T>,
     case: &Case,
@@ -203,7 +204,7 @@ pub fn check_slopes<T: Adversarial>(
     Ok(tally)
 }
 
-/// The contradiction in a case as small as can be.
+/// Returns the contradiction in the smallest case that still shows it.
 fn explain<T: Adversarial>(
     make: MakeCase<EncloseGradient, T>,
     case: &Case,

@@ -1,4 +1,4 @@
-//! The small graphs that cover the table: each operation alone, with variables and with constants.
+//! Small graphs that cover the table: each operation alone, over variables and constants.
 
 use zeroset_eval::Real;
 use zeroset_ir::{Axis, Constant, Graph, NamedConstant, Node, NodeId};
@@ -12,7 +12,7 @@ pub(super) struct Subject {
 }
 
 impl Subject {
-    /// Whether all its constants are within the range of `T`: a sample of others means nothing.
+    /// Whether all constants are within the range of `T`. Samples of other graphs mean nothing.
     pub(super) fn fits<T: Real>(&self) -> bool {
         self.graph.iter().all(|(_, node)| match node {
             Node::Constant(value) => value.bounds().magnitude() <= T::LARGEST.into(),
@@ -21,8 +21,8 @@ impl Subject {
     }
 }
 
-/// Every operation over x, y, z; powers by constants; and binary operations with a constant or the
-/// same operand on either side.
+/// Returns graphs of every operation over x, y, z. Binary operations are added with equal operands,
+/// and with a constant on either side. Powers have more constants.
 pub(super) fn subjects() -> Vec<Subject> {
     let mut all = Vec::new();
     for row in TABLE {

@@ -1,4 +1,4 @@
-//! The suite must accept an honest kernel and catch each kind of lie.
+//! The suite must accept a correct kernel and reject each kind of false claim.
 
 use super::*;
 use crate::{Case, Claim, Defined, GraphOptions, Oracle};
@@ -11,7 +11,7 @@ use zeroset_ops::Op;
 
 const SEED: u64 = 0x5eed_0040;
 
-/// Answers every box alike.
+/// A kernel with the same result for every box.
 struct Same {
     lo: f32,
     hi: f32,
@@ -61,7 +61,7 @@ fn interval_lies_are_caught() {
     assert_fails(1.0, 0.0, Facts::NONE, "not in order");
 }
 
-/// Evaluates points by the oracle itself, and then spoils the values.
+/// A kernel that evaluates points by the oracle, and then changes the values by `spoil`.
 struct Sampler {
     graph: Graph,
     root: NodeId,
@@ -98,7 +98,7 @@ impl Kernel<SampleGradient> for Sampler {
             let here = point(points, lane);
             answers.value[lane] = self.at(here) as f32;
             for axis in 0..3 {
-                // Less than the check uses, so that it sees no more kinks.
+                // Less than the step of the check, so that it crosses no further kinks.
                 let step = 1.0 / 262_144.0;
                 let (mut before, mut after) = (here, here);
                 before[axis] -= step;
@@ -139,7 +139,7 @@ fn wrong_values_are_caught() {
     assert!(failure.to_string().contains("a value where there is none"));
 }
 
-/// Is 0 everywhere, with no slope.
+/// A kernel that returns 0 everywhere, with no slope.
 struct Zero;
 
 impl Kernel<Sample> for Zero {
@@ -164,7 +164,7 @@ fn wrong_gradients_are_caught() {
     assert!(failure.to_string().contains("derivative 0 is 0e0"), "{failure}");
 }
 
-/// Says the same of the gradient over every box.
+/// A kernel that returns the same gradient bounds for every box.
 #[derive(Clone, Copy)]
 struct Slope {
     range: [f32; 2],
@@ -224,7 +224,7 @@ fn wrong_rewrites_are_caught() {
         let root = graph.apply(Op::WherePositive, &[root, root]);
         Some((graph, root))
     });
-    // A value that no formula can contradict, but that is there everywhere.
+    // A parameter: no value contradicts it, but it is defined everywhere.
     let total = run(&|_, _, _| {
         let mut graph = Graph::new();
         let root = graph.parameter(0);

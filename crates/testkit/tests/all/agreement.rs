@@ -1,5 +1,5 @@
-//! Native code gives the bits of the reference evaluator in both precisions: random graphs, as
-//! typed and simplified, over all of space and over boxes, with parameters.
+//! Native code must give the same bits as the reference evaluator, in both precisions. The inputs
+//! are random graphs with parameters, as typed and simplified, over all of space and over boxes.
 //!
 //! A long run:
 //! `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all agreement`.
@@ -7,13 +7,13 @@
 use zeroset_testkit::property::{Subject, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
-/// Inputs per kernel: in a test few, so that there are many formulas; in a long run so many that
+/// Inputs per kernel. A test has few, and so checks many formulas. A long run has so many that
 /// compiling is a small part of the work.
 fn inputs(cases: u64) -> usize {
     if cases <= 1_000_000 { 256 } else { 1024 }
 }
 
-/// Tells the seed of the case at hand when something panics.
+/// Prints the seed of the current case if something panics.
 struct Told(u64);
 
 impl Drop for Told {
@@ -24,9 +24,9 @@ impl Drop for Told {
     }
 }
 
-/// Compares until `effort.cases` inputs agreed, and tells the first that does not, made smaller.
+/// Compares until `effort.cases` inputs agree. Panics at the first that does not, shrunk.
 fn check<T: Adversarial>(seed: u64, subject: Subject, simple: bool, options: &GraphOptions) {
-    // Forms are longer.
+    // Code for affine forms is longer.
     let is_long = matches!(subject, Subject::Segments | Subject::Tiles);
     let effort = Effort::from_environment(seed, if is_long { 25_000 } else { 100_000 });
     let mut compared = 0;
@@ -49,12 +49,12 @@ fn options() -> GraphOptions {
     GraphOptions { size: 8, parameters: 2, ..GraphOptions::default() }
 }
 
-/// Derivatives grow, so they are taken of shorter formulas.
+/// Derivatives grow, so the formulas to be differentiated are shorter.
 fn short() -> GraphOptions {
     GraphOptions { size: 4, ..options() }
 }
 
-/// Adversarial formulas, then typical ones; each as typed and simplified.
+/// Checks adversarial formulas, then typical ones, each as typed and simplified.
 fn check_all<T: Adversarial>(
     seed: u64,
     subject: Subject,

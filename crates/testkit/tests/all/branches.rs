@@ -1,5 +1,5 @@
-//! Kernels that tell where a function may vanish: branch by branch no zero is lost, and native code
-//! gives the bits of the reference; as a whole they say what bounds of the same steps say.
+//! Kernels that find zeros. Branch by branch they must lose no zero, and native code must give the
+//! same bits as the reference. Without branches they must agree with the bounds of the same tape.
 //!
 //! For a random point p of a box, f − f(p) has a zero in the box, whatever f does elsewhere in it.
 //!
@@ -18,10 +18,10 @@ use zeroset_testkit::{
     Adversarial, Case, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
 };
 
-/// Points tried of each case, each in a box of its own.
+/// Points checked on each case, each in a box of its own.
 const POINTS: usize = 16;
 
-/// A case's function less a fresh parameter, which is numbered after all others.
+/// Returns a case's function minus a new parameter, which is numbered after all others.
 fn shifted(case: &Case) -> Case {
     let mut shifted = case.clone();
     let value = shifted.graph.parameter(case.assumptions.parameters.len() as u32);
@@ -30,7 +30,7 @@ fn shifted(case: &Case) -> Case {
     shifted
 }
 
-/// Steps that tell where a case's function may vanish, made as programs make them; also those of
+/// Returns the tape of branches for finding a case's zeros, built as in programs, and the tape of
 /// the function alone.
 fn tapes<T: Real>(case: &Case) -> Option<(Tape<T>, Tape<T>)> {
     let Assumptions { domain, parameters } = &case.assumptions;
@@ -42,8 +42,8 @@ fn tapes<T: Real>(case: &Case) -> Option<(Tape<T>, Tape<T>)> {
     Some((branches, Tape::new(&graph, &roots[..1], &case.assumptions)))
 }
 
-/// What jumps, has a pole, or is a little arithmetic around that; with everything else now and
-/// then.
+/// Returns options for graphs of operations that jump or have poles, with some arithmetic. Now and
+/// then all operations are used.
 fn options(rng: &mut Rng) -> GraphOptions {
     let ops = TABLE.iter().filter(|row| match row.class {
         Class::Quotient | Class::Power | Class::Sum | Class::Product | Class::Extremum => true,
@@ -121,7 +121,8 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
             let (answer, context) = compare(value);
             assert!(answer, "a zero is lost: {context}");
             points += 1;
-            // Beside the value, branches are often empty where the function as a whole is not.
+            // For values beside it, branches often prove a box empty that the whole function does
+            // not.
             let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
             let (answer, _) = compare(beside);
             let whole = is_possible(&Reference::new(plain.clone(), bind(beside)), &boxes);
@@ -172,7 +173,7 @@ fn zeros_and_bounds<T: Adversarial>(seed: u64) {
             ];
             let found =
                 [zeros.possible, zeros.unbounded, zeros.jumping].map(|mask| mask >> lane & 1 == 1);
-            // Where there is no zero, the other two mean nothing.
+            // If there is no zero, the other two masks mean nothing.
             let told = if expected[0] { 3 } else { 1 };
             assert_eq!(
                 found[..told],

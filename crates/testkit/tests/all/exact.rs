@@ -1,8 +1,8 @@
-//! Software enclosures in `f64` at points hold the exact value: not its rounding to nearest, which
-//! would still be held by a bound that is wrong by nearly half a unit in the last place.
+//! Software enclosures in `f64` at points must contain the exact value. The value rounded to
+//! nearest would not do: a bound that is wrong by nearly half an ulp could still contain that.
 //!
-//! What is true comes from Taylor series in integers alone. Inverse functions are judged by their
-//! inverses, which rise: a ≤ ln x where exp a ≤ x. Operands lie where the texts err most, at the
+//! The reference values are Taylor series in integer arithmetic. Inverse functions are checked by
+//! their increasing inverses: a ≤ ln x if exp a ≤ x. Operands lie where the rules err most, at the
 //! ends of their reduced ranges.
 
 use num_bigint::BigInt;
@@ -18,10 +18,10 @@ const POINTS: usize = 10_000;
 
 /// Numbers are integers in units of 2⁻²⁰⁰.
 const PLACES: i32 = 200;
-/// What the series below are certain to, with room to spare: 2⁻¹⁵⁰.
+/// Bound of the error of the series below, with room to spare: 2⁻¹⁵⁰.
 const ERROR: i32 = PLACES - 150;
 
-/// A number that is a multiple of a unit.
+/// Converts a float that is a multiple of the unit.
 fn exact(x: f64) -> BigInt {
     let bits = x.to_bits();
     let exponent = ((bits >> 52 & 0x7ff) as i32).max(1);
@@ -41,13 +41,13 @@ fn over(a: &BigInt, b: &BigInt) -> BigInt {
     (a << PLACES) / b
 }
 
-/// Σ xⁿ/n! over even n and over odd n, with alternating signs if `turns`: (cos, sin) of x, or
-/// (cosh, sinh).
+/// Returns Σ xⁿ/n! over even n and over odd n, with alternating signs if `turns`: (cos, sin) of x,
+/// or (cosh, sinh).
 fn series(x: &BigInt, turns: bool) -> [BigInt; 2] {
     let mut sums = [BigInt::zero(), BigInt::zero()];
     let mut term = BigInt::from(1) << PLACES;
     for n in 0_u32.. {
-        // A quotient of a small negative number, shifted, never becomes 0.
+        // A shifted negative number is rounded down, so it never becomes 0.
         if term.bits() <= 1 {
             break;
         }
@@ -89,29 +89,29 @@ fn tan(x: &BigInt) -> BigInt {
     over(&sin, &cos)
 }
 
-/// How the truth about a function is told.
+/// A way to compute the reference value of a function.
 #[derive(Clone, Copy)]
 enum Truth {
-    /// By itself.
+    /// By the function itself.
     Of(fn(&BigInt) -> BigInt),
-    /// By its inverse, which rises.
+    /// By its inverse, which increases.
     Inverse(fn(&BigInt) -> BigInt),
-    /// By minus its inverse, which falls.
+    /// By minus its inverse, which decreases.
     FallingInverse(fn(&BigInt) -> BigInt),
 }
 
-/// A number from −1 to 1.
+/// Returns a number from −1 to 1.
 fn unit(random: &mut Rng) -> f64 {
     2.0 * (random.u64(..) as f64 / u64::MAX as f64) - 1.0
 }
 
-/// An odd multiple of `half`, `most` at the most, and a little more or less.
+/// Returns a number close to `k * half`, for a random odd k below `2 * most` in magnitude.
 fn odd_multiple(random: &mut Rng, half: f64, most: i32) -> f64 {
     let odd = 2 * random.i32(-most..most) + 1;
     half * (f64::from(odd) + 0.2 * unit(random))
 }
 
-/// Those beside which a text turns to another.
+/// Returns a number close to one of `places`, at which rules switch to another formula.
 fn around(random: &mut Rng, places: &[f64]) -> f64 {
     let place = places[random.u32(0..places.len() as u32) as usize];
     place * (1.0 + 0.1 * unit(random))
@@ -164,7 +164,7 @@ fn enclosures_of_points_hold_the_exact_value() {
             assert_eq!(facts, Facts::TOTAL, "{name}({x:e}), seed {SEED:#x}");
             let (lo, hi) = (exact(bounds.lo), exact(bounds.hi));
             let x_exact = exact(x);
-            // In order where the bounds hold.
+            // These are in order if the bounds are correct.
             let [low, middle, high] = match truth {
                 Truth::Of(f) => [lo, f(&x_exact), hi],
                 Truth::Inverse(f) => [f(&lo), x_exact, f(&hi)],
@@ -179,7 +179,7 @@ fn enclosures_of_points_hold_the_exact_value() {
     }
 }
 
-/// In units of 2⁻²¹⁴⁸, of which products of two `f64` are whole numbers.
+/// Returns `x` in units of 2⁻²¹⁴⁸. Products of two `f64` are integers in this unit.
 fn whole(x: f64) -> BigInt {
     let bits = x.to_bits();
     let exponent = (bits >> 52 & 0x7ff) as i32;
@@ -188,13 +188,13 @@ fn whole(x: f64) -> BigInt {
     if x.is_sign_negative() { -magnitude } else { magnitude }
 }
 
-/// a·b + c.
+/// Returns a·b + c.
 fn product_and([a, b, c]: [f64; 3]) -> BigInt {
     ((whole(a) * whole(b)) >> 2148) + whole(c)
 }
 
-/// What is not finite, and signs of zero: an exact 0 is +0 but of zeros that are both negative, and
-/// what is less than 0 becomes −0.
+/// Checks infinities, NaN and signs of zero. An exact 0 is +0, except for a sum of two negative
+/// zeros. A negative value that underflows becomes −0.
 #[test]
 fn products_are_added_to_as_ieee_754_has_it() {
     let (infinity, tiny) = (f64::INFINITY, f64::from_bits(1));
@@ -224,7 +224,7 @@ fn products_are_added_to_as_ieee_754_has_it() {
     assert_eq!(f32_up::mul_add(f32::MAX, 2.0, f32::NEG_INFINITY), f32::NEG_INFINITY);
 }
 
-/// Terms that cancel, that are far apart, subnormal or too large.
+/// Checks terms that cancel, that differ much in size, and that are subnormal or overflow.
 #[test]
 fn products_are_added_to_with_one_rounding_up() {
     println!("seed {SEED:#x}");

@@ -1,12 +1,12 @@
-//! A slice of the exhaustive sweep: native enclosures of functions of one variable hold the value
-//! at every float tried, and are as tight as its row in the table says.
+//! A sample of the exhaustive sweep. At every float checked, the native enclosure of a function of
+//! one variable must contain the value, and be as tight as the function's row in the table says.
 //!
 //! All floats: `cargo run --release -p zeroset-testkit --example exhaustive`.
 
 #[path = "../../examples/exhaustive/sweep.rs"]
 mod sweep;
 
-/// A prime, so that all exponents and low bits come up.
+/// A prime, so that all exponents and low bits occur.
 const STRIDE: u64 = 20_011;
 
 #[test]
@@ -19,7 +19,7 @@ fn enclosures_hold_and_are_tight_on_a_slice_of_all_floats() {
         assert_eq!(report.violations, 0, "{name}: {report:?}");
         assert_eq!(report.unbounded, 0, "{name}: {report:?}");
         assert_eq!(report.wide, 0, "{name}: {report:?}");
-        // Half of all floats are tiny; there the four-lane sine always costs one ulp.
+        // Half of all floats are tiny. There the four-lane sine always costs one ulp.
         let mean = if function.within.is_some() { 1.1 } else { 1.0 };
         assert!(report.mean() < mean, "{name}: {} ulp on average", report.mean());
     }

@@ -1,5 +1,5 @@
-//! Functions on which a property once failed, with the box that showed it: what was found by long
-//! runs and by fuzzers and can be typed.
+//! Functions for which a property once failed, with the box that showed it. They were found by long
+//! runs and by fuzzers, and can be typed.
 
 use zeroset_eval::{Binding, Enclose, Enclosures, Kernel, Reference, Tape};
 use zeroset_interval::Interval;
@@ -10,13 +10,13 @@ use zeroset_testkit::{Adversarial, Case, pack_boxes};
 
 const ENTIRE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-/// A formula, the domain that its code may assume, a box, and what was wrong.
+/// A formula, the domain that its code may assume, a box, and a description of the failure.
 struct Finding {
     formula: &'static str,
     domain: [[f64; 2]; 3],
     region: [[f64; 2]; 3],
-    /// Where its bounds lie, also where it has no value: what is computed from them may rely on
-    /// that.
+    /// Range of the formula's bounds. It matters even if the formula is undefined, since operations
+    /// on these bounds may rely on it.
     within: [f64; 2],
     was: &'static str,
 }
@@ -77,7 +77,7 @@ fn case(finding: &Finding) -> Case {
     }
 }
 
-/// Native and reference bounds of a case over a box.
+/// Returns native and reference bounds of a case over a box.
 fn bounds<T: Adversarial>(case: &Case, region: [[f64; 2]; 3]) -> [Enclosures<T>; 2] {
     let round = |end: f64| T::nearest(end.clamp(-T::LARGEST.into(), T::LARGEST.into()));
     let boxes = pack_boxes(&[region.map(|range| range.map(round))]);

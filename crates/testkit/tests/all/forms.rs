@@ -1,6 +1,6 @@
-//! Affine forms hold the values that they claim, in both precisions: of every operation alone, and
-//! of random functions along segments and tiles of rays. Contractions lose no zero, and forms of
-//! smooth functions are as near as they should be.
+//! Affine forms must enclose the values of every operation alone, and of random functions along
+//! segments and tiles of rays, in both precisions. Contractions must lose no zero, and forms of
+//! smooth functions must be as tight as they should be.
 //!
 //! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all forms`.
 
@@ -13,10 +13,10 @@ use zeroset_testkit::property::{Contracted, Engine, Lines, Manner, contract, lin
 use zeroset_testkit::suite::Tally;
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
-/// Vectors that are drawn from one seed.
+/// Number of vectors drawn from one seed.
 const ROUNDS: usize = 64;
 
-/// Operations whose forms are bounds, always.
+/// Operations whose forms are always plain bounds.
 const STEPS: [Op; 6] = [Op::Sign, Op::Floor, Op::Ceil, Op::Round, Op::Trunc, Op::Atan2];
 
 fn operations<T: Adversarial>(seed: u64) {
@@ -34,7 +34,7 @@ fn operations<T: Adversarial>(seed: u64) {
                 panic!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
             }));
         }
-        // Some domains are small, and what is chosen at random is often outside.
+        // Some domains are small, and random operands often lie outside.
         assert!(lines.finite * 8 > lines.lanes, "{}: {lines:?}", row.name);
         let slanted = lines.slanted * 16 > lines.lanes;
         assert_eq!(slanted, !STEPS.contains(&row.op), "{}: {lines:?}", row.name);
@@ -75,7 +75,7 @@ fn contractions_keep_the_zeros_of_lines() {
     contractions::<f64, 3>(0x5eed_0b23_0000);
 }
 
-/// Random cases until `cases` values were held against planes.
+/// Checks random cases until `cases` values were compared with planes.
 fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
     let effort = Effort::from_environment(seed, 100_000);
     let is_long = effort.cases > 1_000_000;
@@ -87,7 +87,7 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         let mut rng = Rng::with_seed(seed);
         let options = GraphOptions { size: rng.u32(1..=options.size), ..options.clone() };
         let case = Case::random(&mut rng, &options);
-        // Code is dear.
+        // Compiling is slow.
         let engine = if is_long { Engine::Native } else { Engine::Reference };
         let manner = Manner { simple: rng.bool(), engine };
         let batches = if is_long { 32 } else { 2 };
@@ -125,7 +125,7 @@ fn planes_of_polynomials_hold_their_values() {
     check::<f64>("polynomials", 0x5eed_0b80_0000, &options);
 }
 
-/// Where operands need not be defined, or are cut off.
+/// Checks operations whose operands may be undefined or are restricted.
 #[test]
 fn planes_of_choices_hold_their_values() {
     let ops = vec![
@@ -150,7 +150,7 @@ fn planes_of_choices_hold_their_values() {
     check::<f64>("choices", 0x5eed_0ba0_0000, &options);
 }
 
-/// The error of `op` in `f64` where operands are about these numbers, up to some way off.
+/// Returns the error of the form of `op` in `f64`, for operands around `centres` with this spread.
 fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
     let lanes = |x: f64| Vector128::from_f64([x; 2]);
     let operands = [(1.0, 0.5), (-0.25, 1.0), (0.5, -0.25)].into_iter().zip(centres);
@@ -167,8 +167,8 @@ fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
     errors[0]
 }
 
-/// The product is up to the square of `steep`, beyond all floats: an error of −∞ would prove it
-/// empty.
+/// Returns the error of the affine form of x·x, where x reaches `steep` and the product overflows.
+/// An error of −∞ would make the product look empty.
 fn error_of_steep_product<const N: usize>(format: Format, steep: f64, mut m: Software) -> f64 {
     let lanes = |m: &mut Software, x: f64| m.number(format, x);
     let slopes: [_; N] =
@@ -199,13 +199,13 @@ fn products_beyond_all_floats_claim_nothing() {
     }
 }
 
-/// Everywhere but at kinks an error shrinks like the square of the spread, down to what is rounded.
+/// Except at kinks, an error shrinks like the square of the spread, down to rounding errors.
 #[test]
 fn errors_of_smooth_operations_shrink_quadratically() {
     for row in TABLE.iter().filter(|row| !STEPS.contains(&row.op)) {
         let centres = match row.domain {
             Domain::Unit | Domain::UnitInside | Domain::CosineNonzero => [0.6, 0.0, 0.0],
-            // Within one cell.
+            // Away from the jumps of the remainder.
             _ if row.op == Op::Mod => [1.2, 0.9, 0.0],
             _ => [1.7, 0.9, 1.3],
         };

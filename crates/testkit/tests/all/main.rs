@@ -1,4 +1,4 @@
-//! Every stage of evaluation against what shares no code with it.
+//! Every stage of evaluation, checked against references that share no code with it.
 
 mod agreement;
 mod branches;

@@ -1,5 +1,5 @@
-//! The properties that fuzz targets attack, over random bytes and over what fuzzers are started
-//! from: the seeds, among which every input is kept that once broke a property.
+//! The properties checked by fuzz targets, on random bytes and on the seeds of the fuzzers. The
+//! seeds include every input that once broke a property.
 //!
 //! A long run of one:
 //! `ZEROSET_CASES=100000 cargo test --release -p zeroset-testkit --test all simplif`.
@@ -17,7 +17,7 @@ fn directory(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// Of random bytes most make a function that has a value somewhere.
+/// Checks a property. Most random bytes must give a function that is defined somewhere.
 fn hold(property: Property, target: &str, seed: u64, cases: u64) {
     let effort = Effort::from_environment(seed, cases);
     let tally = attack(&property, &directory("fuzz/seeds").join(target), effort);
@@ -27,7 +27,7 @@ fn hold(property: Property, target: &str, seed: u64, cases: u64) {
 
 #[test]
 fn texts_are_read_or_refused_and_printed_as_they_read() {
-    // Random bytes are hardly ever text: random statements are tried where the parser is.
+    // Random bytes are hardly ever text. Random statements are tested in the parser's crate.
     for (name, accepted) in [("fuzz/seeds/parse", 20), ("examples", 65)] {
         let tally = attack(&parse, &directory(name), Effort { seed: 0x5eed_06f0, cases: 1000 });
         println!("{name}: {tally:?}");

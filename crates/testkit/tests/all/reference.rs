@@ -1,4 +1,4 @@
-//! The suite, with the reference evaluator plugged in, in both precisions.
+//! The suite for the reference evaluator, in both precisions.
 
 use zeroset_eval::{Assumptions, Binding, Kernel, Query, Real, Reference, Tape};
 use zeroset_interval::Format;
@@ -9,7 +9,7 @@ use zeroset_testkit::suite::{
 };
 use zeroset_testkit::{Adversarial, Claim, GraphOptions};
 
-/// Answers of a function alone, or with its derivatives.
+/// Returns a kernel of a function alone, or with its derivatives.
 fn reference<Q: Query, T: Real>(graph: &Graph, root: NodeId) -> Box<dyn Kernel<Q, T>> {
     let (mut graph, mut roots) = (graph.clone(), vec![root]);
     if Q::OUTPUTS == 4 {
@@ -46,13 +46,13 @@ fn random_graphs_enclose_the_oracle() {
     graphs::<f64>(0x5eed_0057, true);
 }
 
-/// How far values may be off, for functions of one variable.
+/// Returns the allowed error of values, for functions of one variable.
 fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> {
-    /// Beyond this, in radians, sines lose more.
+    /// Magnitude of angles, in radians, beyond which sines lose accuracy.
     const FARTHEST: f64 = 8192.0;
-    // Relative to the value: about five times the unit roundoff in f32, and what texts in f64
-    // reach; the kernels claim no bound. Then, what a sine may be off near its zeros, where it is
-    // good to an absolute error only.
+    // The relative error is about five times the unit roundoff in f32; in f64 it is what the rules
+    // reach. The kernels guarantee no bound. `wave` is an absolute error that covers sines near
+    // their zeros.
     let (relative, wave) = match T::FORMAT {
         Format::F32 => (3e-7, 1e-7),
         Format::F64 => (1e-14, 1e-15),

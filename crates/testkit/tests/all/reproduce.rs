@@ -1,4 +1,4 @@
-//! What the generators draw and the reproduction prints, the parser reads back.
+//! The parser must read back random graphs as the reproduction prints them.
 
 use zeroset_ops::{Notation, Op, TABLE};
 use zeroset_syntax::{Options, read};
@@ -9,7 +9,7 @@ use zeroset_testkit::{
 
 const SEED: u64 = 0x5eed_0060;
 
-/// The text between `{"f":"` and the next quotation mark.
+/// Returns the text between `{"f":"` and the next quotation mark.
 fn formula(line: &str) -> String {
     let text = line.strip_prefix("{\"f\":\"").expect("a formula");
     let end = text.find('"').expect("its end");

@@ -1,5 +1,6 @@
-//! The arithmetics that only measurements know: results that are rounded to nearest and moved
-//! enclose what the oracle knows, in intervals and in forms; results that are not moved do not.
+//! Arithmetics used only for measurements. Results rounded to nearest and then moved outward must
+//! enclose the oracle's values, in intervals and in forms. Results that are not moved must miss
+//! some.
 
 use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Real, Tape};
 use zeroset_interval::Interval;
@@ -85,7 +86,7 @@ fn moved_results_make_forms_that_hold_their_values() {
     }
 }
 
-/// Else it would not be known that the cheapest arithmetic does without rigour.
+/// Shows that the cheapest arithmetic is indeed not rigorous.
 #[test]
 fn results_that_are_not_moved_are_no_bounds() {
     let unsound = Arithmetic::Unsound;
@@ -97,7 +98,7 @@ fn results_that_are_not_moved_are_no_bounds() {
     assert!(forms::<f64>(unsound, 0x5eed_0c90_0000).is_err());
 }
 
-/// Three times the float nearest to 1/3 is 1 + 2⁻²⁵, exactly: no float.
+/// Three times the float nearest to 1/3 is exactly 1 + 2⁻²⁵, which is not a float.
 #[test]
 fn a_product_is_missed_kept_by_two_floats_or_by_two_neighbours() {
     let third = 1.0_f32 / 3.0;

@@ -1,4 +1,4 @@
-//! The simplifier keeps values and domains.
+//! The simplifier must keep values and domains of definition.
 
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, NodeId, simplify};

@@ -1,6 +1,6 @@
-//! Bounds of gradients hold derivatives and slopes, and what they claim of smoothness is true: of
-//! every operation alone, and of random functions with kinks, jumps, poles, ends of domains and
-//! restrictions, in both precisions.
+//! Bounds of gradients must contain derivatives and slopes, and facts about smoothness must be
+//! true. The functions are every operation alone, and random functions with kinks, jumps, poles,
+//! ends of domains and restrictions, in both precisions.
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all slopes`.
 
@@ -30,7 +30,7 @@ fn slopes_of_every_operation_are_bounded() {
     operations::<f64>(0x5eed_0a01);
 }
 
-/// Random cases until slopes between `cases` pairs of points were compared.
+/// Checks random cases until slopes between `cases` pairs of points were compared.
 fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
     let effort = Effort::from_environment(seed, 50_000);
     let (mut compared, mut defined) = (0, 0);
@@ -66,7 +66,7 @@ fn slopes_of_adversarial_formulas_with_parameters_are_bounded() {
     check::<f64>("adversarial", 0x5eed_0a40_0000, &options);
 }
 
-/// Where a function is not smooth, with a little arithmetic around.
+/// Operations that are not smooth everywhere, with some arithmetic.
 const HAZARDS: [Op; 26] = [
     Op::Abs,
     Op::Min,
@@ -104,8 +104,8 @@ fn slopes_beside_hazards_are_bounded() {
     check::<f64>("hazards", 0x5eed_0a60_0000, &options);
 }
 
-/// What is claimed of a function over a range of x, with y from 1 to 2: Lipschitz continuous,
-/// differentiable.
+/// Whether a kernel reports a function as Lipschitz continuous and as differentiable, over a range
+/// of x and with y from 1 to 2.
 fn claims<T: Real>(graph: &Graph, root: NodeId, [lo, hi]: [f64; 2]) -> [bool; 2] {
     let mut graph = graph.clone();
     let [x, y, z] = gradient(&mut graph, root);
@@ -174,7 +174,7 @@ fn restrictions_and_choices_are_told_apart() {
     let [one, two] = [1, 2].map(|n| graph.constant(Constant::integer(n)));
     let kink = graph.apply(Op::Abs, &[x]);
     let root = graph.apply(Op::Sqrt, &[x]);
-    // Below 0 wherever it is defined.
+    // It is below 0 wherever it is defined.
     let below = graph.apply(Op::Neg, &[root]);
     let below = graph.apply(Op::Sub, &[below, one]);
     let cases = [

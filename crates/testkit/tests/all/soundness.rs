@@ -1,6 +1,6 @@
-//! Native intervals hold what the oracle knows, in both precisions, compiled as programs are: the
-//! graph is simplified over a domain, its parameters are bound, and the code is asked about boxes
-//! within the domain.
+//! Native intervals must enclose the oracle's values, in both precisions. They are compiled as in
+//! programs: the graph is simplified over a domain, its parameters are bound, and the code is
+//! evaluated on boxes within the domain.
 //!
 //! A long run:
 //! `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all soundness`.

@@ -1,5 +1,5 @@
-//! Kernels on many threads: code runs while other code is compiled and dropped, and whoever calls a
-//! kernel goes on rounding to nearest.
+//! Kernels on many threads: code runs while other code is compiled and dropped, and callers of
+//! kernels still round to nearest afterwards.
 
 use std::hint::black_box;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -46,7 +46,7 @@ fn many_threads<T: Adversarial>() {
     let (done, runs) = (AtomicBool::new(false), AtomicU64::new(0));
     thread::scope(|scope| {
         for first in 0..8 {
-            // Clones share code; the last one alive frees it, on whatever thread.
+            // Clones share code. The last one alive frees it, on any thread.
             let work: Vec<_> = work.iter().cycle().skip(first).take(4).cloned().collect();
             let (done, runs) = (&done, &runs);
             scope.spawn(move || {
@@ -73,7 +73,8 @@ fn many_threads<T: Adversarial>() {
     assert!(runs >= 32);
 }
 
-/// Rounded up, one of these would come out larger; rounded down or to 0, one smaller.
+/// Fails unless arithmetic rounds to nearest. Rounded up, one of these quotients would be larger;
+/// rounded down or to 0, one would be smaller.
 fn assert_rounds_to_nearest() {
     let quotient = |a: f32, b: f32| black_box(black_box(a) / black_box(b));
     let all = [quotient(1.0, 3.0), quotient(7.0, 10.0), quotient(-7.0, 10.0)];
@@ -82,7 +83,7 @@ fn assert_rounds_to_nearest() {
     let all = [quotient(1.0, 3.0), quotient(7.0, 10.0), quotient(-7.0, 10.0)];
     let nearest = [0x3fd5_5555_5555_5555, 0x3fe6_6666_6666_6666, 0xbfe6_6666_6666_6666];
     assert_eq!(all.map(f64::to_bits), nearest);
-    // Subnormal numbers are kept, neither flushed to zero nor taken for it.
+    // Subnormal numbers must not be flushed to zero, as operands or as results.
     let least = f32::from_bits(1);
     assert_eq!(black_box(black_box(least) * 3.0).to_bits(), 3);
     assert_eq!(black_box(black_box(f64::from_bits(1)) * 3.0).to_bits(), 3);
@@ -94,7 +95,7 @@ fn callers_go_on_rounding_to_nearest() {
     assert_eq!(quotient_rounded_up::<f64>().to_bits(), 0x3fe6_6666_6666_6667, "kernels round up");
 }
 
-/// 7/10 by a kernel. The caller's own arithmetic is checked after each kind of call.
+/// Returns 7/10 from a kernel. Checks the caller's own arithmetic after each kind of call.
 fn quotient_rounded_up<T: Adversarial>() -> T {
     let mut graph = Graph::new();
     let (x, y) = (graph.variable(Axis::X), graph.variable(Axis::Y));
@@ -105,7 +106,7 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     assert_rounds_to_nearest();
     let values = point.eval_all(&Points::near(&[[7.0, 10.0, 0.0]]));
     assert_rounds_to_nearest();
-    // Also when every exception is raised.
+    // The same when every floating-point exception is raised.
     let (largest, least): (f64, f64) = (T::LARGEST.into(), 1e-45);
     let boxes = [
         ([1.0, 1.0], [0.0, 3.0]),
@@ -121,8 +122,7 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     values[0].value[0]
 }
 
-/// A thread that panics in a kernel's own check, and goes on to compile and call, again and again,
-/// beside others.
+/// Threads that panic in a kernel's own check and then compile and call kernels again, in parallel.
 #[test]
 fn threads_that_panic_and_are_used_again_round_to_nearest() {
     thread::scope(|scope| {

@@ -1,9 +1,9 @@
-//! Software enclosures in `f64` at points: they hold the correctly rounded value, and are as tight
-//! as each function's text says.
+//! Software enclosures in `f64` at points must contain the correctly rounded value, and be as tight
+//! as each function's row says.
 //!
-//! What is true comes from `core-math` alone. Operands are seeded: all exponents, all of the range
-//! where a function bends, and the places where texts go wrong: zeros and poles, ends of domains,
-//! edges of overflow and underflow.
+//! The reference values come from `core-math` alone. Operands are drawn from a seed: all exponents,
+//! the whole range where a function curves, and places where rules go wrong. These are zeros and
+//! poles, ends of domains, and edges of overflow and underflow.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 use zeroset_interval::{
@@ -15,7 +15,7 @@ use zeroset_testkit::Rng;
 const SEED: u64 = 0x0071_9475;
 const POINTS: usize = 100_000;
 
-/// A function, its correctly rounded value, and where operands are drawn.
+/// A function, its correctly rounded value, and numbers close to which operands are drawn.
 struct Case {
     op: Op,
     truth: fn(f64) -> f64,
@@ -25,12 +25,12 @@ struct Case {
 type Known = (Op, fn(f64) -> f64);
 const WAVES: [Known; 2] = [(Op::Sin, core_math::sin), (Op::Cos, core_math::cos)];
 
-/// By how much an enclosure may be wider than the tightest, as the row of the table says.
+/// Number of ulps by which an enclosure may be wider than the tightest, from the table's row.
 fn most(op: Op) -> [u64; 2] {
     op.row().excess.expect("an approximation")
 }
 
-/// Multiples of π/2, and the end of the angles that are reduced.
+/// Multiples of π/2, and the greatest angle that is reduced.
 const QUARTERS: [f64; 9] = [
     1e-310,
     FRAC_PI_2,
@@ -67,12 +67,12 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// A number from 0 to 1.
+/// Returns a number from 0 to 1.
 fn unit(random: &mut Rng) -> f64 {
     random.u64(..) as f64 / u64::MAX as f64
 }
 
-/// An operand: near one of the hard ones, small, or anything.
+/// Returns an operand: near one of the hard ones, small, or anything.
 fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
     match random.u32(0..8) {
         0 => f64::from_bits(random.u64(..)),
@@ -80,7 +80,7 @@ fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
         2 => 1600.0 * unit(random) - 800.0,
         3 => 2.0 * unit(random) - 1.0,
         4 => {
-            // From the smallest subnormals to 1, by exponent.
+            // From the smallest subnormals to 1, uniform in the exponent.
             let size = (unit(random) * 1074.0).floor() as i32;
             (1.0 + unit(random)) * 2_f64.powi(-size / 2) * 2_f64.powi(-(size - size / 2))
         }
@@ -92,9 +92,9 @@ fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
     }
 }
 
-/// Sine and cosine of operands that stay near 0 have a text of their own, which gives values too:
-/// at multiples of π/2, where results are near 0 and ±1, halfway between them, where angles are
-/// reduced least, and anywhere.
+/// Sine and cosine have a rule of their own for operands near 0, which also gives values. Operands
+/// are multiples of π/2, where results are near 0 and ±1; odd multiples of π/4, where the reduced
+/// angle is greatest; and anything.
 #[test]
 fn waves_of_points_near_zero_are_as_tight_as_stated() {
     const LIMIT: f64 = 2048.0;
@@ -129,12 +129,12 @@ fn waves_of_points_near_zero_are_as_tight_as_stated() {
         }
         println!("{op:?} near 0: worst {worst} at {worst_at:e}, values off by {farthest:e}");
         assert!(worst <= most(op)[0], "seed {SEED:#x}: {worst} ulp at {worst_at:e}");
-        // What forms allow for, and half a unit by which the value may be rounded.
+        // Error that forms allow for, plus half an ulp for the rounding of `value`.
         assert!(farthest <= 2.25 * f64::EPSILON, "seed {SEED:#x}: {farthest:e}");
     }
 }
 
-/// The same values in `f32`, where truth is exact enough to show all that forms allow for.
+/// The same in `f32`, where reference values are exact enough to check the error in forms.
 #[test]
 fn values_of_waves_near_zero_are_off_by_what_forms_allow_for() {
     const LIMIT: f64 = 192.0;
@@ -163,19 +163,19 @@ fn values_of_waves_near_zero_are_off_by_what_forms_allow_for() {
     }
 }
 
-/// The number of floats between 0 and `x`, with the sign of `x`.
+/// Returns the number of floats between 0 and `x`, with the sign of `x`.
 fn place(x: f64) -> i64 {
     let magnitude = (x.to_bits() & (u64::MAX >> 1)) as i64;
     if x.is_sign_negative() { -magnitude } else { magnitude }
 }
 
-/// How many floats wider than the tightest an enclosure of a value that rounds to `value` may be.
+/// Returns how many floats wider than the tightest an enclosure is, if its value rounds to `value`.
 fn excess(bounds: Interval, value: f64) -> u64 {
     let exact = bounds.lo == bounds.hi;
     (place(bounds.hi) - place(bounds.lo)).unsigned_abs() - u64::from(!exact && value.is_finite())
 }
 
-/// Powers: of what lies near 1, and of anything to an exponent that keeps the result a float.
+/// Checks powers of numbers near 1, and of any number with an exponent that avoids overflow.
 #[test]
 fn powers_of_points_are_as_tight_as_stated() {
     let mut random = Rng::with_seed(SEED);
@@ -210,7 +210,7 @@ fn powers_of_points_are_as_tight_as_stated() {
     assert!(worst <= most(Op::Pow)[1], "seed {SEED:#x}: {worst} ulp at {worst_at:?}");
 }
 
-/// Angles of points, on and next to the axes and the diagonals too, and of any size.
+/// Checks angles of points of any size, also on and next to the axes and the diagonals.
 #[test]
 fn angles_of_points_are_as_tight_as_stated() {
     let mut random = Rng::with_seed(SEED);
@@ -229,7 +229,7 @@ fn angles_of_points_are_as_tight_as_stated() {
             assert_eq!(facts, Facts::NOWHERE, "seed {SEED:#x}");
             continue;
         }
-        // A zero of either sign is above the axis.
+        // Zeros of either sign count as +0.
         let value = core_math::atan2(y + 0.0, x + 0.0);
         assert_eq!(facts, Facts::TOTAL, "atan2({y:e}, {x:e}), seed {SEED:#x}");
         assert!(
@@ -248,8 +248,8 @@ fn angles_of_points_are_as_tight_as_stated() {
     assert!(worst[0] <= 4 && worst[1] <= most, "seed {SEED:#x}: {worst:?} ulp at {worst_at:?}");
 }
 
-/// The enclosure of an operation on two floats in `f32`, if it holds `value`, and how many floats
-/// wider than the tightest it is.
+/// Returns how many floats wider than the tightest the enclosure of an operation on two `f32` is,
+/// or `None` if it misses `value`.
 fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     let operand = |x: f32| {
         let lanes = |x| Vector128::from_f32([x; 4]);
@@ -269,8 +269,8 @@ fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     Some(excess[0]?.max(excess[1]?))
 }
 
-/// The worst of many pairs of operands in `f32`, which no sweep can try, against what the row of
-/// the table says.
+/// Checks the worst of many pairs of operands in `f32` against the table's row. A sweep of all
+/// pairs would be too long.
 fn search_in_f32(op: Op, truth: fn(f64, f64) -> f64, draw: impl Fn(&mut Rng) -> Option<[f32; 2]>) {
     let mut random = Rng::with_seed(SEED);
     let (mut worst, mut worst_at, mut count) = (0, [0.0; 2], 0);
@@ -288,7 +288,7 @@ fn search_in_f32(op: Op, truth: fn(f64, f64) -> f64, draw: impl Fn(&mut Rng) -> 
     assert!(worst <= most(op)[0], "seed {SEED:#x}: {worst} ulp at {worst_at:?}");
 }
 
-/// Two operands of any exponents, and ratios where the text changes course.
+/// Checks operands of any exponents, and ratios at which the rule switches to another formula.
 #[test]
 fn angles_of_f32_points_are_as_tight_as_stated() {
     let truth = |y: f64, x: f64| core_math::atan2(y + 0.0, x + 0.0);
@@ -304,7 +304,7 @@ fn angles_of_f32_points_are_as_tight_as_stated() {
     });
 }
 
-/// Bases of any exponents and near 1, to powers that keep the result a float.
+/// Checks bases of any exponents and near 1, with exponents that avoid overflow.
 #[test]
 fn powers_of_f32_points_are_as_tight_as_stated() {
     search_in_f32(Op::Pow, core_math::pow, |random| {

@@ -2,9 +2,9 @@
 //! different.
 
 use super::local_ray::{LocalRay, between_faces, bounds};
-use crate::region::Region;
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
 use zeroset_interval::Facts;
+use zeroset_space::Region;
 
 /// Places away from an open segment at which the sign is looked at, each half as far again as the
 /// one before; and how often a bracket is then halved.

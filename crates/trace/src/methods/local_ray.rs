@@ -2,11 +2,11 @@
 //!
 //! Boxes hold the real ray, whatever floats round. What is asked about them is not known here.
 
-use crate::camera::Ray;
 use crate::method::Segment;
-use crate::region::Region;
 use glam::DVec3;
 use zeroset_interval::Interval;
+use zeroset_space::Ray;
+use zeroset_space::Region;
 
 /// Where a part of a ray is cut, as a share of it: not in the middle, where symmetric surfaces have
 /// zeros whose sign could not be told.

@@ -9,9 +9,9 @@ use crate::method::{Method, MethodOption, Proves, Segment, Start, Task, Tracer};
 use crate::packet::Lines;
 use crate::painted::ones;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
-use crate::region::Region;
 use crate::scalar::Scalar;
 use zeroset_eval::{KernelError, LANES, Points, Values};
+use zeroset_space::Region;
 
 pub(crate) const METHOD: Method = Method {
     name: "march",

@@ -258,7 +258,7 @@ impl Brackets {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd_chunks::levels;
+    use zeroset_testkit::simd::levels;
 
     /// How many samples of a function a part of a ray takes, and where they end.
     fn refine(f: impl Fn(f64) -> f64, ends: [f64; 2], solid: bool) -> (u32, f64) {

@@ -12,11 +12,11 @@ use crate::method::{Segment, Start, Task, Tracer};
 use crate::packet::{Lines, Packet, RAYS};
 use crate::painted::ones;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
-use crate::region::Region;
 use crate::scalar::Scalar;
 use fearless_simd::{Level as Vectors, Simd, dispatch};
 use std::ops::Range;
 use zeroset_eval::Zeros;
+use zeroset_space::Region;
 
 /// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only
 /// deeper pictures can reach it. A packet that hits a surface well needs a few per level; one whose

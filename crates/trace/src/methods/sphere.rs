@@ -11,10 +11,10 @@ use super::slope::Slopes;
 use crate::kernel_stats::KernelStats;
 use crate::method::{Method, MethodOption, Proves, Segment, Start, Task, TraceOptions, Tracer};
 use crate::ray_result::{RayResult, Status, UndecidedReason};
-use crate::region::Region;
 use crate::scalar::Scalar;
 use zeroset_eval::{KernelError, LANES};
 use zeroset_interval::Interval;
+use zeroset_space::Region;
 
 pub(crate) const METHOD: Method = Method {
     name: "sphere",

@@ -1,13 +1,13 @@
 //! Boxes and ranges of τ against exact points of exact rays.
 
 use super::*;
-use crate::camera::Ray;
 use crate::painted::ones;
-use crate::region::HalfSpace;
-use crate::simd_chunks::levels;
 use fearless_simd::{Level, dispatch};
 use num_bigint::BigInt;
 use num_rational::BigRational;
+use zeroset_space::HalfSpace;
+use zeroset_space::Ray;
+use zeroset_testkit::simd::levels;
 
 struct Random(u64);
 

@@ -4,12 +4,11 @@ use glam::DVec3;
 use std::sync::mpsc;
 use std::time::Duration;
 use zeroset_eval::{
-    KernelResult, ContractSegments, ContractTiles, Contractions, Enclose, Kernel, KernelError, Kernels,
-    Planes, Real, Segments, SurfaceKernels, Tiles,
+    ContractSegments, ContractTiles, Contractions, Enclose, Kernel, KernelError, KernelResult,
+    Kernels, Planes, Real, Segments, SurfaceKernels, Tiles,
 };
-use zeroset_trace::{
-    Camera, Driver, GBuffer, Method, Precision, Projection, Region, Status, TraceOptions,
-};
+use zeroset_space::Region;
+use zeroset_trace::{Camera, Driver, GBuffer, Method, Precision, Projection, Status, TraceOptions};
 
 /// A function without zeros, whose kernels take their time to be made.
 struct Late;

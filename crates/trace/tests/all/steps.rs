@@ -4,12 +4,13 @@
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
 use zeroset_eval::{
-    KernelResult, Boxes, ContractSegments, Contractions, FindZeros, Kernel, Kernels, Segments,
+    Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelResult, Kernels, Segments,
     SurfaceKernels, Zeros,
 };
+use zeroset_space::{Ray, Region};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, KernelStats, Method, Precision, Projection, Ray, RayGrid, RayResult,
-    Region, STEPS, Segment, Start, Status, TraceOptions,
+    Camera, Driver, GBuffer, KernelStats, Method, Precision, Projection, RayGrid, RayResult, STEPS,
+    Segment, Start, Status, TraceOptions,
 };
 
 /// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than

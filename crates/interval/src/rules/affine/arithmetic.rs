@@ -1,14 +1,13 @@
 //! Forms of sums, products and quotients.
 //!
 //! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result, a product also by
-//! the least number. So what a form's centre and slopes round, all together, is below a small
-//! number of units of the sum of their magnitudes; the factors here are rounded up to have room for
-//! the rounding of that sum itself. They are added to the error only where that is asked for: of a
-//! sum of sums it is one addition, and not one for each.
+//! the least positive number. So the rounding of a form's centre and slopes together is a small
+//! number of units of the sum of their magnitudes. The factors here are a little larger, which
+//! covers the rounding of that sum itself. Units are added to the error only when it is used: once
+//! for a sum of sums, not once per sum.
 //!
-//! A sum that overflows downward rounds up to a finite number. No centre and no slope is greater
-//! than its form's magnitude, as rounded, so that the magnitude then is infinite, and with it the
-//! error.
+//! A sum that overflows downward rounds up to a finite number. No centre and no slope exceeds its
+//! form's magnitude, as rounded. So the magnitude is then infinite, and so is the error.
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -56,7 +55,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::add, a, b)
     }
 
-    /// As the sum with −b, which need not be negated where `a` varies.
+    /// a − b. Where `a` varies, this saves negating b.
     pub(super) fn form_difference<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -70,8 +69,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::sub, a, &b)
     }
 
-    /// a + b, or a − b for an `a` that varies, and with the bounds of −b: centres and slopes by
-    /// `op`.
+    /// a + b, or a − b if `a` varies. `op` combines centres and slopes; the bounds of `b` must be
+    /// negated for a difference.
     fn form_sum_by<const N: usize>(
         &mut self,
         op: impl Fn(&mut M, M::V, M::V) -> M::V + Copy,
@@ -90,7 +89,7 @@ impl<M: Machine> Rule<'_, M> {
             slopes,
             error: self.sum_of(a.error, b.error),
             magnitude: Some(magnitude),
-            // Those of either count for its own magnitude, and so for both.
+            // Units of a or b count for a part of the magnitude, so the larger number covers both.
             units: a.units.max(b.units) + 1.25,
             bounds: match (a.bounds, b.bounds) {
                 (Some(a), Some(b)) => Some([self.m.add(a[0], b[0]), self.m.add(a[1], b[1])]),
@@ -125,7 +124,7 @@ impl<M: Machine> Rule<'_, M> {
         Form { bounds, facts, ..form }
     }
 
-    /// A form times a value that depends on no symbol.
+    /// The form of `a` times a value that depends on no symbol.
     fn form_scaled<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -134,7 +133,8 @@ impl<M: Machine> Rule<'_, M> {
         let b = &factor.value;
         let exact = factor.range.singleton();
         let a = if exact.is_some() { a.value } else { self.settled(a).value };
-        // The middle of bounds beyond half the largest float is not the number itself.
+        // For an end beyond half the largest float, the middle of the bounds is not the number
+        // itself.
         let by = exact.map_or(b.centre, |number| self.number(number));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
         let size = match exact {
@@ -150,7 +150,7 @@ impl<M: Machine> Rule<'_, M> {
         if exact.is_none()
             && let Some(factor_error) = b.error
         {
-            // All of a, its error too, times what the factor may be off by.
+            // All of a, including its error, times the error of the factor.
             let most = match a.error {
                 Some(error) => self.m.add(a_magnitude, error),
                 None => a_magnitude,
@@ -177,7 +177,8 @@ impl<M: Machine> Rule<'_, M> {
         let [a_size, b_size] = [a, b].map(|form| self.m.abs(form.centre));
         let a_magnitude = self.m.add(a_size, a_spread);
         let b_magnitude = self.m.add(b_size, b_spread);
-        // The square of the last symbol, depth, is within [0, 1]: half its product is the middle.
+        // The square of the last symbol, depth, is within [0, 1], so half its coefficient joins the
+        // centre.
         let half = self.number(0.5);
         let (depth, centre, slopes) = self.m.nearly(|m| {
             let depth = m.mul(a_slopes[N - 1], b_slopes[N - 1]);
@@ -189,15 +190,14 @@ impl<M: Machine> Rule<'_, M> {
             });
             (depth, centre, slopes)
         });
-        // Of all products of symbols, the half that is now in the centre need not be counted, but
-        // for its rounding.
+        // The error sums all products of symbols, except the half that joins the centre. The
+        // rounding of that half still counts.
         let size = self.m.abs(depth);
         let tiny = self.tiny();
         let mut error = if N == 1 {
             self.product_and(size, half, tiny)
         } else {
-            // In this order: where the depth is ∞ so are the spreads, and what comes out is no
-            // number.
+            // The order matters: if the depth is ∞, so are the spreads, and the result is NaN.
             let spreads = self.product_and(a_spread, b_spread, tiny);
             let share = self.number(-0.5 * (1.0 - 8.0 * self.unit()));
             self.m.mul_add(size, share, spreads)
@@ -210,8 +210,8 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(b_most, a_error, error);
         }
-        // The error is more than the centre got of it: a centre that overflows has an infinite
-        // magnitude.
+        // The error exceeds what the centre receives from it. So if the centre overflows, the
+        // magnitude is infinite.
         let magnitude = self.m.mul_add(a_magnitude, b_magnitude, error);
         let form = Form::total(centre, Some(slopes), Some(error));
         Form { magnitude: Some(magnitude), units: 3.0, ..form }
@@ -230,8 +230,8 @@ impl<M: Machine> Rule<'_, M> {
         Form { bounds, ..form }
     }
 
-    /// The square, its bounds left out. (c + S)² = c² + 2c·S + S², and S² is within [0, R²] for R
-    /// the sum of |slopes|.
+    /// The form of the square, without bounds: (c + S)² = c² + 2c·S + S². S² is within [0, R²],
+    /// where R is the sum of |slopes|.
     fn form_square_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> Form<M::V, N> {
         let slopes = a.slopes.expect("it varies");
         let spread = self.spread(a).expect("it varies");
@@ -254,7 +254,7 @@ impl<M: Machine> Rule<'_, M> {
         Form { magnitude: Some(magnitude), units: 3.0, facts: a.facts, ..form }
     }
 
-    /// Quotients are products with a reciprocal.
+    /// The form of a/b, as a product with the form of 1/b.
     pub(super) fn form_quotient<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -273,8 +273,9 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// 1/b over [lo, hi] above 0: 1/x + βx is at most its greater end value, and at least 2√β.
-    /// Below 0 the mirror image; where b may be 0 nothing is claimed, by an infinite error.
+    /// The form of 1/b. For b in [lo, hi] above 0, 1/x + βx is greatest at an end, and at least
+    /// 2√β. Below 0 the form is mirrored. Where b may be 0, the error is infinite and claims
+    /// nothing.
     fn form_reciprocal<const N: usize>(
         &mut self,
         b: &Form<M::V, N>,
@@ -293,7 +294,7 @@ impl<M: Machine> Rule<'_, M> {
             self.m.mul_add(steep, end, inverse)
         });
         let most = self.m.max(at_near, at_far);
-        // −2√β rounded up: −β over √β rounded up.
+        // −2√β rounded up: twice −β/√β, with √β rounded up.
         let root = self.m.sqrt(steep);
         let negated = self.m.neg(steep);
         let negated = self.m.div(negated, root);
@@ -309,7 +310,7 @@ impl<M: Machine> Rule<'_, M> {
         Form { error, ..form }
     }
 
-    /// slope·a + middle ± half.
+    /// The form slope·a + middle ± half.
     pub(super) fn form_line<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -332,7 +333,7 @@ impl<M: Machine> Rule<'_, M> {
         Form { magnitude: Some(magnitude), units: 2.5, facts: a.facts, ..form }
     }
 
-    /// Powers with whole exponents are products; others are exp(b·ln a).
+    /// The form of a power: products for integer exponents, else exp(b·ln a).
     pub(super) fn form_power<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -365,7 +366,7 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// exp(b·ln a); where a is not above 0 it is known by bounds alone.
+    /// The form of exp(b·ln a). Bounds replace it where a may not be positive.
     fn form_real_power<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,

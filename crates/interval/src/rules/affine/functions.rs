@@ -1,9 +1,9 @@
 //! Forms of smooth functions of one variable.
 //!
 //! Over bounds with the middle m and the half-width h, f(x) = f(m) + f′(m)(x − m) + ½f″(ξ)(x − m)²,
-//! where ξ is between x and m. The slope is any number α near f′(m): what it is off by, times h, is
-//! part of the error, as is the last term, which is one-sided where f″ has one sign. Square roots
-//! have a closed form; sine and cosine, which share their work, stand in [`waves`](super::waves).
+//! where ξ is between x and m. The slope is any number α near f′(m). The error includes |f′(m) −
+//! α|·h and the last term, which is one-sided where f″ has one sign. Square roots have a closed
+//! form. Sine and cosine share their work and are in [`waves`](super::waves).
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -12,40 +12,41 @@ use crate::machine::Machine;
 use crate::rules::{Rule, enclose};
 use zeroset_ops::Op;
 
-/// Where a function's slope and bend are asked for.
+/// Point and bounds at which the slope and the second derivative of a function are evaluated.
 pub(super) struct Curve<V> {
     /// The middle of the bounds.
     x: V,
-    /// The same as an operand.
+    /// The middle of the bounds, as an operand.
     point: Operand<V>,
     /// Minus the lower end of the bounds.
     neg_lo: V,
     /// The largest magnitude within the bounds.
     most: V,
-    /// The function's enclosures at the middle, and over the bounds.
+    /// The function's enclosures at the middle and over the bounds.
     here: Enclosure<V>,
     value: Enclosure<V>,
 }
 
-/// Tells the slope of a function, and its bend.
+/// Computes the slope of a function and the bounds of its second derivative.
 type ShapeOf<R, V> = fn(&mut R, &Curve<V>) -> Shape<V>;
 
-/// What is known of a function's slope at the middle, and of its bend over the bounds.
+/// The slope of a function at the middle, and bounds of its second derivative, called the bend.
 pub(super) struct Shape<V> {
     /// α.
     slope: V,
     /// At least |f′(m) − α|.
     off: V,
-    /// At least −f″ and f″ over the bounds, and at least 0.
+    /// Upper bounds of −f″ and f″ over the bounds, at least 0.
     bend: [V; 2],
 }
 
-/// Computed in so few operations, a number without cancellations is off by less than so many units
-/// of itself.
+/// A result of a few operations without cancellation errs by less than this number of units of
+/// itself.
 const UNITS: f64 = 32.0;
 
 impl<M: Machine> Rule<'_, M> {
-    /// √x − αx for α = 1/(√lo + √hi) is at most 1/(4α), and least at one of the ends.
+    /// The form of √x. For α = 1/(√lo + √hi), √x − αx is at most 1/(4α), and least at one of the
+    /// ends.
     pub(super) fn form_sqrt<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
         let bounds = self.operand(a);
         let value = self.sqrt(&bounds);
@@ -57,7 +58,7 @@ impl<M: Machine> Rule<'_, M> {
         let most = self.m.div(quarter, slope);
         let at_lo = self.m.mul(slope, lo);
         let at_lo = self.m.add(at_lo, value.neg_lo);
-        // √hi is at least hi over its own upper bound.
+        // √hi is at least hi divided by the upper bound of √hi.
         let opposite = self.m.neg(bounds.value.hi);
         let neg_root = self.m.div(opposite, value.hi);
         let at_hi = self.m.mul(slope, bounds.value.hi);
@@ -68,8 +69,8 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// The form of a function whose slope and bend `shape` tells. Where it is not smooth the bend
-    /// is not finite, or the bounds are.
+    /// The form of a function with the slope and bend that `shape` returns. Where the function is
+    /// not smooth, the bend or the bounds are infinite.
     pub(super) fn form_curve<const N: usize>(
         &mut self,
         op: Op,
@@ -88,12 +89,12 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// One number within an operand's bounds.
+    /// The operand that is just the number `at`, which lies within `bounds`.
     pub(super) fn point(&mut self, at: M::V, bounds: &Operand<M::V>) -> Operand<M::V> {
         Operand { value: Enclosure::total(self.m.neg(at), at), ..*bounds }
     }
 
-    /// f(m) + α(a − m) and the rest.
+    /// The form f(m) + α(a − m), with a bound on the rest.
     fn form_taylor<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -116,7 +117,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_line(&moved, shape.slope, offset, half)
     }
 
-    /// a − m, the bounds left as they are.
+    /// The form of a − m; its bounds remain those of a.
     pub(super) fn form_moved<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -128,25 +129,25 @@ impl<M: Machine> Rule<'_, M> {
             Some(spread) => self.m.add(size, spread),
             None => size,
         };
-        // What a − m rounds is far below what is counted for centres of its size.
+        // The rounding of a − m is far below the units counted for a centre of this size.
         let rounding = self.rounded(None, 1.0, size);
         let error = self.error_of(a);
         let error = self.sum_of(error, Some(rounding));
         Form { centre, error, magnitude: Some(magnitude), units: 0.0, ..*a }
     }
 
-    /// Its own slope and bend.
+    /// f′ = f″ = f.
     pub(super) fn shape_of_exp(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let (slope, off) = self.middle(at.here.neg_lo, at.here.hi);
         Shape { slope, off, bend: [self.zero(), at.value.hi] }
     }
 
-    /// 1/x and −1/x².
+    /// f′ = 1/x, f″ = −1/x².
     pub(super) fn shape_of_ln(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         self.shape_of_logarithm(1.0, at)
     }
 
-    /// 1/x and −1/x², times the logarithm of e.
+    /// f′ = log_e/x, f″ = −log_e/x², where `log_e` is the logarithm of e.
     pub(super) fn shape_of_logarithm(&mut self, log_e: f64, at: &Curve<M::V>) -> Shape<M::V> {
         let zero = self.zero();
         let base = self.nearest(log_e);
@@ -159,7 +160,7 @@ impl<M: Machine> Rule<'_, M> {
         Shape { bend: [shape.bend[0], zero], ..shape }
     }
 
-    /// 1/(3c²) and −2/(9c⁵) for c = ∛x: the bend is greatest nearest to 0.
+    /// f′ = 1/(3c²), f″ = −2/(9c⁵) for c = ∛x; |f″| is greatest nearest to 0.
     pub(super) fn shape_of_cbrt(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let Curve { here, value, .. } = at;
         let one = self.number(1.0);
@@ -171,18 +172,18 @@ impl<M: Machine> Rule<'_, M> {
         let triple = self.m.mul(square, three);
         let slope = self.m.div(one, triple);
         let share = self.number(0.25);
-        // How far a relative error of c makes the slope off, twice over.
+        // Twice the error of the slope that the relative error of c causes.
         let size = self.m.abs(near);
         let relative = self.m.div(width, size);
         let four = self.number(4.0);
         let relative = self.m.mul(relative, four);
         let carried = self.m.mul(relative, slope);
-        // From the value's side nearer to 0.
+        // The magnitude of the value that is nearest to 0.
         let least = self.m.min(value.neg_lo, value.hi);
         let least = self.m.neg(least);
         let power = self.m.mul(least, least);
-        // Divided one by one: a quotient that underflows is rounded up, a power that overflows
-        // would hide it.
+        // Divide step by step: a quotient that underflows is rounded up, while a power that
+        // overflows would make it 0.
         let bend = self.m.div(share, power);
         let bend = self.m.div(bend, power);
         let bend = self.m.div(bend, least);
@@ -193,7 +194,7 @@ impl<M: Machine> Rule<'_, M> {
         Shape { off: self.m.add(shape.off, carried), ..shape }
     }
 
-    /// 1 + tan² and 2·tan·(1 + tan²).
+    /// f′ = 1 + tan², f″ = 2·tan·(1 + tan²).
     pub(super) fn shape_of_tan(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
         let [neg_lo, hi] = self.one_plus_square(&at.here);
@@ -206,7 +207,7 @@ impl<M: Machine> Rule<'_, M> {
         Shape { slope, off, bend: [bend, bend] }
     }
 
-    /// 1/√(1 − x²) and x/(1 − x²)^1.5.
+    /// f′ = 1/√(1 − x²), f″ = x/(1 − x²)^1.5.
     pub(super) fn shape_of_asin(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
         let product = self.difference_of_squares(one, at.x);
@@ -219,13 +220,13 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// Those of the arcsine, the other way up.
+    /// The negated derivatives of the arcsine.
     pub(super) fn shape_of_acos(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let shape = self.shape_of_asin(at);
         Shape { slope: self.m.neg(shape.slope), ..shape }
     }
 
-    /// 1/(1 + x²) and −2x/(1 + x²)², at most 3√3/8.
+    /// f′ = 1/(1 + x²), f″ = −2x/(1 + x²)², |f″| ≤ 3√3/8.
     pub(super) fn shape_of_atan(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
         let square = self.m.mul(at.x, at.x);
@@ -237,7 +238,8 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// `slope` and its own bend, of the hyperbolic sine and cosine: each is the other's slope.
+    /// Hyperbolic sine or cosine, with `slope` as the other of the two: f′ is the other, and f″ =
+    /// f.
     pub(super) fn shape_of_hyperbolic(&mut self, slope: Op, at: &Curve<M::V>) -> Shape<M::V> {
         let zero = self.zero();
         let derivative = enclose(self.m, self.format, slope, &[at.point]);
@@ -246,7 +248,7 @@ impl<M: Machine> Rule<'_, M> {
         Shape { slope, off, bend }
     }
 
-    /// 1 − tanh² and −2·tanh·(1 − tanh²), at most 4/(3√3).
+    /// f′ = 1 − tanh², f″ = −2·tanh·(1 − tanh²), |f″| ≤ 4/(3√3).
     pub(super) fn shape_of_tanh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let [neg_lo, hi] = self.one_plus_square(&at.here);
         // 1 − t² = 2 − (1 + t²).
@@ -257,7 +259,7 @@ impl<M: Machine> Rule<'_, M> {
         Shape { slope, off, bend: [limit, limit] }
     }
 
-    /// 1/√(x² + 1) and −x/(x² + 1)^1.5, at most 2/(3√3).
+    /// f′ = 1/√(x² + 1), f″ = −x/(x² + 1)^1.5, |f″| ≤ 2/(3√3).
     pub(super) fn shape_of_asinh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
         let square = self.m.mul(at.x, at.x);
@@ -269,7 +271,7 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// 1/√(x² − 1) and −x/(x² − 1)^1.5, greatest at the lower end.
+    /// f′ = 1/√(x² − 1), f″ = −x/(x² − 1)^1.5; |f″| is greatest at the lower end.
     pub(super) fn shape_of_acosh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
         let product = self.difference_of_squares(at.x, one);
@@ -287,7 +289,7 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// 1/(1 − x²) and 2x/(1 − x²)².
+    /// f′ = 1/(1 − x²), f″ = 2x/(1 − x²)².
     pub(super) fn shape_of_atanh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
         let one = self.number(1.0);
         let zero = self.zero();
@@ -315,8 +317,8 @@ impl<M: Machine> Rule<'_, M> {
         [self.m.add(square.neg_lo, minus_one), self.m.add(square.hi, one)]
     }
 
-    /// A slope and a bound on the bend, to either side, that a few operations without cancellation
-    /// gave.
+    /// A slope and a symmetric bound on the bend, both computed in a few operations without
+    /// cancellation.
     fn algebraic(&mut self, slope: M::V, bend: M::V) -> Shape<M::V> {
         let share = self.number(UNITS * self.unit());
         let size = self.m.abs(slope);

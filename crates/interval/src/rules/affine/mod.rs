@@ -1,12 +1,12 @@
-//! Affine forms: values as linear functions of a few symbols, and what is left over.
+//! Affine forms: values as linear functions of a few symbols plus an error.
 //!
-//! Over a segment of a ray, or a tile of rays, a value is c + Σ sₖ·εₖ ± e with every symbol εₖ in
-//! [−1, 1]. Symbols are shared between values, so that what is correlated cancels (Comba and Stolfi
-//! 1993; Knoll, Hijazi, Kensler, Schott, Hansen and Hagen 2009 for rays). Each operation adds what
-//! it rounds, and what it leaves of curvature, to e.
+//! Over a segment of a ray, or over a tile of rays, a value is c + Σ sₖ·εₖ ± e, with every symbol
+//! εₖ in [−1, 1]. Values share symbols, so that correlated terms cancel (Comba and Stolfi 1993; for
+//! rays Knoll, Hijazi, Kensler, Schott, Hansen and Hagen 2009). Each operation adds to e its
+//! rounding and a bound on its nonlinear part.
 //!
-//! A form claims its value only at those points of the tile that lie in the domain for which the
-//! code is made: ranges that hold there may be used although the tile sticks out.
+//! A form is valid only at points of the tile that lie in the domain for which the code is
+//! compiled. Ranges that hold there may be used even if the tile extends beyond the domain.
 
 mod arithmetic;
 mod functions;
@@ -24,27 +24,27 @@ use zeroset_ops::{Class, Op};
 
 pub use solve::{Contraction, contract};
 
-/// Lanes of affine forms of `N` symbols, and facts as of an [`Enclosure`].
+/// Lanes of affine forms of `N` symbols, with facts as of an [`Enclosure`].
 ///
 /// A centre, slope or error that is not finite claims nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Form<V, const N: usize> {
     /// The value where all symbols are 0.
     pub centre: V,
-    /// What a symbol adds, per symbol; `None` if the value depends on none.
+    /// Coefficient of each symbol; `None` if the value depends on no symbol.
     pub slopes: Option<[V; N]>,
-    /// At least the distance of the value from the linear function, but for `units`; `None` if that
-    /// is 0.
+    /// At least the distance of the value from the linear function, without the rounding in
+    /// `units`; `None` if that is 0.
     error: Option<V>,
-    /// At least |centre| + Σ |slopes|, where it is known without work.
+    /// At least |centre| + Σ |slopes|, if that is known without computing it.
     magnitude: Option<V>,
-    /// Of so many [units](Rule::unit) of the magnitude, which is known then, the error has no room
-    /// yet: sums and products leave what they round to whoever asks for it, since it may be counted
-    /// once for all terms of a sum.
+    /// Rounding that `error` does not include yet, in [units](Rule::unit) of the magnitude, which
+    /// must be known. Sums and products delay it, since a sum of many terms can add it once for all
+    /// of them.
     units: f64,
-    /// −lo and hi of bounds that were found without the form, where they were.
+    /// −lo and hi of bounds that were found without the form, if any.
     bounds: Option<[V; 2]>,
-    /// What is known of the expression's domain.
+    /// Facts about the domain of definition and continuity.
     pub facts: Claims<V>,
 }
 
@@ -52,7 +52,7 @@ pub struct Form<V, const N: usize> {
 pub type FormOperand<V, const N: usize> = Term<Form<V, N>>;
 
 impl<V: Copy, const N: usize> FormOperand<V, N> {
-    /// A form of which nothing else is known.
+    /// An operand about which only its form is known.
     fn new(value: Form<V, N>) -> Self {
         Self { value, range: Interval::ENTIRE, exponent: Exponent::Real }
     }
@@ -64,7 +64,7 @@ impl<V: Copy, const N: usize> Form<V, N> {
         Rule { m, format }.error_of(self)
     }
 
-    /// The form of a value that is known to be within `range`.
+    /// The form of a value that is known to lie in `range`.
     #[must_use]
     pub fn held<M: Machine<V = V>>(self, m: &mut M, format: Format, range: Interval) -> Self {
         let ends = [-range.lo, range.hi];
@@ -72,26 +72,25 @@ impl<V: Copy, const N: usize> Form<V, N> {
         Self { bounds, ..self }
     }
 
-    /// A coordinate: defined everywhere, and linear but for `error`, which holds what its centre
-    /// and slopes were rounded by.
+    /// The form of a coordinate: defined everywhere, and linear up to `error`, which bounds the
+    /// rounding of its centre and slopes.
     pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
         Self::total(centre, Some(slopes), Some(error))
     }
 
-    /// A value that is defined and continuous everywhere, of which nothing is known beside the
-    /// form.
+    /// The form of a value that is defined and continuous everywhere, without separate bounds.
     fn total(centre: V, slopes: Option<[V; N]>, error: Option<V>) -> Self {
         let facts = Claims::TOTAL;
         Self { centre, slopes, error, magnitude: None, units: 0.0, bounds: None, facts }
     }
 
-    /// The form of a value that is only known by bounds: a parameter.
+    /// The form of a value that is known by bounds only, such as a parameter.
     pub fn between<M: Machine<V = V>>(m: &mut M, format: Format, value: &Enclosure<V>) -> Self {
         Rule { m, format }.form_between(value)
     }
 
-    /// The same of a constant within bounds that are exact in `format`, which is computed here
-    /// rather than by `m`.
+    /// The form of a constant within bounds that are exact in `format`. It is computed here, not by
+    /// `m`.
     pub fn constant<M: Machine<V = V>>(m: &mut M, format: Format, bounds: Interval) -> Self {
         let mut software = Software::new();
         let [neg_lo, hi] = [-bounds.lo, bounds.hi].map(|end| software.number(format, end));
@@ -116,7 +115,7 @@ impl<V: Copy, const N: usize> Form<V, N> {
     }
 }
 
-/// The form of `op` over lanes of operands, all in `format`.
+/// Returns the form of `op` over lanes of operands, all in `format`.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
@@ -130,14 +129,14 @@ pub fn linearise<M: Machine, const N: usize>(
     let mut rule = Rule { m, format };
     let settled: Vec<_>;
     let operands = if matches!(op.row().class, Class::Negation | Class::Sum | Class::Product) {
-        // What they are made of may wait.
+        // The rounding of these operands may stay delayed.
         operands
     } else {
         settled = operands.iter().map(|operand| rule.settled(operand)).collect();
         &settled[..]
     };
     let a = &operands[0];
-    // What varies with no symbol is as well known by its bounds.
+    // If no operand depends on a symbol, bounds are as good as a form.
     if operands.iter().all(|operand| operand.value.slopes.is_none()) {
         return rule.bounded(op, operands);
     }
@@ -189,7 +188,7 @@ pub fn linearise<M: Machine, const N: usize>(
     }
 }
 
-/// The forms of `op` and its twin on the same operand, or `None` if they share no work.
+/// Returns the forms of `op` and its twin on the same operand, or `None` if they share no work.
 pub fn linearise_twins<M: Machine, const N: usize>(
     m: &mut M,
     format: Format,
@@ -206,25 +205,25 @@ pub fn linearise_twins<M: Machine, const N: usize>(
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// The unit of rounding: an operation that rounds up, or to nearest, errs by less than this
-    /// share of its result.
+    /// The unit of rounding: an operation errs by less than this share of its result, whether it
+    /// rounds up or to nearest.
     fn unit(&self) -> f64 {
         2f64.powi(self.format.pick(-23, -52))
     }
 
-    /// The error, and more than a dozen results below the normal numbers can err by together.
+    /// `error` plus [`Self::tiny`].
     fn above_tiny(&mut self, error: Option<M::V>) -> Option<M::V> {
         let tiny = self.tiny();
         self.sum_of(error, tiny)
     }
 
-    /// More than a dozen results below the normal numbers can err by together; `None` if that does
-    /// not count.
+    /// More than the joint error of a dozen results below the normal numbers; `None` if the machine
+    /// does not count rounding.
     fn tiny(&mut self) -> Option<M::V> {
         self.m.counts_rounding().then(|| self.m.bits(self.format, 64))
     }
 
-    /// a · b, and what there is besides.
+    /// a · b + `more`, where `None` stands for 0.
     fn product_and(&mut self, a: M::V, b: M::V, more: Option<M::V>) -> M::V {
         match more {
             Some(more) => self.m.mul_add(a, b, more),
@@ -232,7 +231,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// An operation by its interval rule alone.
+    /// The form of an operation from its interval rule alone.
     fn bounded<const N: usize>(
         &mut self,
         op: Op,
@@ -242,7 +241,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_between(&value)
     }
 
-    /// The operands' bounds, and those of the operation by its interval rule.
+    /// The operands' bounds, and the operation's enclosure by its interval rule.
     fn enclosed<const N: usize>(
         &mut self,
         op: Op,
@@ -253,8 +252,8 @@ impl<M: Machine> Rule<'_, M> {
         (operands, value)
     }
 
-    /// The middle of the bounds, and at least half their width: −lo and hi are within centre ±
-    /// error.
+    /// The middle of the bounds, and at least half their width: −lo and hi are within middle ±
+    /// half.
     fn middle(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
         let half = self.number(0.5);
         let middle = self.m.nearly(|m| {
@@ -295,7 +294,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// The form's error, all of it.
+    /// The form's error, with delayed rounding included.
     fn error_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> Option<M::V> {
         match a.magnitude {
             Some(magnitude) if a.units > 0.0 => Some(self.rounded(a.error, a.units, magnitude)),
@@ -303,13 +302,13 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// The operand with all of its error, so that whoever asks for it more than once finds it done.
+    /// The operand with delayed rounding included in its error, so that it is not computed again.
     fn settled<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> FormOperand<M::V, N> {
         let value = Form { error: self.error_of(&a.value), units: 0.0, ..a.value };
         FormOperand { value, ..*a }
     }
 
-    /// The sums or products of centres or slopes, whose rounding the error holds.
+    /// `op` on pairs of centres or slopes; the form's error counts the rounding.
     fn pairwise<const N: usize>(
         &mut self,
         a: [M::V; N],
@@ -319,8 +318,8 @@ impl<M: Machine> Rule<'_, M> {
         self.m.nearly(|m| std::array::from_fn(|k| op(m, a[k], b[k])))
     }
 
-    /// An operand's bounds as the rules of intervals take them: from the form, from bounds known
-    /// beside it, and within what holds all over the domain.
+    /// The operand's bounds for an interval rule: the intersection of the form's bounds, the bounds
+    /// stored beside it, and the range.
     fn operand<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let bounds = match (a.value.slopes, a.value.bounds) {
             (None, Some(bounds)) => bounds,
@@ -333,7 +332,7 @@ impl<M: Machine> Rule<'_, M> {
                     }
                     None => [self.m.neg(a.value.centre), a.value.centre],
                 };
-                // Where the form is not a number, the other bound is taken.
+                // Where the form's bound is NaN, `min` returns the other.
                 if let Some([known_neg_lo, known_hi]) = known {
                     neg_lo = self.m.min(neg_lo, known_neg_lo);
                     hi = self.m.min(hi, known_hi);
@@ -344,7 +343,7 @@ impl<M: Machine> Rule<'_, M> {
         a.with(a.value.facts.with(bounds))
     }
 
-    /// As [`Self::operand`], but the form is not asked where bounds are known beside it.
+    /// As [`Self::operand`], but without the form's own bounds if bounds are stored beside it.
     fn operand_beside<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let (Some(_), Some(bounds)) = (a.value.slopes, a.value.bounds) else {
             return self.operand(a);
@@ -353,21 +352,21 @@ impl<M: Machine> Rule<'_, M> {
         a.with(a.value.facts.with(bounds))
     }
 
-    /// Bounds within what holds all over the domain.
+    /// Intersects bounds with a range that holds on the whole domain.
     fn within(&mut self, [neg_lo, hi]: [M::V; 2], range: Interval) -> [M::V; 2] {
         let (range_neg_lo, range_hi) = (self.number(-range.lo), self.number(range.hi));
         let neg_lo = self.m.min(neg_lo, range_neg_lo);
         let hi = self.m.min(hi, range_hi);
-        // Where these are apart there is no value, and nothing counts; but rules rely on bounds
-        // that are in order.
+        // If bounds and range are disjoint there is no value, so any bounds are right. They must
+        // only be in order, as rules rely on that.
         let range_lo = self.number(range.lo);
         let hi = self.m.max(hi, range_lo);
         let neg_hi = self.m.neg(hi);
         [self.m.max(neg_lo, neg_hi), hi]
     }
 
-    /// A form, with bounds and facts by the interval rule; in lanes where its error alone is more
-    /// than half the bounds' width, the bounds are taken for it.
+    /// The form with bounds and facts by the interval rule. In lanes where its error is not below
+    /// half the width of these bounds, they replace the form.
     fn beside<const N: usize>(
         &mut self,
         form: &Form<M::V, N>,
@@ -409,7 +408,7 @@ mod tests {
                     assert_eq!(form.magnitude, Some(m.abs(form.centre)));
                     assert_eq!(form.error.is_none(), lo == hi);
                     let middle = Form::<_, 3>::between(m, format, &enclosure);
-                    // The sum of the ends may overflow, while a single number is known as it is.
+                    // The sum of the ends may overflow, while a single number is its own centre.
                     if lo != hi || lo < 1e38 {
                         let zero = m.number(format, 0.0);
                         assert_eq!(form.centre, middle.centre, "{lo} to {hi}");

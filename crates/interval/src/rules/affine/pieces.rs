@@ -1,8 +1,7 @@
-//! Forms of what is put together from pieces: magnitudes, extrema, remainders, choices,
-//! restrictions.
+//! Forms of functions made of pieces: magnitudes, extrema, remainders, choices, restrictions.
 //!
-//! In lanes where it is clear which piece counts, its form is taken; elsewhere a line between the
-//! pieces, or bounds.
+//! In lanes where only one piece counts, its form is the result. In other lanes the result is a
+//! line between the pieces, or bounds.
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -13,8 +12,7 @@ use crate::rules::Rule;
 use zeroset_ops::Op;
 
 impl<M: Machine> Rule<'_, M> {
-    /// Over [lo, hi] around 0, |x| − αx is at least 0 and at most its greater end value, for α from
-    /// −1 to 1.
+    /// For 0 in [lo, hi] and −1 ≤ α ≤ 1, |x| − αx is at least 0, and greatest at one of the ends.
     pub(super) fn form_abs<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
         let bounds = self.operand(a);
         let value = self.abs(&bounds);
@@ -34,8 +32,8 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// The line through two pieces with these slopes that meet at 0: between `slope`·a and that
-    /// plus `most`, and in lanes that have one sign just the piece.
+    /// The form of two linear pieces with slopes `pieces` that meet at 0. The value is between
+    /// `slope`·a and `slope`·a + `most`; in lanes where a has one sign it is just one piece.
     fn form_of_pieces<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -88,7 +86,7 @@ impl<M: Machine> Rule<'_, M> {
         self.beside(&form, &value)
     }
 
-    /// `a` in the lanes of a mask, else `b`, whose bounds and facts are kept.
+    /// `a` in the lanes of the mask, else `b`; bounds and facts are those of `b`.
     fn form_select<const N: usize>(
         &mut self,
         mask: M::V,

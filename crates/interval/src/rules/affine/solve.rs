@@ -1,30 +1,30 @@
-//! Where along a ray, or along the rays of a tile, a form may vanish.
+//! Narrows segments to where affine forms may vanish, along a ray or along all rays of a tile.
 
 use super::Form;
 use crate::enclosure::Fact;
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
-/// What a form says of the zeros on a segment, which is its last symbol.
+/// Proven claims about the zeros on a segment, which the last symbol of the form runs along.
 #[derive(Clone, Copy, Debug)]
 pub struct Contraction<V> {
-    /// The new ends: all zeros lie between them, on every ray.
+    /// New near end: on every ray, all zeros lie between the new ends.
     pub near: V,
-    /// As `near`.
+    /// New far end.
     pub far: V,
     /// Lanes that may have a zero.
     pub possible: Fact<V>,
-    /// Lanes where, on every ray, the function is continuous throughout the segment and its signs
-    /// at the two ends of it are opposite and neither is 0.
+    /// Lanes where, on every ray, the function is continuous on the segment and has opposite signs,
+    /// neither 0, at its ends.
     pub crossing: Fact<V>,
 }
 
-/// Narrows the segment from `near` to `far`, over which `form` was made with the last symbol ε for
-/// t = `middle` + `half`·ε.
+/// Narrows the segment from `near` to `far`. In `form`, the last symbol ε has t = `middle` +
+/// `half`·ε along the segment.
 ///
-/// With w what the other symbols and the error can add, 0 = c + r·ε ± w gives ε within (−c ± w)/r.
-/// Every bound is rounded outward: as −lo and hi, both up. The parameter itself is t ≤ m + h·hi and
-/// −t ≤ h·(−lo) − m.
+/// Let w bound the other symbols and the error. Then 0 = c + r·ε ± w gives ε in (−c ± w)/r. Both
+/// bounds are kept as −lo and hi and rounded up, that is, outward. The parameter is t ≤ m + h·hi,
+/// and −t ≤ h·(−lo) − m.
 pub fn contract<M: Machine, const N: usize>(
     m: &mut M,
     format: Format,
@@ -46,7 +46,7 @@ pub fn contract<M: Machine, const N: usize>(
     }
     let (above, below) = (rule.m.add(rest, c), rule.m.sub(rest, c));
     let size = rule.m.abs(depth);
-    // Lanes in which even the whole segment does not reach 0. What is not a number proves nothing.
+    // Lanes in which the form does not reach 0 on the whole segment. NaN proves nothing.
     let reach = [above, below].map(|side| {
         let reach = rule.m.add(side, size);
         rule.m.lt(reach, zero)
@@ -63,8 +63,8 @@ pub fn contract<M: Machine, const N: usize>(
     let farthest = rule.m.mul_add(hi, half, middle);
     let nearest = rule.m.neg(neg_near);
     let new = [rule.m.max(nearest, near), rule.m.min(farthest, far)];
-    // Both ends are outside of the zeros' bounds, one on either side. A segment of a few floats may
-    // have its middle at an end, so that slopes alone would not tell.
+    // If all zeros lie strictly between the ends, the signs at the ends are opposite. Slopes alone
+    // would not tell: the middle of a segment of a few floats may be one of its ends.
     let (from_near, to_far) = (rule.m.lt(near, nearest), rule.m.lt(farthest, far));
     let crossing = rule.m.and(from_near, to_far);
     let crossing = Fact::Lanes(crossing).and(rule.m, form.facts.continuous);

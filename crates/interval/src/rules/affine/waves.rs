@@ -1,5 +1,5 @@
-//! Forms of sine and cosine, as of [`functions`](super::functions): each is the other's slope, and
-//! its own bend.
+//! Forms of sine and cosine, built as in [`functions`](super::functions). Each is the other's
+//! derivative and its own second derivative, up to sign.
 
 use super::{Form, FormOperand};
 use crate::machine::Machine;
@@ -11,22 +11,22 @@ struct Wave<V> {
     value: V,
     /// |value|.
     size: V,
-    /// At least how far the value is from the truth.
+    /// At least the distance of the value from the exact one.
     off: V,
 }
 
-/// Where an operand lies, as both forms need it.
+/// The operand, as the forms of both functions use it.
 struct Place<V, const N: usize> {
-    /// The operand's form less the middle of its bounds.
+    /// The operand's form minus the middle of its bounds.
     moved: Form<V, N>,
     /// Half the width of the bounds.
     reach: V,
-    /// A quarter of its square.
+    /// A quarter of the square of `reach`.
     square: V,
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// Sine and cosine.
+    /// The forms of sine and cosine.
     pub(super) fn form_waves<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -58,13 +58,12 @@ impl<M: Machine> Rule<'_, M> {
         [(sin, cos), (cos, opposite)].map(|(here, slope)| self.form_wave(&place, &here, &slope))
     }
 
-    /// v + α(a − m) and the rest. The bend is −f, so that f(x) − v − α(x − m) is within −2p and 2q
-    /// for p and q a quarter of reach² times the most and minus the least value: in the form, q − p
-    /// ± (q + p).
+    /// The form v + α(a − m), with a bound on the rest. The second derivative is −f, so f(x) − v −
+    /// α(x − m) is between −2p and 2q. Here p is reach²/4 times the greatest value, and q is
+    /// −reach²/4 times the least. The form adds q − p ± (q + p).
     ///
-    /// What is rounded, in units: what the centre and slopes are is below two of |α|(|m| +
-    /// Σ|slopes|), and one of the centre's other part, v + (q − p), which itself is off by one of v
-    /// and two of q + p.
+    /// Rounding, in units: centre and slopes err by less than two of |α|(|m| + Σ|slopes|), and the
+    /// centre by one of v + (q − p). This sum itself errs by one of v and two of q + p.
     fn form_wave<const N: usize>(
         &mut self,
         place: &Place<M::V, N>,
@@ -73,7 +72,7 @@ impl<M: Machine> Rule<'_, M> {
     ) -> Form<M::V, N> {
         let (zero, one) = (self.zero(), self.number(1.0));
         let a = &place.moved;
-        // Within reach it changes by no more than that.
+        // Within `reach` of the middle, the value changes by at most `reach`.
         let change = self.m.add(place.reach, here.off);
         let above = self.m.add(change, here.value);
         let below = self.m.sub(change, here.value);

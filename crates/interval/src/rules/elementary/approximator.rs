@@ -1,21 +1,21 @@
-//! Elementary functions of `f64` lanes: one routine each, for both formats.
+//! Routines for elementary functions on `f64` lanes, each for results in both formats.
 //!
-//! Every routine is a short sequence of lane operations that approximates a function, rounding up;
-//! it states a bound on its relative error, truncation and rounding included, and bounds are the
-//! approximation moved by that. Coefficients are those of Taylor series on the reduced range, cut
-//! where the tail is below the error claimed; the tails are stated beside them. Split constants
-//! follow Cody and Waite (Software Manual for the Elementary Functions, 1980).
+//! A routine approximates a function by a short sequence of lane operations that round up. It
+//! states a bound on its relative error, truncation and rounding included; adding that error gives
+//! bounds. Coefficients are those of Taylor series on the reduced range. A series is cut where its
+//! tail, which is stated, is below the claimed error. Split constants follow Cody and Waite
+//! (Software Manual for the Elementary Functions, 1980).
 
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
-/// Writes approximations for results that end in `target`: `F32` results need shorter series.
+/// Computes approximations for results in the format `target`; `F32` results need shorter series.
 pub(crate) struct Approximator<'a, M> {
     pub(crate) m: &'a mut M,
     pub(crate) target: Format,
 }
 
-/// Applies `routine` to the `f64` halves of each vector of `format` and joins the two results,
+/// Applies `routine` to the `f64` halves of each vector of `format`, and joins the two results,
 /// rounded up.
 pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     m: &mut M,
@@ -35,8 +35,8 @@ pub(crate) fn by_halves<M: Machine, const IN: usize, const OUT: usize>(
     }
 }
 
-/// Applies `f` to lo and hi one after the other, then `combine` to what comes of both; of `f32`
-/// lanes to the `f64` halves of each, joined as by [`by_halves`].
+/// Applies `f` to lo and to hi, then `combine` to the two results. For `f32`, it does so for the
+/// `f64` halves of each vector, and joins them as [`by_halves`] does.
 pub(crate) fn at_ends<M: Machine, const IN: usize, const MID: usize, const OUT: usize>(
     m: &mut M,
     target: Format,
@@ -64,7 +64,7 @@ pub(crate) fn at_ends<M: Machine, const IN: usize, const MID: usize, const OUT: 
 
 const F64: Format = Format::F64;
 
-/// ln 2 = `LN_2_HI` + `LN_2_LO` to 2⁻⁹⁵; `LN_2_HI` has 41 bits, so its product with an exponent is
+/// ln 2 = `LN_2_HI` + `LN_2_LO` to 2⁻⁹⁵. `LN_2_HI` has 41 bits, so its product with an exponent is
 /// exact.
 pub(super) const LN_2_HI: f64 = f64::from_bits(0x3fe6_2e42_fefa_3000);
 pub(super) const LN_2_LO: f64 = 2.823_529_056_303_157_7e-13;
@@ -88,7 +88,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.m.mul_add(k, c, x)
     }
 
-    /// 2^k for integral k with −1022 ≤ k ≤ 1023.
+    /// 2^k for integers −1022 ≤ k ≤ 1023.
     pub(super) fn power_of_two(&mut self, k: M::V) -> M::V {
         // Adding 2^52 + 1023 leaves k + 1023 in the low bits of the significand.
         let magic = self.number(4_503_599_627_370_496.0 + 1023.0);

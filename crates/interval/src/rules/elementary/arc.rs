@@ -1,4 +1,4 @@
-//! Angles of ratios: asin, acos, atan, atan2.
+//! Routines for angles of ratios: asin, acos, atan, atan2.
 
 use super::approximator::Approximator;
 use super::double_double::{Approximation, DoubleDouble};
@@ -8,19 +8,18 @@ const F64: Format = Format::F64;
 const SIGN: u64 = 1 << 63;
 const TAN_EIGHTH_PI: f64 = std::f64::consts::SQRT_2 - 1.0;
 const TAN_THREE_EIGHTHS_PI: f64 = std::f64::consts::SQRT_2 + 1.0;
-/// π/4, π/2, 3π/4 and π, each with what the double nearest to it lacks; compared with π in the
-/// tests.
+/// π/4, π/2, 3π/4 and π, each as the nearest double and the rest. The tests compare them with π.
 const QUARTER: [f64; 2] = [std::f64::consts::FRAC_PI_4, f64::from_bits(0x3c81_a626_3314_5c07)];
 const HALF: [f64; 2] = [std::f64::consts::FRAC_PI_2, f64::from_bits(0x3c91_a626_3314_5c07)];
 const THREE_QUARTERS: [f64; 2] =
     [f64::from_bits(0x4002_d97c_7f33_21d2), f64::from_bits(0x3c9a_7939_4c9e_8a0a)];
 const WHOLE: [f64; 2] = [std::f64::consts::PI, f64::from_bits(0x3ca1_a626_3314_5c07)];
-/// What the doubles nearest to −1/3 and 1/6 lack.
+/// Differences of −1/3 and 1/6 from the nearest doubles.
 const MINUS_ONE_THIRD_TAIL: f64 = -f64::from_bits(0x3c75_5555_5555_5555);
 pub(super) const ONE_SIXTH_TAIL: f64 = f64::from_bits(0x3c65_5555_5555_5555);
-/// Points farther from the origin than the first, or nearer than the second, are scaled down or up,
-/// so that sums do not overflow and no remainder underflows but of a ratio below the last, which is
-/// its own angle.
+/// Points farther from the origin than `FAR` are scaled down, points nearer than `NEAR` up. Then
+/// sums do not overflow, and remainders underflow only for ratios below `TINY_RATIO`, which equal
+/// their angles.
 const FAR: f64 = f64::from_bits((1023 + 900) << 52); // 2^900
 const NEAR: f64 = f64::from_bits((1023 - 100) << 52); // 2^-100
 const SCALE: f64 = f64::from_bits((1023 + 500) << 52); // 2^500
@@ -66,7 +65,7 @@ impl<M: Machine> Approximator<'_, M> {
     /// atan u for |u| ≤ 0.41422, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
     /// z = u² ≤ 0.17158: the tails z¹⁴/29 and z²²/45 are below 2⁻⁴⁰ and 2⁻⁶¹ of u. In `f64` the
-    /// terms from z²/5 on are rounded to a lane: 0.0053 of u, to 2⁻⁵² five times.
+    /// terms from z²/5 on, 0.0053 of u, are rounded to a lane: by 2⁻⁵² five times.
     fn atan_reduced(&mut self, u: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(13, 21);
         let coefficients: Vec<f64> = (1..=terms)
@@ -87,12 +86,12 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
     }
 
-    /// acos x for |x| ≤ 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of
-    /// [`Approximator::arc_sine`], which is at most half of a result with another term; exactly 0
-    /// at 1.
+    /// acos x for |x| ≤ 1; exactly 0 at 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that
+    /// of [`Approximator::arc_sine`], which is at most half of the result if another term is added
+    /// to it.
     pub(crate) fn acos(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
-        // π/2 − asin x; beyond ½, 2 asin √… itself, and beyond −½, π less that.
+        // π/2 − asin x; for x > ½ it is 2 asin √… itself, for x < −½ π minus that.
         let sign_bit = self.m.bits(F64, SIGN);
         let sign = self.m.and(x, sign_bit);
         let flip = self.m.and(beyond, sign_bit);
@@ -108,11 +107,11 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
-    /// For |x| ≤ ½, asin |x|; beyond, 2 asin √((1 − |x|)/2), and the mask of those lanes. To 2⁻³⁵
-    /// in `f32`, 2⁻⁵⁷ in `f64`.
+    /// Returns asin |x| for |x| ≤ ½, 2 asin √((1 − |x|)/2) for larger |x|, and the mask of these
+    /// larger lanes. Error 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
     /// The argument w of the series has w² ≤ ¼: its tails, 1.34·c₁₄·w²⁸ and 1.34·c₂₆·w⁵², are below
-    /// 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on are rounded to a lane: 0.006 of w, to
+    /// 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on, 0.006 of w, are rounded to a lane: by
     /// 2⁻⁵² five times.
     fn arc_sine(&mut self, x: M::V) -> (DoubleDouble<M::V>, M::V) {
         let t = self.m.abs(x);
@@ -137,11 +136,11 @@ impl<M: Machine> Approximator<'_, M> {
         (self.scaled(arc, factor), beyond)
     }
 
-    /// The angle of the point (x, y), at most one of which is infinite: above the x-axis or on it
-    /// where the sign bit of y is clear, below it or on it otherwise; and left of the y-axis or on
-    /// it where that of x is set.
+    /// The angle of the point (x, y), at most one of which is infinite. −0 counts as negative: as y
+    /// it is below the x-axis, as x left of the y-axis.
     ///
-    /// Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`, but 2⁻⁵² more below [`TINY_RATIO`].
+    /// Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`; 2⁻⁵² more for angles below
+    /// [`TINY_RATIO`].
     pub(crate) fn angle(&mut self, y: M::V, x: M::V) -> Approximation<M::V> {
         let (t, c) = self.moderate(y, x);
         let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
@@ -158,12 +157,12 @@ impl<M: Machine> Approximator<'_, M> {
         let above = self.choose(far, minus_c.into(), above);
         let below = self.choose(middle, sum, c.into());
         let mut below = self.choose(far, t.into(), below);
-        // At the origin the ratio is 0, as on the rest of the axis.
+        // At the origin the ratio is 0, as on the rest of the x-axis.
         let least = self.number(f64::MIN_POSITIVE);
         below.head = self.m.max(below.head, least);
         let u = self.over(above, below);
         let arc = self.atan_reduced(u);
-        // Left of the y-axis, π less the angle.
+        // Left of the y-axis the angle is π minus that.
         let left = self.sign_of(x);
         let arc = self.flipped(arc, left);
         let (zero, half) = (self.constant([0.0; 2]), self.constant(HALF));
@@ -179,8 +178,8 @@ impl<M: Machine> Approximator<'_, M> {
         let mut angle = self.plus(base, arc);
         let mut extra = None;
         if self.has_tails() {
-            // Next to the positive x-axis the angle is the ratio, as it was rounded: by an ulp, or
-            // to the least positive number, also where scaling down has rounded |y|.
+            // Next to the positive x-axis the angle is the rounded ratio. It errs by an ulp or the
+            // least positive number, even if scaling down has rounded |y|.
             let tiny = self.number(TINY_RATIO);
             let magnitude = self.m.abs(angle.head);
             let is_tiny = self.m.lt(magnitude, tiny);
@@ -195,8 +194,8 @@ impl<M: Machine> Approximator<'_, M> {
         }
     }
 
-    /// |y| and |x| at a distance from the origin that is neither huge nor tiny, infinite ones
-    /// replaced.
+    /// |y| and |x|, scaled to a distance from the origin that is neither huge nor tiny, and with infinite
+    /// ones replaced.
     fn moderate(&mut self, y: M::V, x: M::V) -> (M::V, M::V) {
         let (t, c) = (self.m.abs(y), self.m.abs(x));
         let (zero, one, infinity) =
@@ -218,7 +217,7 @@ impl<M: Machine> Approximator<'_, M> {
         (self.m.mul(t, scale), self.m.mul(c, scale))
     }
 
-    /// A constant where the mask is set, else 0.
+    /// The constant where the mask is set, else 0.
     fn masked(&mut self, mask: M::V, constant: [f64; 2]) -> DoubleDouble<M::V> {
         let constant = self.constant(constant);
         self.each(constant, |approx, part| approx.m.and(mask, part))

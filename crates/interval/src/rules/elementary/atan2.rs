@@ -1,8 +1,8 @@
-//! The angle of a box in the plane.
+//! The angles of the points of a box in the plane.
 //!
-//! Above the x-axis an angle grows from right to left; right of the y-axis it grows with y, left of
-//! it it falls. So its extremes over a box are at two corners, unless the box meets the cut, where
-//! angles jump between π and −π.
+//! Above the x-axis the angle grows from right to left. It grows with y right of the y-axis, and
+//! falls with y left of it. So its extremes over a box are at two corners, unless the box meets the
+//! cut, where angles jump between π and −π.
 
 use super::approximator::{Approximator, at_ends};
 use crate::branch::Branch;
@@ -11,9 +11,9 @@ use crate::machine::Machine;
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// The angle of (b, a) from (1, 0), in (−π, π]; cut on a = 0, b < 0, undefined at the origin.
-    /// Of a box that meets the cut from both sides, the low branch is below the x-axis and the rest
-    /// is on it or above.
+    /// The angle of (b, a) from (1, 0), in (−π, π]. It is cut on a = 0, b < 0 and undefined at the
+    /// origin. If a box meets the cut from both sides, its low branch is below the x-axis, the rest
+    /// on or above it.
     pub(in crate::rules) fn atan2(
         &mut self,
         a: &Operand<M::V>,
@@ -21,7 +21,7 @@ impl<M: Machine> Rule<'_, M> {
         branch: Branch,
     ) -> Enclosure<M::V> {
         let zero = self.zero();
-        // Zeros are positive where they are ends on the right, and above.
+        // A zero end counts as above or to the right, so −0 becomes +0.
         let (mut y_lo, mut y_hi) = (self.lo(&a.value), self.m.add(a.value.hi, zero));
         let cut = self.meets_cut(a, b);
         if let Fact::Lanes(cut) = cut {
@@ -37,22 +37,21 @@ impl<M: Machine> Rule<'_, M> {
         let right = self.m.le(zero, x_lo);
         let mut reaches_right = self.gt(x_hi, zero);
         if b.range.lo >= 0.0 {
-            // The origin alone has no angle; its bounds are still to be among those of boxes around
+            // The origin alone has no angle; its bounds must still lie within those of boxes around
             // it.
             let flat = self.m.and(upper, lower);
             reaches_right = self.m.or(reaches_right, flat);
         }
         let sign_bit = self.sign_bit();
-        // Above the axis the least angle is at the right end, the greatest at the left; each at the
-        // y that the sign of x picks. Below the axis, where angles are negative, it is the other
-        // way round, with y mirrored.
+        // Above the axis the least angle is at the right end and the greatest at the left, each at
+        // the y that the sign of x selects. Below it, where angles are negative, this is mirrored.
         let at_right_upper = self.m.select(reaches_right, y_lo, y_hi);
         let at_left_upper = self.m.select(right, y_hi, y_lo);
         let at_right_lower = self.m.select(reaches_right, y_hi, y_lo);
         let at_left_lower = self.m.select(right, y_lo, y_hi);
         let at_right_lower = self.m.or(at_right_lower, sign_bit);
         let at_left_lower = self.m.or(at_left_lower, sign_bit);
-        // Left of the y-axis or on it, an end at 0 has the sign of those before it.
+        // Left of the y-axis or on it, a zero end has the sign of negative numbers.
         let negative = self.m.or(x_hi, sign_bit);
         let x_right = self.m.select(reaches_right, x_hi, negative);
         // A box across the x-axis and right of the y-axis has both extremes at the left end.
@@ -76,7 +75,7 @@ impl<M: Machine> Rule<'_, M> {
         let (off_x, off_y) = (self.nonzero(a), self.nonzero(b));
         let origin = off_x.nowhere.and(self.m, off_y.nowhere);
         if !matches!(origin, Fact::False) {
-            // Keep lo ≤ hi also where nothing is defined.
+            // Keep lo ≤ hi where nothing is defined.
             let lo = self.m.neg(neg_lo);
             hi = self.m.max(hi, lo);
         }
@@ -87,7 +86,7 @@ impl<M: Machine> Rule<'_, M> {
         value
     }
 
-    /// −lo and hi from the corners (y, x) with the least and the greatest angle.
+    /// [−lo, hi] from the corners (y, x) with the least and the greatest angle.
     fn angles(&mut self, least: [M::V; 2], greatest: [M::V; 2]) -> [M::V; 2] {
         let at = |approx: &mut Approximator<'_, M>, [y, x]: [M::V; 2]| {
             let near = approx.angle(y, x);

@@ -1,41 +1,41 @@
-//! Numbers as unevaluated sums, for routines whose results have more digits than a lane.
+//! Numbers as unevaluated sums, for routines whose results need more digits than a lane has.
 //!
 //! A routine computes the leading terms of its series in this arithmetic and the rest in plain
-//! lanes; results in `f32` need no tails, and none are computed for them. Error-free transforms are
-//! not error-free while rounding up, but what they lose is of second order: each operation here
-//! states its bound, relative to its exact result, for operands whose tails are at most 2⁻⁵⁰ of
-//! their heads and where nothing underflows. Source: Dekker, A floating-point technique for
-//! extending the available precision (1971); for directed rounding Boldo, Graillat, Muller, On the
-//! robustness of the `2Sum` and `Fast2Sum` algorithms (2017).
+//! lanes. Results in `f32` need no tails, so none are computed. Under rounding up, error-free
+//! transforms have errors, but only of second order. Each operation here states its bound relative
+//! to the exact result, for operands whose tails are at most 2⁻⁵⁰ of their heads, and without
+//! underflow. Sources: Dekker, A floating-point technique for extending the available precision
+//! (1971); for directed rounding Boldo, Graillat, Muller, On the robustness of the `2Sum` and
+//! `Fast2Sum` algorithms (2017).
 
 use super::approximator::Approximator;
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
 const F64: Format = Format::F64;
-/// Clears the low 27 bits of a significand, so that products of two cleared ones are exact.
+/// Clears the low 27 bits of a significand, so that the product of two such numbers is exact.
 const UPPER_HALF: u64 = !((1 << 27) - 1);
-/// Below this magnitude a function with f(x) = x + O(x³) is x within any relative error, and its
-/// routines underflow.
+/// Below this magnitude, a function with f(x) = x + O(x³) equals x within any claimed relative
+/// error. Its routines would underflow.
 const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
 
-/// A number: head + tail.
+/// A number as the sum head + tail.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DoubleDouble<V> {
     pub(crate) head: V,
-    /// A few ulps of the head at most; `None` stands for 0.
+    /// At most a few ulps of the head; `None` stands for 0.
     pub(crate) tail: Option<V>,
 }
 
-/// What a routine claims: the exact value is `(sum + δ) · 2^exponent` with |δ| ≤ `error` · |head|.
+/// Result of a routine: the exact value is `(sum + δ) · 2^exponent` with |δ| ≤ `error` · |head|.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approximation<V> {
     pub(crate) sum: DoubleDouble<V>,
-    /// A bound on the relative error, truncation and rounding included.
+    /// Bound on the relative error, including truncation and rounding.
     pub(crate) error: f64,
-    /// What is to be added to the bound in each lane; only where the sum has a tail.
+    /// Addition to `error` per lane; allowed only if the sum has a tail.
     pub(crate) extra: Option<V>,
-    /// Integral; `None` stands for 0.
+    /// Integer; `None` stands for 0.
     pub(crate) exponent: Option<V>,
 }
 
@@ -78,7 +78,7 @@ impl<M: Machine> Approximator<'_, M> {
         if !self.has_tails() {
             return head.into();
         }
-        // What the head holds of b is exact, and so is what it lacks but for a rounding of second
+        // The head's part of b is exact, and the part it lacks is exact up to rounding of second
         // order.
         let held = self.m.sub(head, a.head);
         let lacking = self.m.sub(b.head, held);
@@ -103,9 +103,9 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// a · b, to 2⁻⁷².
     ///
-    /// The first difference is exact, as it is a multiple of the last place of a product of halves,
-    /// and is below 2⁻²³ of the product, as all are that follow; three additions of these lose 2⁻⁵²
-    /// each.
+    /// The first difference is exact: it is a multiple of the last place of a product of halves. It
+    /// is below 2⁻²³ of the product, and so are all terms that follow. Three additions of such
+    /// terms lose 2⁻⁵² of them each.
     pub(super) fn times(
         &mut self,
         a: impl Into<DoubleDouble<M::V>>,
@@ -145,8 +145,8 @@ impl<M: Machine> Approximator<'_, M> {
         if !self.has_tails() {
             return head.into();
         }
-        // The quotient of the remainder; its first difference is exact, as both are a few ulps
-        // apart.
+        // The tail is the remainder over b. The first difference in the remainder is exact, since
+        // its terms are a few ulps apart.
         let product = self.times(head, b);
         let rest = self.difference(a, product);
         DoubleDouble { head, tail: Some(self.m.div(rest, b.head)) }
@@ -166,7 +166,7 @@ impl<M: Machine> Approximator<'_, M> {
         DoubleDouble { head, tail: Some(self.m.div(rest, twice)) }
     }
 
-    /// a − b in one lane, for heads a few ulps apart, whose difference is exact.
+    /// a − b in one lane. The heads are a few ulps apart, so their difference is exact.
     fn difference(&mut self, a: DoubleDouble<M::V>, b: DoubleDouble<M::V>) -> M::V {
         let mut rest = self.m.sub(a.head, b.head);
         if let Some(tail) = b.tail {
@@ -178,7 +178,7 @@ impl<M: Machine> Approximator<'_, M> {
         rest
     }
 
-    /// A head and a tail each mapped by something exact.
+    /// Maps head and tail by `f`, which must be exact.
     pub(super) fn each(
         &mut self,
         a: DoubleDouble<M::V>,
@@ -192,7 +192,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.each(a, |approx, part| approx.m.mul(part, power))
     }
 
-    /// a with its sign flipped where `sign` has the sign bit; other bits of `sign` must be 0.
+    /// a with its sign flipped where `sign` has the sign bit set; other bits of `sign` must be 0.
     pub(super) fn flipped(&mut self, a: DoubleDouble<M::V>, sign: M::V) -> DoubleDouble<M::V> {
         self.each(a, |approx, part| approx.m.xor(part, sign))
     }
@@ -226,13 +226,12 @@ impl<M: Machine> Approximator<'_, M> {
         DoubleDouble { head, tail }
     }
 
-    /// w + c₁w³ + c₂w⁵ + …, given the tail of c₁ and the rest: an odd series that
-    /// starts with w.
+    /// The odd series w + c₁w³ + c₂w⁵ + …, given the tail of c₁ and the coefficients from c₁ on.
     ///
-    /// Let z = w², and let R bound the terms from c₂ on, relative to w. The error is below
-    /// 2⁻⁵²·5·R + 2⁻⁶⁹ of w for results with tails, and 2⁻⁵²·6·(the terms from c₁ on) for those
-    /// without: each term is a product of few factors, and each Horner step errs by two ulps of a
-    /// sum that the next factor z, below ⅔, makes small.
+    /// Let z = w², and let R bound the terms from c₂ on, relative to w. For results with tails, the
+    /// error is below 2⁻⁵²·5·R + 2⁻⁶⁹ of w. For those without, it is below 2⁻⁵²·6·(the terms from
+    /// c₁ on). Each term is a product of few factors. Each Horner step errs by two ulps of a sum,
+    /// and the next factor z, below ⅔, makes that error small.
     pub(super) fn odd_series(
         &mut self,
         w: DoubleDouble<M::V>,
@@ -267,12 +266,12 @@ impl<M: Machine> Approximator<'_, M> {
         self.or_tiny(x, value)
     }
 
-    /// `value` but for tiny x, where it is x.
+    /// `value`, but x where x is tiny.
     pub(super) fn or_tiny(&mut self, x: M::V, value: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         self.or_where_tiny(x, x, value)
     }
 
-    /// `value` but for tiny x, where it is `other`.
+    /// `value`, but `other` where x is tiny.
     pub(super) fn or_where_tiny(
         &mut self,
         x: M::V,
@@ -287,7 +286,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.choose(is_tiny, other.into(), value)
     }
 
-    /// An upper bound of what `near` approximates: only the last addition rounds at full size.
+    /// An upper bound of the value that `near` approximates. Only the last addition rounds at full
+    /// size.
     pub(crate) fn upper(&mut self, near: &Approximation<M::V>) -> M::V {
         let slack = self.slack(near);
         let bound = match near.sum.tail {
@@ -300,7 +300,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.raised(bound, near.exponent)
     }
 
-    /// Minus a lower bound of what `near` approximates.
+    /// A negated lower bound of the value that `near` approximates.
     pub(crate) fn negated_lower(&mut self, near: &Approximation<M::V>) -> M::V {
         let slack = self.slack(near);
         let rest = match near.sum.tail {
@@ -311,7 +311,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.raised(bound, near.exponent)
     }
 
-    /// What `near` approximates, in one lane.
+    /// The value that `near` approximates, rounded to one lane.
     pub(crate) fn value(&mut self, near: &Approximation<M::V>) -> M::V {
         let value = match near.sum.tail {
             None => near.sum.head,
@@ -325,12 +325,12 @@ impl<M: Machine> Approximator<'_, M> {
         if let Some(extra) = near.extra {
             error = self.m.add(error, extra);
         }
-        // Rounded up, it is at least the smallest positive number, unless the head is 0.
+        // This is rounded up, so it is positive unless the head is 0.
         self.m.mul(magnitude, error)
     }
 
-    /// value · 2^exponent, in two steps, as 2^exponent may be out of range where the product is
-    /// not. The first is exact, so that only one rounds, also below the normal numbers.
+    /// value · 2^exponent in two steps, as 2^exponent may be out of range when the product is not.
+    /// The first step is exact, so only one rounds, even for subnormal results.
     fn raised(&mut self, value: M::V, exponent: Option<M::V>) -> M::V {
         let Some(exponent) = exponent else {
             return value;

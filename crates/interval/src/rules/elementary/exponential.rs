@@ -1,4 +1,4 @@
-//! The exponential, powers with a real exponent, and the cube root.
+//! Routines for the exponential, powers with a real exponent, and the cube root.
 
 use super::approximator::{Approximator, LN_2_HI, LN_2_LO, reciprocal_factorials};
 use super::double_double::{Approximation, DoubleDouble};
@@ -8,8 +8,8 @@ use crate::machine::{Format, Machine};
 const F64: Format = Format::F64;
 /// Clears all but 17 bits of a significand, so that a cube is exact.
 const UPPER_THIRD: u64 = !((1 << 36) - 1);
-/// Exponents beyond this saturate a power of any base but 1, and products with a logarithm are
-/// floats.
+/// With larger exponents a power of any base but 1 overflows or underflows. With smaller ones the
+/// product with a logarithm is finite.
 const HUGE_EXPONENT: f64 = f64::from_bits((1023 + 600) << 52); // 2^600
 
 impl<M: Machine> Approximator<'_, M> {
@@ -29,7 +29,7 @@ impl<M: Machine> Approximator<'_, M> {
         }
     }
 
-    /// exp(x), near enough.
+    /// An approximation of exp(x), without a stated error.
     pub(crate) fn exp_near(&mut self, x: impl Into<DoubleDouble<M::V>>) -> M::V {
         let x = x.into();
         match self.target {
@@ -44,8 +44,8 @@ impl<M: Machine> Approximator<'_, M> {
         }
     }
 
-    /// k and x − k·ln 2 for the nearest k, |x − k·ln 2| ≤ 0.3467; x is limited to between `least`
-    /// and `most`.
+    /// Returns k and x − k·ln 2 for the nearest k, |x − k·ln 2| ≤ 0.3467, after clamping x to
+    /// `least`..=`most`.
     fn exponent_and_rest(
         &mut self,
         x: DoubleDouble<M::V>,
@@ -66,20 +66,20 @@ impl<M: Machine> Approximator<'_, M> {
         let low = self.m.mul(k, minus_lo);
         let mut rest = self.plus(rest, low);
         if let (Some(a), Some(b)) = (rest.tail, x.tail) {
-            // Of a limited x, nothing but the limit counts.
+            // If x was clamped, its tail is void.
             let unlimited = self.m.eq(head, x.head);
             let b = self.m.and(unlimited, b);
             let tail = self.m.add(a, b);
-            // It may be many ulps of the rest, of which the higher terms take the head alone.
+            // The tail may be many ulps of the rest, but higher terms use only the head.
             rest = self.plus(rest.head, tail);
         }
         (k, rest)
     }
 
-    /// exp(x) · factor in `f32`, each operation on the product rounded up; relative error below
-    /// [`EXP_ERROR_F32`].
+    /// exp(x) · factor in `f32`, with each operation on the product rounded up. Relative error
+    /// below [`EXP_ERROR_F32`].
     fn exp_times(&mut self, x: M::V, factor: M::V) -> M::V {
-        // Past these, results overflow or underflow the target whatever x is.
+        // Beyond these limits, results overflow or underflow the target.
         let (k, r) = self.exponent_and_rest(x.into(), [-160.0, 128.0]);
         // |r| ≤ 0.3467: the tail r¹⁰/10! is below 2⁻³⁷.
         let mantissa = self.series(r.head, &reciprocal_factorials(10, 0, 1));
@@ -90,9 +90,9 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// exp(x) in `f64`. Relative error below 2⁻⁵⁵.
     ///
-    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on are rounded to a lane: 0.0072, to six
-    /// ulps, over 0.707: 0.061 · 2⁻⁵². The tail of x is at most a few ulps of it, where the result
-    /// is a float.
+    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on, 0.0072, are rounded to a lane by six
+    /// ulps, relative to 0.707: 0.061 · 2⁻⁵². The tail of x is at most a few ulps of it if the
+    /// result is a float.
     pub(super) fn exp_of(&mut self, x: DoubleDouble<M::V>) -> Approximation<M::V> {
         let (k, r) = self.exponent_and_rest(x, [-760.0, 720.0]);
         let (one, half) = (self.number(1.0), self.number(0.5));
@@ -107,11 +107,11 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation { exponent: Some(k), ..Approximation::new(sum, 2f64.powi(-55)) }
     }
 
-    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. Relative error
-    /// of an exponential with exponent e below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
+    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. The relative
+    /// error of an exponential with exponent e is below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
     ///
-    /// The exponents are the products of the ends of ln a and b, with the relative error 2⁻⁶⁰ of
-    /// the logarithm; the extreme ones are picked by head, then tail.
+    /// The exponents are the products of the ends of ln a and b; the logarithm has a relative error
+    /// of 2⁻⁶⁰. The extreme exponents are found by comparing heads, then tails.
     pub(crate) fn power(&mut self, a: [M::V; 2], [b_neg_lo, b_hi]: [M::V; 2]) -> [M::V; 2] {
         let b_lo = self.m.neg(b_neg_lo);
         let ln = a.map(|a| self.ln(a, Base::E).sum);
@@ -134,7 +134,8 @@ impl<M: Machine> Approximator<'_, M> {
         let [lo, hi] = [lo, hi].map(|exponent| {
             let near = self.exp_of(exponent);
             let magnitude = self.m.abs(exponent.head);
-            // Beyond this the result is 0 or ∞, and its bounds are as good with any error.
+            // With a larger exponent the result is 0 or ∞, and a larger error does not widen its
+            // bounds.
             let limit = self.number(1024.0);
             let magnitude = self.m.min(magnitude, limit);
             let relative = self.number(2f64.powi(-59));
@@ -144,7 +145,7 @@ impl<M: Machine> Approximator<'_, M> {
         [self.negated_lower(&lo), self.upper(&hi)]
     }
 
-    /// A logarithm times an exponent, which in `f64` is limited to [`HUGE_EXPONENT`].
+    /// A logarithm times an exponent; in `f64` the exponent is clamped to ±[`HUGE_EXPONENT`].
     pub(crate) fn times_limited(
         &mut self,
         ln: DoubleDouble<M::V>,
@@ -158,7 +159,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.times(ln, b)
     }
 
-    /// The mask a < b for sums whose heads are rounded up.
+    /// The mask of a < b, for sums whose heads are rounded up.
     fn precedes(&mut self, a: DoubleDouble<M::V>, b: DoubleDouble<M::V>) -> M::V {
         let zero = self.number(0.0);
         let less = self.m.lt(a.head, b.head);
@@ -183,7 +184,7 @@ impl<M: Machine> Approximator<'_, M> {
             let root = self.m.add(guess, correction);
             return Approximation::new(self.odd_cbrt(root.into(), x), 2f64.powi(-34));
         }
-        // |x| = 8ʲ·y, where whatever j is, y is exact.
+        // |x| = 8ʲ·y, where y is exact for every j.
         let (k, m) = self.significand(magnitude);
         let (third, three) = (self.number(1.0 / 3.0), self.number(3.0));
         let exponent = self.m.mul(k, third);
@@ -192,9 +193,9 @@ impl<M: Machine> Approximator<'_, M> {
         let rest = self.m.sub(k, whole);
         let power = self.power_of_two(rest);
         let y = self.m.mul(m, power);
-        // A guess g of 17 bits has an exact cube, and so is y − g³. Then ∛y = g·∛(1 + w), w = (y −
-        // g³)/g³ ≤ 2⁻¹⁴: the tail of the series is below 2⁻⁷², and its terms, below 2⁻¹⁵, are right
-        // to 2⁻⁵⁰.
+        // A guess g of 17 bits has an exact cube, and y − g³ is exact. Then ∛y = g·∛(1 + w), with w
+        // = (y − g³)/g³ ≤ 2⁻¹⁴. The tail of the series is below 2⁻⁷². Its terms are below 2⁻¹⁵, and
+        // right to 2⁻⁵⁰.
         let guess = Approximator { m: self.m, target: Format::F32 }.cbrt_guess(y);
         let mask = self.m.bits(F64, UPPER_THIRD);
         let guess = self.m.and(guess, mask);
@@ -210,7 +211,7 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation { exponent: Some(exponent), ..Approximation::new(root, 2f64.powi(-63)) }
     }
 
-    /// ∛x for x > 0 to 2⁻³² or so: exp(ln x / 3).
+    /// ∛x = exp(ln x / 3) for x > 0, to about 2⁻³².
     fn cbrt_guess(&mut self, x: M::V) -> M::V {
         let third = self.number(1.0 / 3.0);
         let ln = self.ln(x, Base::E).sum.head;
@@ -227,5 +228,5 @@ impl<M: Machine> Approximator<'_, M> {
     }
 }
 
-/// A bound on the relative error of [`Approximator::exp_times`]: truncation 2⁻³⁷ and rounding.
+/// Bound on the relative error of [`Approximator::exp_times`]: truncation 2⁻³⁷, and rounding.
 const EXP_ERROR_F32: f64 = f64::from_bits((1023 - 34) << 52);

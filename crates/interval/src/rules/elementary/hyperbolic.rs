@@ -1,17 +1,17 @@
-//! Hyperbolic functions: sinh, cosh, tanh.
+//! Routines for the hyperbolic functions sinh, cosh and tanh.
 //!
 //! |x| = k·ln 2 + r with |r| ≤ 0.3467, and e^±r = cosh r ± sinh r. With q = 4⁻ᵏ,
 //!
 //! 2¹⁻ᵏ sinh|x| = (1 − q) cosh r + (1 + q) sinh r, 2¹⁻ᵏ cosh|x| = (1 + q) cosh r + (1 − q) sinh r.
 //!
-//! For k = 0 the first is 2 sinh r alone, so that small operands lose nothing; for k ≥ 1 both are
-//! at least 0.35.
+//! For k = 0 the first is 2 sinh r alone, so small operands lose no digits. For k ≥ 1 both are at
+//! least 0.35.
 
 use super::approximator::{Approximator, LN_2_HI, LN_2_LO, reciprocal_factorials};
 use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::Machine;
 
-/// e^|x| as parts: see the head of this file.
+/// The terms of e^|x|, as at the top of this file.
 struct Parts<V> {
     /// k.
     exponent: V,
@@ -23,30 +23,31 @@ struct Parts<V> {
 
 impl<M: Machine> Approximator<'_, M> {
     /// sinh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
-    ///
-    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` the rounded terms are r³/6 and r⁴/24
-    /// with those that follow: 0.0072 and 0.0007, each to six ulps, times 1 + q ≤ 1.25, over 0.35:
-    /// 0.19 · 2⁻⁵²; for k = 0 only the first, over r: 0.13 · 2⁻⁵².
+    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` two terms are rounded to a lane, each
+    /// by six ulps: r³/6 and what follows, 0.0072, and r⁴/24 and what follows, 0.0007. Times 1 + q
+    /// ≤ 1.25 and relative to 0.35 this is 0.19 · 2⁻⁵². For k = 0 only the first counts, relative
+    /// to r: 0.13 · 2⁻⁵².
     pub(crate) fn sinh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
         let sum = self.half_sum(&parts, minus_q);
-        // Doubled, as k = 0 here.
+        // Tiny x is doubled, since `halved` halves it for k = 0.
         let twice = self.m.add(x, x);
         let sum = self.signed(x, sum);
         let sum = self.or_where_tiny(x, twice, sum);
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
-    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: as for sinh, over at
-    /// least 1.
+    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: as for sinh, but
+    /// relative to at least 1.
     pub(crate) fn cosh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let sum = self.half_sum(&parts, parts.q);
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
-    /// tanh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: those of sinh and cosh.
+    /// tanh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: the sum of those of
+    /// sinh and cosh.
     pub(crate) fn tanh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
@@ -58,7 +59,7 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     fn exponential_parts(&mut self, x: M::V) -> Parts<M::V> {
-        // Past these, results overflow the target, and tanh is 1 less far below an ulp.
+        // Beyond these limits, results overflow the target, and tanh is 1 to far below an ulp.
         let most = self.pick(128.0, 720.0);
         let most = self.number(most);
         let magnitude = self.m.abs(x);
@@ -71,7 +72,7 @@ impl<M: Machine> Approximator<'_, M> {
         let minus_lo = self.number(-LN_2_LO);
         let rest = self.m.mul(exponent, minus_lo);
         let r = self.plus(r, rest);
-        // 4^-k is far below an ulp of 1 for k > 64, and might underflow.
+        // For k > 64, 4^-k is far below an ulp of 1, and might underflow.
         let limit = self.number(64.0);
         let k = self.m.min(exponent, limit);
         let minus_two = self.number(-2.0);
@@ -110,7 +111,7 @@ impl<M: Machine> Approximator<'_, M> {
         if self.has_tails() {
             return Approximation { exponent: Some(exponent), ..Approximation::new(sum, error) };
         }
-        // Results beyond the target are within f64.
+        // Results beyond the range of `f32` are still finite in `f64`.
         let power = self.power_of_two(exponent);
         let sum = self.scaled(sum, power);
         Approximation::new(sum, error)

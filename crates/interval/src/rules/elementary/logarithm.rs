@@ -1,8 +1,8 @@
-//! Logarithms, and the inverse hyperbolic functions, which are logarithms: ln, log2, log10, asinh,
-//! acosh, atanh.
+//! Routines for logarithms, and for inverse hyperbolic functions, which are logarithms: ln, log2,
+//! log10, asinh, acosh, atanh.
 //!
-//! A number is 2ᵏ·m with √½ ≤ m < √2, and ln m = 2 artanh s with s = (m − 1)/(m + 1), |s| ≤ 0.1716.
-//! Where the number is 1 + u, k = 0 leaves s = u/(2 + u), so that small u lose nothing.
+//! A number is 2ᵏ·m with √½ ≤ m < √2. Then ln m = 2 artanh s with s = (m − 1)/(m + 1), |s| ≤
+//! 0.1716. For a number 1 + u with k = 0, s = u/(2 + u), so a small u loses no digits.
 
 use super::approximator::{Approximator, LN_2_HI, LN_2_LO};
 use super::double_double::{Approximation, DoubleDouble};
@@ -12,17 +12,17 @@ const F64: Format = Format::F64;
 /// Bits of the double nearest to √½, and of 1.
 const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 const ONE: u64 = 0x3ff0_0000_0000_0000;
-/// From here on (2³⁰), in `f64`, asinh x and acosh x are ln 2x to 2⁻⁶⁶.
+/// Above this (2³⁰), in `f64`, asinh x and acosh x equal ln 2x to 2⁻⁶⁶.
 const LARGE: f64 = 1_073_741_824.0;
-/// Above every `f32`; its square is a float.
+/// Above every `f32`; its square is finite in `f64`.
 const BEYOND_F32: f64 = f64::from_bits((1023 + 200) << 52); // 2^200
 
-/// Lanes beyond [`LARGE`].
+/// The lanes where x is above [`LARGE`].
 #[derive(Clone, Copy)]
 struct Large<V> {
     /// Their mask.
     lanes: V,
-    /// Finite.
+    /// x, clamped to finite numbers.
     x: V,
 }
 
@@ -35,8 +35,8 @@ pub(crate) enum Base {
 }
 
 impl Base {
-    /// The logarithm of 2 as two parts, of which the first has at most 41 bits, so that its product
-    /// with an exponent is exact.
+    /// The logarithm of 2 as two parts. The first has at most 41 bits, so its product with an
+    /// exponent is exact.
     fn of_two(self) -> [f64; 2] {
         match self {
             Self::E => [LN_2_HI, LN_2_LO],
@@ -45,7 +45,7 @@ impl Base {
         }
     }
 
-    /// The logarithm of e as two parts; `None` for 1.
+    /// The logarithm of e as head and tail; `None` for 1.
     fn of_e(self) -> Option<[f64; 2]> {
         match self {
             Self::E => None,
@@ -55,11 +55,11 @@ impl Base {
     }
 }
 
-/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶; `LOG10_2_HI` has 41 bits. The constants are
-/// compared with the numbers they split in the tests.
+/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶; `LOG10_2_HI` has 41 bits. The tests compare the
+/// constants with the numbers that they split.
 const LOG10_2_HI: f64 = f64::from_bits(0x3fd3_4413_509f_7000);
 const LOG10_2_LO: f64 = f64::from_bits(0x3d43_fde6_23e2_566b);
-/// What the doubles nearest to log₂ e, log₁₀ e and 1/3 lack.
+/// Differences of log₂ e, log₁₀ e and 1/3 from the nearest doubles.
 const LOG2_E_TAIL: f64 = f64::from_bits(0x3c77_77d0_ffda_0d24);
 const LOG10_E_TAIL: f64 = f64::from_bits(0x3c69_5355_baaa_fad3);
 const ONE_THIRD_TAIL: f64 = f64::from_bits(0x3c75_5555_5555_5555);
@@ -67,8 +67,8 @@ const ONE_THIRD_TAIL: f64 = f64::from_bits(0x3c75_5555_5555_5555);
 impl<M: Machine> Approximator<'_, M> {
     /// The logarithm of finite x > 0. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
     ///
-    /// In `f64` only [`Approximator::twice_artanh`] errs above 2⁻⁷⁰. It is at most half as large as
-    /// the sum with k·ln 2.
+    /// In `f64` only [`Approximator::twice_artanh`] errs by more than 2⁻⁷⁰. It is at most half as
+    /// large as its sum with k·ln 2.
     pub(crate) fn ln(&mut self, x: M::V, base: Base) -> Approximation<M::V> {
         let (k, m) = self.significand(x);
         let one = self.number(1.0);
@@ -77,7 +77,7 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
-    /// x > 0 as 2ᵏ·m with √½ ≤ m < √2, exactly: k and m.
+    /// Returns k and m for x = 2ᵏ·m > 0 with √½ ≤ m < √2, exactly.
     pub(super) fn significand(&mut self, x: M::V) -> (M::V, M::V) {
         let (x, offset) = match self.target {
             Format::F32 => (x, None), // every positive f32 is a normal f64
@@ -89,7 +89,7 @@ impl<M: Machine> Approximator<'_, M> {
                 (self.m.select(subnormal, scaled, x), Some(self.m.and(subnormal, bits)))
             }
         };
-        // Shift the bits so that the exponent field steps at √½.
+        // Shift the bits so that the exponent field changes at √½.
         let shift = self.m.bits(F64, ONE - ROOT_HALF);
         let shifted = self.m.int_add(x, shift);
         let exponent = self.m.shift_right(shifted, 52);
@@ -141,7 +141,7 @@ impl<M: Machine> Approximator<'_, M> {
     /// 2 artanh s for |s| ≤ 0.1716, to 2⁻³⁶ in `f32`, 2⁻⁶¹ in `f64`.
     ///
     /// s² ≤ 0.02944, so the tails of the series are below 2⁻³⁹ and 2⁻⁶⁵. In `f64` only the terms
-    /// from z²/5 on are rounded to a lane: 0.00018 of s, to 2⁻⁵² five times.
+    /// from z²/5 on, 0.00018 of s, are rounded to a lane: by 2⁻⁵² five times.
     fn twice_artanh(&mut self, s: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(6, 11);
         if self.has_tails() {
@@ -161,7 +161,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.m.mul(sum, s.head).into()
     }
 
-    /// ln(1 + u) for 0 ≤ u; ln 2x in the lanes that are `large`.
+    /// ln(1 + u) for u ≥ 0, or ln 2x in the lanes of `large`.
     fn ln_one_plus(
         &mut self,
         u: DoubleDouble<M::V>,
@@ -181,7 +181,7 @@ impl<M: Machine> Approximator<'_, M> {
             let tail = self.m.mul(tail, power);
             f = self.plus(f, tail);
         }
-        // 1 + u lost digits of a small u, which is f itself.
+        // 1 + u lost digits of a small u; there f is u itself.
         let near_one = self.m.eq(k, zero);
         let f = self.choose(near_one, u, f);
         if let Some(Large { lanes, .. }) = large {
@@ -191,7 +191,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.ln_of_parts(k, f, Base::E)
     }
 
-    /// x limited to [`LARGE`], and what lies beyond.
+    /// Returns x clamped to [`LARGE`], and the lanes where x is above it.
     fn large(&mut self, x: M::V) -> (M::V, Option<Large<M::V>>) {
         let limit = self.pick(BEYOND_F32, LARGE);
         let limit = self.number(limit);
@@ -206,7 +206,7 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Relative error
-    /// below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`: u has 2⁻⁶⁹, and the logarithm no more than that of
+    /// below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`: u errs by 2⁻⁶⁹, and the logarithm as in
     /// [`Approximator::ln`].
     pub(crate) fn asinh(&mut self, x: M::V) -> Approximation<M::V> {
         let magnitude = self.m.abs(x);
@@ -238,8 +238,8 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// atanh x for |x| < 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
     ///
-    /// With (1 + |x|)/(1 − |x|) = 2ᵏ·m, s = ((1 + |x|) − 2ᵏ(1 − |x|)) / ((1 + |x|) + 2ᵏ(1 − |x|)),
-    /// and for k = 0 it is |x| itself.
+    /// Let (1 + |x|)/(1 − |x|) = 2ᵏ·m. Then s = ((1 + |x|) − 2ᵏ(1 − |x|)) / ((1 + |x|) + 2ᵏ(1 −
+    /// |x|)), which is |x| for k = 0.
     pub(crate) fn atanh(&mut self, x: M::V) -> Approximation<M::V> {
         let t = self.m.abs(x);
         let (one, zero, minus_t) = (self.number(1.0), self.number(0.0), self.m.neg(t));
@@ -248,7 +248,7 @@ impl<M: Machine> Approximator<'_, M> {
         let (k, _) = self.significand(ratio);
         let power = self.power_of_two(k);
         let below = self.scaled(below, power);
-        // The heads are within a factor of 2 of one another, so their difference is exact.
+        // The heads are within a factor of 2 of each other, so their difference is exact.
         let minus_below = self.opposite(below);
         let (difference, sum) = (self.plus(above, minus_below), self.plus_nonneg(above, below));
         let s = self.over(difference, sum);

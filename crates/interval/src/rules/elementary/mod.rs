@@ -1,6 +1,6 @@
-//! Elementary functions. Here are sine, cosine and tangent, from the routines in [`trigonometric`]
-//! or, of small operands, in [`near`]; [`monotone`] has the functions that only rise or
-//! fall, [`atan2`] the angle of two operands.
+//! Rules of elementary functions. This file has sine, cosine and tangent, from the routines in
+//! [`trigonometric`] or, for operands near 0, in [`near`]. [`monotone`] has the monotone functions,
+//! [`atan2`] the angle of a point.
 
 pub(crate) mod approximator;
 mod arc;
@@ -37,8 +37,8 @@ impl<M: Machine> Rule<'_, M> {
         self.wave(a, |approx, x, half_pi| approx.cos(x, half_pi), 0.0, 0.5)
     }
 
-    /// Sine or cosine: `f` approximates it and counts quarter turns, `peak` and `trough` say at how
-    /// many turns from 0 it is 1 and −1.
+    /// Encloses sine or cosine. `f` approximates the function and counts quarter turns. `peak` and
+    /// `trough` are angles, in turns, at which it is 1 and −1.
     fn wave(
         &mut self,
         a: &Operand<M::V>,
@@ -63,7 +63,7 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, ..a.value }
     }
 
-    /// −lo and hi of sine and cosine of an operand that is one number, at any size.
+    /// [−lo, hi] of sine and of cosine of an operand that is one number of any magnitude.
     pub(super) fn waves_of_point(&mut self, a: &Operand<M::V>) -> [[M::V; 2]; 2] {
         let half_pi = HalfPi::for_angles(a.range);
         let bounds = by_halves(self.m, self.format, [a.value.hi], |approx, [x]| {
@@ -85,7 +85,7 @@ impl<M: Machine> Rule<'_, M> {
         let half_pi = HalfPi::for_angles(a.range);
         let tan = |approx: &mut Approximator<'_, M>, x| approx.tan(x, half_pi);
         let [neg_lo, hi, first, last] = self.values_and_turns(a, tan, true, 0.5);
-        // In half turns, there is a pole at every integer and a half.
+        // In half turns, the poles are at half integers.
         let pole = self.has_turn([first, last], 0.5);
         let mut free = self.not(pole);
         if let Some(near) = self.within_limit(a, half_pi) {
@@ -98,8 +98,8 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// −lo and hi over values at both ends, of which the first is the least where the function
-    /// `rises`, and the turns there, as of [`turns`].
+    /// Values and turns of a function over bounds: −lo and hi of its values at both ends, and the
+    /// ends as by [`turns`]. If it `rises`, its value at the lower end is the least.
     fn values_and_turns(
         &mut self,
         a: &Operand<M::V>,
@@ -142,7 +142,7 @@ impl<M: Machine> Rule<'_, M> {
 
     /// Lanes where the angle, given by [`turns`], passes j + `offset` for some integer j.
     fn has_turn(&mut self, [neg_lo, hi]: [M::V; 2], offset: f64) -> M::V {
-        // floor(hi − offset) ≥ ceil(lo − offset); all are multiples of 1/8 below 2^21, exact in
+        // floor(hi − offset) ≥ ceil(lo − offset). Both are multiples of 1/8 below 2^21, exact in
         // f32.
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
@@ -153,7 +153,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.le(zero, count)
     }
 
-    /// Lanes whose ends can be reduced, or `None` if all can.
+    /// Lanes whose ends can be reduced; `None` if all can.
     fn within_limit(&mut self, a: &Operand<M::V>, half_pi: &HalfPi) -> Option<M::V> {
         let limit = half_pi.limit(self.format);
         if (Interval { lo: -limit, hi: limit }).encloses(a.range) {
@@ -165,11 +165,11 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// Quarter turns at lo and hi, as −lo and hi in units of 1/`scale` quarters.
+/// Multiplies the quarter turns at both ends by `scale`, and returns them as [−lo, hi].
 ///
-/// Each is half a quarter off a whole number, on the side where the angle is. That side may be
-/// wrong only where the angle is nearer to whole quarters than the error of its reduction; sine and
-/// cosine have come to ±1 within their own bound there, and no float at all is so near to a pole of
+/// Both are half a quarter turn from an integer, on the side of the angle. The side can be wrong
+/// only if the angle is closer to a multiple of a quarter turn than the error of its reduction. In
+/// that case sine and cosine are ±1 within their own error, and no float is as close to a pole of
 /// the tangent.
 fn turns<M: Machine>(m: &mut M, lo: M::V, hi: M::V, scale: f64) -> [M::V; 2] {
     let minus = m.number(Format::F64, -scale);

@@ -1,5 +1,5 @@
-//! Functions that only rise or fall, at most after taking the magnitude: bounds from the routines
-//! at two ends.
+//! Rules of functions that are monotone, or monotone in the magnitude: their bounds come from
+//! routines at two ends.
 
 use super::approximator::{Approximator, by_halves};
 use super::double_double::Approximation;
@@ -10,8 +10,7 @@ use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// −lo and hi of a function from approximations at the two operands where it is least and
-    /// greatest.
+    /// [−lo, hi] of a function, from approximations at the operands where it is least and greatest.
     fn bounds_at(
         &mut self,
         [least, greatest]: [M::V; 2],
@@ -44,7 +43,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// Bounds of an increasing function that is defined everywhere.
+    /// Encloses an increasing function that is defined everywhere.
     pub(in crate::rules) fn increasing(
         &mut self,
         a: &Operand<M::V>,
@@ -54,8 +53,8 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.with(self.bounds_at(ends, f))
     }
 
-    /// As [`Self::increasing`], of a function that is unbounded where its operand is, by a routine
-    /// for finite operands.
+    /// Encloses an increasing function that is infinite where its operand is, by a routine for
+    /// finite operands.
     pub(in crate::rules) fn increasing_unbounded(
         &mut self,
         a: &Operand<M::V>,
@@ -89,7 +88,7 @@ impl<M: Machine> Rule<'_, M> {
             let (at_lo, at_hi) = (approx.ln(lo, base), approx.ln(hi, base));
             [approx.negated_lower(&at_lo), approx.upper(&at_hi)]
         });
-        // −∞ from a lower end at or below 0, +∞ from an infinite upper one.
+        // The result is −∞ at a lower end ≤ 0, and +∞ at an infinite upper end.
         let infinity = self.infinity();
         if a.range.lo <= 0.0 {
             let zero = self.zero();
@@ -104,7 +103,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// (lo, hi) raised to the least positive number of the format, where a logarithm can start.
+    /// [lo, hi], raised to the least positive number of the format, where the logarithm is defined.
     pub(in crate::rules) fn positive_ends(&mut self, a: &Operand<M::V>) -> [M::V; 2] {
         let lo = self.lo(&a.value);
         if a.range.lo > 0.0 {
@@ -163,7 +162,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// `bound`, but +∞ where the upper end is `limit` or more.
+    /// `bound`, or +∞ in lanes where the upper end is at least `limit`.
     fn infinite_from(&mut self, a: &Operand<M::V>, limit: f64, bound: M::V) -> M::V {
         if a.range.hi < limit {
             return bound;
@@ -173,7 +172,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.select(reached, infinity, bound)
     }
 
-    /// Both ends, limited to a domain.
+    /// [lo, hi], clamped to a domain.
     fn limited_ends(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> [M::V; 2] {
         let ends = [self.lo(&a.value), a.value.hi];
         if (Interval { lo: least, hi: most }).encloses(a.range) {
@@ -186,7 +185,7 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// What is defined between these ends.
+    /// Claims of an operation that is defined on [`least`, `most`].
     fn between(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> Claims<M::V> {
         if (Interval { lo: least, hi: most }).encloses(a.range) {
             return Claims::TOTAL;
@@ -198,7 +197,7 @@ impl<M: Machine> Rule<'_, M> {
         self.domain(outside, inside)
     }
 
-    /// The same for the domain from −1 to 1 without its ends.
+    /// Claims of an operation that is defined on (−1, 1).
     fn between_ones(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if a.range.lo > -1.0 && a.range.hi < 1.0 {
             return Claims::TOTAL;

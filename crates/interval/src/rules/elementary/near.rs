@@ -1,13 +1,13 @@
-//! Sine and cosine of operands that stay near 0 throughout: both from one reduction, and in `f32`
-//! four lanes at a time, where [`approximator`](super::approximator) needs two halves of `f64`.
+//! Sine and cosine of operands near 0, both from one reduction. In `f32`, four lanes are computed
+//! at a time, where [`approximator`](super::approximator) needs two halves of `f64`.
 //!
-//! An angle is k·π/2 + s − n with a small correction n: the first two parts of π/2 have so few bits
-//! that their products with k are exact, and so is all that leads to s and n but the last product.
-//! No `f32` up to its limit is closer than 2⁻²⁶·⁴ to a multiple of π/2, where n is 1.6 % of s; no
-//! `f64` closer than 2⁻⁶⁰·⁵, where n is below 2⁻¹⁴ of s.
+//! An angle is k·π/2 + s − n with a small correction n. The first two parts of π/2 have so few bits
+//! that their products with k are exact. So every step to s and n is exact except the last product.
+//! No `f32` up to its limit is closer than 2⁻²⁶·⁴ to a multiple of π/2; there n is 1.6 % of s. No
+//! `f64` is closer than 2⁻⁶⁰·⁵; there n is below 2⁻¹⁴ of s.
 //!
-//! Results are a head, exact, and a tail, small: only their sum rounds at full size. The bounds on
-//! the tails' errors are those of rounding up; every `f32` up to the limit was tried with them (the
+//! Results are an exact head and a small tail, so only their sum rounds at full size. The bounds on
+//! the tails' errors assume rounding up. Every `f32` up to the limit was tested with them (the
 //! example `exhaustive`).
 
 use super::Rule;
@@ -15,26 +15,26 @@ use crate::bounds::Interval;
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::Machine;
 
-/// What differs between the formats.
+/// The constants of one format.
 struct Constants {
-    /// Operands up to this magnitude can be reduced.
+    /// Largest magnitude of an operand that can be reduced.
     limit: f64,
-    /// Operands that are known better than this are constants or nearly so: computed once, and then
-    /// worth their last digits.
+    /// Operands whose range is narrower than this are almost constant. They are computed once, so
+    /// their last digits are worth the slower routine.
     narrow: f64,
-    /// π/2 in three parts, the last rounded; they are compared with π in the tests.
+    /// π/2 in three parts, the last one rounded. The tests compare them with π.
     half_pi: [f64; 3],
-    /// Adding 1.5·2²³ or 1.5·2⁵² leaves integers in the low bits.
+    /// Adding 1.5·2²³ or 1.5·2⁵² puts an integer into the low bits.
     integer: f64,
-    /// (cos s − 1 + z/2)/z² and (sin s − s)/s³ as polynomials in z = s² ≤ 0.618: those for which
-    /// the largest error that they make in the cosine and sine is least.
+    /// Polynomials in z = s² ≤ 0.618 for (cos s − 1 + z/2)/z² and (sin s − s)/s³. They minimize the
+    /// largest error of cosine and sine.
     cos: &'static [f64],
     sin: &'static [f64],
     /// Half a unit in the last place of 1.
     half_ulp: f64,
 }
 
-/// k has 7 bits, the parts of π/2 17 and 14. The polynomials err by 2⁻³¹ and 2⁻²⁸·⁵.
+/// k has 7 bits; the first parts of π/2 have 17 and 14. The polynomials err by 2⁻³¹ and 2⁻²⁸·⁵.
 static NEAR_F32: Constants = Constants {
     limit: 192.0,
     narrow: 0.0,
@@ -49,7 +49,7 @@ static NEAR_F32: Constants = Constants {
     half_ulp: f64::from_bits((1023 - 24) << 52),
 };
 
-/// k has 11 bits, the parts of π/2 41 and 42. The polynomials err by 2⁻⁶³ and 2⁻⁵⁷·⁸.
+/// k has 11 bits; the first parts of π/2 have 41 and 42. The polynomials err by 2⁻⁶³ and 2⁻⁵⁷·⁸.
 static NEAR_F64: Constants = Constants {
     limit: 2048.0,
     narrow: 1.0 / (1 << 20) as f64,
@@ -78,11 +78,11 @@ static NEAR_F64: Constants = Constants {
     half_ulp: f64::from_bits((1023 - 53) << 52),
 };
 
-/// A reduced angle.
+/// A reduced angle: k quarter turns plus `rest` minus `correction`.
 struct Turned<V> {
     /// k in the low bits.
     bits: V,
-    /// s: what is left beside k quarter turns, less `correction`.
+    /// s in the equation at the top of this file; `correction` is n.
     rest: V,
     correction: V,
 }
@@ -93,16 +93,16 @@ struct Estimate<V> {
     tail: V,
 }
 
-/// Bounds of both functions at one end.
+/// Bounds of both functions at one end, each as −lo and hi.
 struct End<V> {
     sin: [V; 2],
     cos: [V; 2],
-    /// Whole quarter turns below the angle, in the low bits.
+    /// Number of whole quarter turns below the angle, in the low bits.
     quarters: V,
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// Whether sine and cosine of an operand within `range` have this routine.
+    /// Whether this routine computes sine and cosine of an operand within `range`.
     pub(crate) fn is_near(&self, range: Interval) -> bool {
         let Constants { limit, narrow, .. } = *self.constants();
         (Interval { lo: -limit, hi: limit }).encloses(range) && range.hi - range.lo >= narrow
@@ -112,13 +112,13 @@ impl<M: Machine> Rule<'_, M> {
         self.format.pick(&NEAR_F32, &NEAR_F64)
     }
 
-    /// Sine and cosine of an operand for which [`Self::is_near`] holds.
+    /// Encloses sine and cosine of an operand for which [`Self::is_near`] holds.
     pub(crate) fn near_waves(&mut self, a: &Operand<M::V>) -> [Enclosure<M::V>; 2] {
         let lo = self.m.neg(a.value.neg_lo);
         let (lo, hi) = (self.near_end(lo), self.near_end(a.value.hi));
-        // The ends of quarter turns between the two ends: those congruent to 1 modulo 4 are maxima
-        // of the sine, then come, in turn, minima of the cosine, of the sine, maxima of the cosine.
-        // All numbers compared are integers, read as the subnormal floats with these bits.
+        // Quarter turns between the two ends: those congruent to 1 modulo 4 are maxima of the sine.
+        // The next ones are, in turn, minima of the cosine, minima of the sine and maxima of the
+        // cosine. All comparisons are of integers, as subnormal floats with the same bits.
         let passed = self.m.int_sub(hi.quarters, lo.quarters);
         let [zero, one, two, three] = [0, 1, 2, 3].map(|bits| self.m.bits(self.format, bits));
         let [to_first, to_second] = [zero, one].map(|from| {
@@ -133,8 +133,8 @@ impl<M: Machine> Rule<'_, M> {
         [sin, cos].map(|[neg_lo, hi]| Enclosure { neg_lo, hi, ..a.value })
     }
 
-    /// (−lo, hi) over the interval from those at its ends, and from where it has a minimum and a
-    /// maximum.
+    /// [−lo, hi] over the interval, from the bounds at its ends and the masks of an inner minimum
+    /// and maximum.
     fn near_wave(&mut self, [at_lo, at_hi]: [[M::V; 2]; 2], extrema: [M::V; 2]) -> [M::V; 2] {
         let one = self.number(1.0);
         std::array::from_fn(|i| {
@@ -144,8 +144,8 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Sine and cosine at points up to the limit, each to [`NEAR_UNITS`] of itself and at most a
-    /// unit beyond ±1.
+    /// Sine and cosine at points up to the limit, with a relative error of at most [`NEAR_UNITS`]
+    /// units and at most a unit beyond ±1.
     pub(crate) fn near_waves_at(&mut self, a: M::V) -> [M::V; 2] {
         let turned = self.near_reduce(a);
         let values = self.near_sums(&turned).map(|sum| [self.m.add(sum.head, sum.tail)]);
@@ -173,7 +173,7 @@ impl<M: Machine> Rule<'_, M> {
         let [sin, cos] = self.turn_back(&turned, bounds).map(|([neg_lo, hi], sign)| {
             [self.m.select_signed(sign, hi, neg_lo), self.m.select_signed(sign, neg_lo, hi)]
         });
-        // The lanes that are below k quarters: a set mask is −1.
+        // Lanes where the angle is below k quarters; a set mask is −1.
         let zero = self.zero();
         let before = self.m.lt(turned.rest, zero);
         End { sin, cos, quarters: self.m.int_add(turned.bits, before) }
@@ -189,7 +189,7 @@ impl<M: Machine> Rule<'_, M> {
         let near = self.m.mul_add(k, first, x);
         let second = self.m.mul(k, second);
         let rest = self.m.sub(near, second);
-        // rest − near is exact, and so is what rounding added to `rest`.
+        // rest − near is exact, and so is the error of `rest`.
         let moved = self.m.sub(rest, near);
         let added = self.m.add(second, moved);
         let correction = self.m.mul_add(k, third, added);
@@ -201,7 +201,7 @@ impl<M: Machine> Rule<'_, M> {
     fn near_sums(&mut self, turned: &Turned<M::V>) -> [Estimate<M::V>; 2] {
         let Turned { rest: s, correction: n, .. } = *turned;
         let z = self.m.mul(s, s);
-        // cos s = 1 − z/2 + z²(1/24 − …); n·s stands for n·sin s.
+        // cos s = 1 − z/2 + z²(1/24 − …). n·sin s is approximated by n·s.
         let (one, minus_half) = (self.number(1.0), self.number(-0.5));
         let nearly = self.m.mul_add(z, minus_half, one);
         let constants = self.constants();
@@ -209,22 +209,22 @@ impl<M: Machine> Rule<'_, M> {
         let fourth = self.m.mul(z, z);
         let moved = self.m.mul(n, s);
         let cos = Estimate { head: nearly, tail: self.m.mul_add(fourth, series, moved) };
-        // sin s = s − s·z(1/6 − …); n·(1 − z/2) stands for n·cos s.
+        // sin s = s − s·z(1/6 − …). n·cos s is approximated by n·(1 − z/2).
         let cube = self.m.mul(s, z);
         let series = self.series(z, constants.sin);
         let moved = self.m.mul(n, nearly);
         [Estimate { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
 
-    /// Sine and cosine from those of the rest, values or bounds, each to be negated where the sign
-    /// bit beside it is set.
+    /// Values or bounds of sine and cosine of the angle, from those of the rest. Each must be
+    /// negated where the sign bit of the vector beside it is set.
     fn turn_back<const N: usize>(
         &mut self,
         turned: &Turned<M::V>,
         [sin, cos]: [[M::V; N]; 2],
     ) -> [([M::V; N], M::V); 2] {
-        // By bit 0 of k, and bit 1 of k or, for the cosine, of k + 1: moved to the sign bit, they
-        // choose.
+        // Bit 0 of k swaps sine and cosine. The signs are bit 1 of k and, for the cosine, bit 1 of
+        // k + 1. Each is shifted to the sign bit to select by it.
         let last = self.format.pick(31, 63);
         let odd = self.m.shift_left(turned.bits, last);
         let sin_sign = self.m.shift_left(turned.bits, last - 1);
@@ -246,18 +246,18 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// How far the cosine's sum may be above the truth and below it, in units of 2⁻²⁴ or 2⁻⁵³ =
-/// ulp(cos s). For z ≥ ½, −z/2 is a multiple of ½ and too low by less than that, so that 1 − z/2 is
-/// too high by ½ at most, and the tail adds less than ⅓; for smaller z, 1 − z/2 is too high by less
-/// than 1 − z/2, −z/2 too low by less than ¼, the tail wrong by less than z/2: by at most six
-/// roundings of z²/24, each of two units, the polynomial, and n·s³/6 for an n of a unit.
+/// How far the cosine's sum may be above the exact value and below it, in units of 2⁻²⁴ or 2⁻⁵³ =
+/// ulp(cos s). For z ≥ ½, −z/2 is a multiple of ½ and too low by less than that. So 1 − z/2 is too
+/// high by at most ½, and the tail adds less than ⅓. For smaller z, 1 − z/2 is too high by less
+/// than 1 − z/2, −z/2 is too low by less than ¼, and the tail errs by less than z/2. This covers
+/// six roundings of z²/24 by two units each, the polynomial, and n·s³/6 for an n of one unit.
 const COS_SLACK: [f64; 2] = [1.0, 0.75];
-/// A bound on the error of the sine's tail, in such units of |s|: at most three roundings in one
-/// direction of 0.1, each of two units, make 0.61, the polynomial 0.07, n·(cos s − 1 + z/2) 0.03.
+/// Bound on the error of the sine's tail, in the same units of |s|. Three roundings of 0.1 in one
+/// direction, of two units each, make 0.61, the polynomial 0.07, n·(cos s − 1 + z/2) 0.03.
 const SIN_SLACK: f64 = 0.75;
 
-/// A value rounds up by less than one unit of 2⁻²³ or 2⁻⁵² of itself, and half [`COS_SLACK`] are at
-/// most 0.708 of a cosine of π/4, half [`SIN_SLACK`] 0.42 of a sine.
+/// Rounding the value up adds less than one unit of 2⁻²³ or 2⁻⁵² of itself. Half of [`COS_SLACK`]
+/// is at most 0.708 of a cosine of π/4, half of [`SIN_SLACK`] 0.42 of a sine.
 pub(crate) const NEAR_UNITS: f64 = 1.75;
 
 #[cfg(test)]

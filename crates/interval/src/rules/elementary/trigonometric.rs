@@ -1,4 +1,5 @@
-//! Sine, cosine and tangent of angles up to [`HalfPi::limit`], reduced by multiples of π/2.
+//! Routines for sine, cosine and tangent of angles up to [`HalfPi::limit`], reduced by multiples of
+//! π/2.
 
 use super::approximator::{Approximator, reciprocal_factorials};
 use super::arc::ONE_SIXTH_TAIL;
@@ -8,18 +9,18 @@ use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
 
-/// π/2 as a sum of parts: all but the last have so few bits that their products with any k up to
-/// the limit are exact. The parts are compared with π in the tests.
+/// π/2 as a sum of parts. All but the last have so few bits that their products with any k up to
+/// the limit are exact. The tests compare the parts with π.
 pub(crate) struct HalfPi {
     /// For results in `f32`.
     f32: &'static [f64],
     /// For results in `f64`.
     f64: &'static [f64],
-    /// The largest angle that is reduced, in `f32` and in `f64`.
+    /// Largest magnitude of an angle that is reduced, in `f32` and in `f64`.
     limits: [f64; 2],
 }
 
-/// For k of 20 bits: parts of 33.
+/// Parts of 33 bits, for k of 20 bits.
 static COMMON: HalfPi = HalfPi {
     f32: &[f64::from_bits(0x3ff9_21fb_5440_0000), f64::from_bits(0x3dd0_b461_1a62_6331)],
     f64: &[
@@ -31,8 +32,8 @@ static COMMON: HalfPi = HalfPi {
     limits: [1_048_576.0; 2], // 2^20
 };
 
-/// For k of 33 bits: parts of 20. Turns of angles up to 2²³ are exact in `f32`; farther apart than
-/// that, two neighbours among the `f32` differ by more than half a radian.
+/// Parts of 20 bits, for k of 33 bits. Turns of angles up to 2²³ are exact in `f32`; beyond,
+/// neighboring `f32` differ by more than half a radian.
 static LARGE: HalfPi = HalfPi {
     f32: &[
         f64::from_bits(0x3ff9_21fa_0000_0000),
@@ -51,37 +52,38 @@ static LARGE: HalfPi = HalfPi {
 };
 
 impl HalfPi {
-    /// The shortest sum that reduces all angles within `range`, or most of them.
+    /// Returns the shortest sum that reduces all angles within `range`, or the sum with the largest
+    /// limit.
     pub(crate) fn for_angles(range: Interval) -> &'static Self {
         let limit = COMMON.limits[0];
         if (Interval { lo: -limit, hi: limit }).encloses(range) { &COMMON } else { &LARGE }
     }
 
-    /// Angles up to this magnitude are reduced; beyond it sine and cosine are only known to be in
-    /// [−1, 1].
+    /// Largest magnitude of an angle that is reduced; beyond it, sine and cosine are only known to
+    /// be in [−1, 1].
     pub(crate) fn limit(&self, format: Format) -> f64 {
         format.pick(self.limits[0], self.limits[1])
     }
 }
 
 impl<M: Machine> Approximator<'_, M> {
-    /// Reduces an angle x up to the limit, for results in `f32` to 2⁻⁶⁷ absolutely, in `f64` to
-    /// 2⁻⁵⁸ relatively.
+    /// Reduces an angle x up to the limit. For results in `f32` the absolute error is 2⁻⁶⁷, in
+    /// `f64` the relative error is 2⁻⁵⁸.
     ///
-    /// k may be one of two neighbours where x is within 2⁻¹⁹ quarter turns of their middle. No
-    /// `f64` up to 2³³ is nearer than 2⁻⁶⁰·⁵ to a multiple of π/2 but 0, no `f32` up to 2²³ nearer
-    /// than 2⁻²⁷·⁹ (by continued fractions); the last product errs by 2⁻¹¹⁹ in `f64`.
+    /// If x is within 2⁻¹⁹ quarter turns of the middle of two multiples, k may be either. By
+    /// continued fractions, no `f64` up to 2³³ but 0 is closer than 2⁻⁶⁰·⁵ to a multiple of π/2,
+    /// and no `f32` up to 2²³ closer than 2⁻²⁷·⁹. The last product errs by 2⁻¹¹⁹ in `f64`.
     fn reduce(&mut self, x: M::V, half_pi: &HalfPi) -> Angle<M::V> {
         let two_over_pi = self.number(std::f64::consts::FRAC_2_PI);
         let quarters = self.m.mul(x, two_over_pi);
         let k = self.m.nearest(quarters);
         let parts = self.pick(half_pi.f32, half_pi.f64);
-        // The first product is exact and so is its difference.
+        // The first product is exact, and so is its difference from x.
         let first = self.subtract_multiple(x, k, parts[0]);
         let (last, middle) = parts[1..].split_last().expect("two parts");
         let rest = if self.has_tails() {
-            // The products of the middle parts are exact, and so are their differences where they
-            // cancel; where they do not, the tails hold what they round.
+            // The products of the middle parts are exact. Where their differences cancel they are
+            // exact, too; elsewhere the tails hold the rounding.
             let mut rest = DoubleDouble::from(first);
             for part in middle {
                 let part = self.number(-part);
@@ -111,7 +113,7 @@ impl<M: Machine> Approximator<'_, M> {
     /// sin r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
     /// The tails r¹³/13! and r¹⁹/19! are below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the terms from r⁵/120
-    /// on are rounded to a lane: 0.0032 of r, to 2⁻⁵² five times.
+    /// on, 0.0032 of r, are rounded to a lane: by 2⁻⁵² five times.
     fn sin_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(5, 8);
         self.odd_series(r, -ONE_SIXTH_TAIL, &alternating(terms, 3))
@@ -119,8 +121,8 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// cos r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁴ in `f64`.
     ///
-    /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on are
-    /// rounded to a lane: 0.0159, to 2⁻⁵² six times, over 0.707.
+    /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on,
+    /// 0.0159, are rounded to a lane: by 2⁻⁵² six times, relative to 0.707.
     fn cos_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let coefficients = alternating(self.pick(6, 9), 2);
         let one = self.number(1.0);
@@ -139,7 +141,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.plus(sum, later)
     }
 
-    /// The lanes of k whose bit 0 is set, as a mask.
+    /// The mask of the lanes in which bit 0 of k is set.
     fn odd_lanes(&mut self, k: M::V) -> M::V {
         let (one, zero) = (self.m.bits(F64, 1), self.m.bits(F64, 0));
         let set = self.m.and(k, one);
@@ -154,23 +156,23 @@ impl<M: Machine> Approximator<'_, M> {
         self.flipped(value, sign)
     }
 
-    /// sin x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below
-    /// 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
+    /// sin x and [`Angle::quarters`]. The sine is arbitrary beyond the limit; up to it the relative
+    /// error is below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
     pub(crate) fn sin(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let reduced = [self.sin_reduced(angle.rest), self.cos_reduced(angle.rest)];
         (self.sin_of(x, &angle, reduced), angle.quarters)
     }
 
-    /// cos x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error as
-    /// that of the sine.
+    /// cos x and [`Angle::quarters`]. The cosine is arbitrary beyond the limit; up to it the
+    /// relative error is that of the sine.
     pub(crate) fn cos(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let reduced = [self.sin_reduced(angle.rest), self.cos_reduced(angle.rest)];
         (self.cos_of(&angle, reduced), angle.quarters)
     }
 
-    /// Both.
+    /// sin x and cos x, as by [`Self::sin`] and [`Self::cos`].
     pub(crate) fn waves(&mut self, x: M::V, half_pi: &HalfPi) -> [Approximation<M::V>; 2] {
         let angle = self.reduce(x, half_pi);
         let reduced = [self.sin_reduced(angle.rest), self.cos_reduced(angle.rest)];
@@ -203,8 +205,8 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54)))
     }
 
-    /// tan x for x up to the limit, anything beyond; and [`Angle::quarters`]. Relative error below
-    /// 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: those of sine and cosine.
+    /// tan x and [`Angle::quarters`]. The tangent is arbitrary beyond the limit; up to it the
+    /// relative error is below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: the sum of those of sine and cosine.
     pub(crate) fn tan(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
@@ -218,21 +220,21 @@ impl<M: Machine> Approximator<'_, M> {
     }
 }
 
-/// A bound on the relative error of all three in `f32`.
+/// Bound on the relative error of all three functions in `f32`.
 pub(super) const WAVE_ERROR_F32: f64 = f64::from_bits((1023 - 34) << 52);
 
 /// An angle as k quarter turns and a rest.
 struct Angle<V> {
-    /// The angle less k·π/2.
+    /// The angle minus k·π/2.
     rest: DoubleDouble<V>,
     /// k in the low bits.
     bits: V,
-    /// k + ½ or k − ½, by the sign of the rest: it tells on which side of k quarters the angle is.
+    /// k + ½ or k − ½, by the sign of the rest: the side of k quarters on which the angle is.
     quarters: V,
 }
 
-/// (−1)ⁿ / (first + 2n − 2)! for n = 1…terms: the series of sine (first = 3) and cosine (first = 2)
-/// after its lead.
+/// (−1)ⁿ / (first + 2n − 2)! for n = 1…terms: the series of sine (first = 3) or cosine (first = 2)
+/// without its first term.
 fn alternating(terms: u32, first: u32) -> Vec<f64> {
     let mut coefficients = reciprocal_factorials(terms, first, 2);
     coefficients.iter_mut().step_by(2).for_each(|c| *c = -*c);

@@ -1,5 +1,4 @@
-//! The operations under test as graphs, and the two ways to enclose them: software `f64` and native
-//! code.
+//! The operations under test as graphs, and their evaluators: software `f64` and native code.
 
 use super::itl::{Decoration, Term};
 use std::collections::HashMap;
@@ -15,7 +14,7 @@ pub struct Function {
     pub root: NodeId,
 }
 
-/// The function that ITF1788 calls `name`, or why there is none.
+/// Returns the function that ITF1788 calls `name`, or the reason why it is missing.
 pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str> {
     let op = match name {
         "neg" => Op::Neg,
@@ -69,7 +68,7 @@ pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str>
     Ok(Function { graph, root })
 }
 
-/// An operation on x and a constant, which is the last operand or else the first.
+/// Returns an operation on x and a constant, which is the last operand or else the first.
 fn with_integer(op: Op, integer: i64, last: bool) -> Function {
     let mut graph = Graph::new();
     let (x, n) = (graph.variable(Axis::X), graph.integer(integer));
@@ -85,7 +84,7 @@ pub struct QueryResult {
 }
 
 impl Function {
-    /// Encloses it in software, node by node, in `f64`.
+    /// Encloses the function in software, node by node, in `f64`.
     pub fn fold(&self, operands: &[Decorated]) -> QueryResult {
         let mut values: HashMap<NodeId, Decorated> = HashMap::new();
         for (id, node) in self.graph.iter() {
@@ -107,7 +106,7 @@ impl Function {
         QueryResult { bounds, facts }
     }
 
-    /// The same function with the operands that are `empty` defined nowhere.
+    /// Returns the same function, undefined everywhere in operands that are `empty`.
     fn restricted(&self, empty: &[bool]) -> Self {
         let mut graph = Graph::new();
         let never = graph.integer(-1);
@@ -135,16 +134,16 @@ impl Function {
     }
 }
 
-/// What native code is told about its operands.
+/// Assumptions of native code about its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Told {
-    /// Nothing: every guard is there.
+    /// Nothing, so that the code contains every guard.
     Nothing,
-    /// The box itself, as a picture's domain: guards and cases fall away.
+    /// The box itself, like a picture's domain, so that guards and cases are left out.
     TheBox,
 }
 
-/// Native code in one precision, kept by what it was compiled for.
+/// Native code in one precision, cached by function and empty operands.
 pub struct Native<T: Real> {
     told: Told,
     kernels: HashMap<String, zeroset_jit::Native<Enclose, T>>,
@@ -155,8 +154,8 @@ impl<T: Real> Native<T> {
         Self { told, kernels: HashMap::new() }
     }
 
-    /// Encloses `function`, known as `key`, over operands whose ends are of the precision; `None`
-    /// is the empty set.
+    /// Encloses `function`, whose name in the cache is `key`. The ends of the operands must be
+    /// floats of the precision; `None` is the empty set.
     pub fn enclose(
         &mut self,
         key: &str,
@@ -192,13 +191,13 @@ impl<T: Real> Native<T> {
     }
 }
 
-/// The bounds with ends in a precision, rounded outward.
+/// Returns the bounds rounded outward to floats of a precision.
 pub fn outward<T: Real>(bounds: Interval) -> Interval {
     let (neg_lo, hi): (f64, f64) = (T::above(-bounds.lo).into(), T::above(bounds.hi).into());
     Interval { lo: 0.0 - neg_lo, hi: 0.0 + hi }
 }
 
-/// An operand as the software type takes it.
+/// Converts an operand to the software type.
 pub fn value_of(bounds: Option<Interval>, decoration: Option<Decoration>) -> Decorated {
     match bounds {
         None => (Interval::ENTIRE, Facts::NOWHERE).into(),

@@ -1,36 +1,36 @@
-//! Reads test cases in the interval test language of ITF1788: `name operand… = result;` within
-//! `testcase … { }`.
+//! A reader of test cases in the interval test language of ITF1788: `name operand… = result;`
+//! within `testcase … { }`.
 //!
-//! It knows the notation of numbers, intervals and decorations, not what any operation means.
+//! It knows the notation of numbers, intervals and decorations, but no operations.
 
 use zeroset_interval::{Facts, Interval};
 
 /// One line of a test: an operation, its operands and its tightest result.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// The name of the operation.
+    /// Name of the operation.
     pub name: String,
     /// The operands in order.
     pub operands: Vec<Term>,
-    /// What must come of it.
+    /// The tightest result.
     pub result: Term,
-    /// The line as it stands in the file, single-spaced.
+    /// The line of the file, with single spaces.
     pub text: String,
 }
 
 /// An operand or a result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Term {
-    /// An interval (`None`: the empty one), decorated or bare.
+    /// An interval (`None` if empty), decorated or bare.
     Set(Option<Interval>, Option<Decoration>),
-    /// Not an interval.
+    /// The invalid interval NaI ("not an interval").
     Nai,
     /// An integer, the exponent of `pown`.
     Integer(i32),
 }
 
-/// A decoration, from the weakest claim to the strongest; `com` (bounded as well) counts as `Dac`,
-/// for bounds tell.
+/// A decoration, from the weakest claim to the strongest. `com` (also bounded) counts as `Dac`,
+/// since the bounds show whether they are bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decoration {
     /// Nothing is claimed.
@@ -42,7 +42,7 @@ pub enum Decoration {
 }
 
 impl Decoration {
-    /// The facts that claim the same.
+    /// Returns the facts with the same meaning.
     pub fn facts(self) -> Facts {
         match self {
             Self::Trv => Facts::NONE,
@@ -51,7 +51,7 @@ impl Decoration {
         }
     }
 
-    /// The strongest decoration whose claim these facts make.
+    /// Returns the strongest decoration that these facts imply.
     pub fn of(facts: Facts) -> Self {
         if facts.has(Facts::TOTAL) {
             Self::Dac
@@ -63,10 +63,10 @@ impl Decoration {
     }
 }
 
-/// All cases of a file.
+/// Returns all cases of a file.
 ///
 /// # Panics
-/// If the file is not understood: a case must not be lost in silence.
+/// If the file contains other notation, so that no case is skipped unnoticed.
 pub fn parse(file: &str) -> Vec<Case> {
     let mut text = file.to_owned();
     while let Some(start) = text.find("/*") {
@@ -142,7 +142,7 @@ fn term(text: &str) -> Term {
     Term::Set(bounds, decoration)
 }
 
-/// A number; decimal ones are the nearest `f64`, as in the C++ source of these tests.
+/// Returns a number; decimals are rounded to the nearest `f64`, as in these tests' C++ source.
 fn number(text: &str) -> f64 {
     let text = text.trim().to_lowercase();
     let (sign, magnitude) = match text.strip_prefix('-') {
@@ -157,7 +157,7 @@ fn number(text: &str) -> f64 {
     0.0 + sign * value.unwrap_or_else(|| panic!("a number: {text}"))
 }
 
-/// `1.8p-3`: exact, as the files hold nothing that is not an `f64`.
+/// Reads a number like `1.8p-3` exactly. The files contain only numbers that are `f64`.
 fn hexadecimal(digits: &str) -> Option<f64> {
     let (digits, exponent) = digits.split_once('p')?;
     let exponent: i32 = exponent.parse().ok()?;

@@ -1,8 +1,8 @@
-//! Conformance with IEEE 1788: the vectors of ITF1788 against software intervals in `f64` and
+//! Conformance with IEEE 1788: the test vectors of ITF1788, for software intervals in `f64` and
 //! native kernels in `f32` and `f64`.
 //!
-//! Every enclosure must hold the tightest one; how much wider it is goes into
-//! `tests/data/itl/report.txt`, which this test compares.
+//! Every enclosure must contain the tightest one. `tests/data/itl/report.txt` lists how much wider
+//! enclosures are, and this test compares it.
 //! `ZEROSET_BLESS=1 cargo test -p zeroset-testkit --test all conformance` rewrites it.
 
 mod function;
@@ -17,16 +17,15 @@ use tally::{Tally, Ulp, Verdict, judge};
 use zeroset_eval::Real;
 use zeroset_interval::{Facts, Interval};
 
-/// Where the software type is the tightest whatever its operands, and native code is on finite
-/// ones.
+/// Operations with the tightest enclosures: always in software, natively for finite operands.
 const TIGHTEST: [&str; 15] = [
     "neg", "add", "sub", "mul", "div", "recip", "sqr", "sqrt", "abs", "sign", "floor", "ceil",
     "trunc", "min", "max",
 ];
 const ROUND: &str = "roundTiesToEven";
 
-/// Wider enclosures up to this many ulps are counted, not listed, unless the operation should be
-/// tightest.
+/// Greatest excess in ulps that is counted without being listed. Excess of an operation that should
+/// be tightest is always listed.
 const UNREMARKABLE: u64 = 64;
 
 fn is_tightest(name: &str) -> bool {
@@ -37,7 +36,7 @@ fn data() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/itl")
 }
 
-/// A case that can be run: its function, and its operands that are sets.
+/// A case that can be run: its function, and those of its operands that are sets.
 struct Query<'a> {
     case: &'a Case,
     function: Function,
@@ -67,7 +66,7 @@ impl<'a> Query<'a> {
         self.operands.iter().map(|(bounds, _)| *bounds).collect()
     }
 
-    /// Counts an answer, lists it if it is remarkable, and checks what it claims of the function.
+    /// Counts a result, lists it if it is remarkable, and checks its facts.
     fn record(&self, answer: QueryResult, tightest: Option<Interval>, ulp: Ulp, tally: &mut Tally) {
         let name = &self.case.name;
         let verdict = judge(answer, tightest, ulp)
@@ -143,8 +142,7 @@ fn natively<T: Real>(cases: &[Case], told: Told, ulp: Ulp) -> Tally {
             question.record(answer, question.result.map(outward::<T>), ulp, &mut tally);
             continue;
         }
-        // Over widened operands only the software type knows the tightest result, where it is
-        // tightest itself.
+        // Over widened operands the tightest result is known only if software is tightest.
         if let Err(violation) = judge(answer, question.result, ulp) {
             panic!("{} natively: {violation}", case.text);
         }

@@ -1,4 +1,4 @@
-//! How enclosures compare with the tightest, counted by operation and written as a table.
+//! Comparison of enclosures with the tightest ones, counted by operation and written as a table.
 
 use super::function::QueryResult;
 use super::itl::Decoration;
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use zeroset_interval::{Facts, Interval};
 
-/// The floats in which widths are counted.
+/// The float type whose ulps are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ulp {
     F32,
@@ -14,7 +14,7 @@ pub enum Ulp {
 }
 
 impl Ulp {
-    /// How many floats apart two numbers are.
+    /// Returns the number of floats from one number to another.
     fn between(self, a: f64, b: f64) -> u64 {
         let signed = |negative, magnitude: i64| if negative { -magnitude } else { magnitude };
         let place = |x: f64| match self {
@@ -29,20 +29,20 @@ impl Ulp {
     }
 }
 
-/// One enclosure against the tightest.
+/// Comparison of an enclosure with the tightest one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is the tightest, or proven empty where it is.
+    /// It is the tightest, or correctly proven empty.
     Tight,
-    /// An end is this many floats too far out, the other no more.
+    /// One end is this many floats too far out, the other end at most as many.
     Wider(u64),
-    /// An end is infinite that need not be.
+    /// An end is infinite although a finite one is possible.
     Unbounded,
-    /// It is not known to be empty.
+    /// The result is empty, but that is not proven.
     Unproven,
 }
 
-/// Compares an answer with the tightest enclosure, or says what is wrong with it.
+/// Compares a result with the tightest enclosure. An error says why the result is wrong.
 pub fn judge(answer: QueryResult, tightest: Option<Interval>, ulp: Ulp) -> Result<Verdict, String> {
     let nowhere = answer.facts.has(Facts::NOWHERE);
     let Some(tightest) = tightest else {
@@ -85,7 +85,7 @@ pub struct Tally {
     rows: BTreeMap<String, Row>,
     skipped: BTreeMap<String, u64>,
     listed: Vec<String>,
-    /// Cases with finite operands, of operations that should be tightest there, that are not.
+    /// Number of results that should be tightest, for finite operands, but are not.
     pub loose: u64,
 }
 
@@ -101,7 +101,7 @@ impl Tally {
         *self.skipped.entry(format!("{name}: {reason}")).or_default() += 1;
     }
 
-    /// Counts a case whose bounds were only checked to hold the result.
+    /// Counts a case whose bounds were only checked to contain the result.
     pub fn contain(&mut self, name: &str) {
         self.row(name).contained += 1;
     }
@@ -119,7 +119,7 @@ impl Tally {
         }
     }
 
-    /// Compares what is claimed of definition and continuity with what could be.
+    /// Compares the facts about definition and continuity with the expected ones.
     pub fn decorate(&mut self, name: &str, ours: Decoration, expected: Decoration) {
         let row = self.rows.get_mut(name).expect("counted before");
         row.decorations[match ours.cmp(&expected) {
@@ -129,24 +129,24 @@ impl Tally {
         }] += 1;
     }
 
-    /// Notes a case by its line.
+    /// Adds a line to the list of cases.
     pub fn list(&mut self, line: String) {
         self.listed.push(line);
     }
 
-    /// The cases that are not the tightest, of the operations named.
+    /// Number of cases of these operations whose enclosure is not the tightest.
     pub fn wider(&self, names: &[&str]) -> u64 {
         let rows = self.rows.iter().filter(|(name, _)| names.contains(&name.as_str()));
         let sum = |row: &Row| row.wider.iter().sum::<u64>() + row.unbounded + row.unproven;
         rows.map(|(_, row)| sum(row)).sum()
     }
 
-    /// Decorations that claim more than the standard does.
+    /// Number of decorations that are stronger than the standard allows.
     pub fn stronger(&self) -> u64 {
         self.rows.values().map(|row| row.decorations[2]).sum()
     }
 
-    /// The table, then what was skipped and why, then the cases listed.
+    /// Writes the table, then the skipped cases with reasons, then the listed cases.
     pub fn write(&self, title: &str, to: &mut String) {
         let mut heads = vec!["cases", "tight"];
         heads.extend(WIDTHS.map(|(_, head)| head));

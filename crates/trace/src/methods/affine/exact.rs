@@ -6,16 +6,17 @@
 use super::frame::RayFrame;
 use super::plane::PlaneLanes;
 use super::screens::outward;
-use crate::camera::{Camera, Projection, Ray};
+use crate::camera::{Camera, Projection};
 use crate::grid::RayGrid;
 use crate::packet::tests::{exact, inside};
-use crate::region::Region;
 use crate::scalar::Scalar;
-use crate::simd_chunks::levels;
 use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use num_rational::BigRational;
 use zeroset_eval::{LANES, Lanes, Planes, Segments, Tiles};
+use zeroset_space::Ray;
+use zeroset_space::Region;
+use zeroset_testkit::simd::levels;
 use zeroset_testkit::{Adversarial, Effort, Ends, Rng};
 
 /// Pixels in a row, and rows.

@@ -6,12 +6,12 @@
 
 use super::screens::{Ends, Rays};
 use crate::grid::RayGrid;
-use crate::region::Region;
 use crate::scalar::{HALF, Scalar};
 use crate::simd_chunks::parts;
 use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
 use zeroset_eval::{LANES, Lanes, Segments, Tiles};
+use zeroset_space::Region;
 
 /// Forms lose a few times what their coordinates are rounded by.
 pub(super) const BLURS: f64 = 4.0;
@@ -342,8 +342,8 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
     use crate::methods::local_ray;
-    use crate::simd_chunks::levels;
     use fearless_simd::dispatch;
+    use zeroset_testkit::simd::levels;
 
     #[test]
     fn sixteen_rays_meet_the_faces_where_each_does() {

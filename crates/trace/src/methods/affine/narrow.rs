@@ -4,7 +4,6 @@ use super::screens::Stack;
 use crate::kernel_stats::KernelStats;
 use crate::method::Task;
 use crate::methods::local_ray::{CUT, LocalRay, bounds};
-use crate::region::Region;
 use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
 use glam::DVec3;
@@ -13,6 +12,7 @@ use zeroset_eval::{
     Segments, Zeros,
 };
 use zeroset_interval::Facts;
+use zeroset_space::Region;
 
 /// Why a segment was followed no farther.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -131,8 +131,8 @@ impl<T: Scalar> Plane<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simd_chunks::levels;
     use fearless_simd::dispatch;
+    use zeroset_testkit::simd::levels;
 
     fn plane(per_screen: f64) -> Plane<f64> {
         Plane { centre: [0.0; 2], s: 0.25, per_screen: [per_screen, 0.0], reach: 0.5 }

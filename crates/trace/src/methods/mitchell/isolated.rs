@@ -4,9 +4,9 @@
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::{LocalRay, bounds};
 use crate::methods::slope::Slopes;
-use crate::region::Region;
 use crate::scalar::Scalar;
 use zeroset_interval::Interval;
+use zeroset_space::Region;
 
 /// A part of a ray with one root, and values of opposite signs at its ends.
 #[derive(Clone, Copy, Debug)]

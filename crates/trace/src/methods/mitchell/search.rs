@@ -7,10 +7,10 @@ use crate::methods::bracket_gap::Bridge;
 use crate::methods::local_ray::{CUT, LocalRay, OPEN_PARTS, bounds};
 use crate::methods::outcome::{Outcome, reason};
 use crate::methods::slope::{Cuboid, Slopes};
-use crate::region::Region;
 use crate::scalar::Scalar;
 use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Zeros};
 use zeroset_interval::Interval;
+use zeroset_space::Region;
 
 /// Looks for roots in `T`.
 pub(super) struct Searcher<'a, T: Scalar> {

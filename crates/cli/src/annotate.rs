@@ -1,0 +1,199 @@
+//! What is drawn around a picture: axes, and which value has which color.
+
+use super::arguments::ShadingArgs;
+use super::canvas::Canvas;
+use super::overlay::{Shown, draw_box};
+use super::ticks::ticks;
+use zeroset_render::legend::Legend;
+use zeroset_syntax::Document;
+
+/// Rows of a picture for each pixel of a letter's dots, about.
+const ROWS: usize = 640;
+
+/// The height of all legends, as a share of the picture's.
+const TALL: f64 = 0.42;
+
+/// Letters of a legend's title, at most.
+const LONGEST: usize = 24;
+
+/// What is drawn around a picture.
+#[derive(Clone, Copy)]
+pub struct Around {
+    /// The domain's box with its ticks.
+    pub axes: bool,
+    /// Which value has which color.
+    legend: bool,
+}
+
+impl Around {
+    /// With axes or without, and a legend as the document says, or else with axes.
+    pub fn new(axes: bool, document: &Document) -> Self {
+        Self { axes, legend: document.picture.legend.unwrap_or(axes) }
+    }
+
+    /// As the command line says, or else the document.
+    pub fn asked(asked: &ShadingArgs, document: &Document) -> Self {
+        let said = Self::new(asked.axes || document.picture.axes == Some(true), document);
+        Self { legend: asked.legend || said.legend, ..said }
+    }
+
+    /// As the document says.
+    pub fn said(document: &Document) -> Self {
+        Self::new(document.picture.axes == Some(true), document)
+    }
+
+    /// Draws it over a picture that takes the upper `height` rows of the canvas, legends from the
+    /// top down, or down to the bottom.
+    pub fn draw(self, canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
+        if self.axes {
+            draw_box(canvas, shown, height);
+        }
+        if self.legend {
+            draw_legends(canvas, shown, height, to_bottom);
+        }
+    }
+
+    /// The same over a picture of this width and height, of which a smaller one may be `shown`; to
+    /// be mixed into its rows.
+    pub fn marks(self, shown: Shown<'_>, [width, height]: [usize; 2]) -> Canvas {
+        let scale = ((height + ROWS / 2) / ROWS).max(1);
+        let mut canvas = Canvas::new(width, height, Vec::new(), scale);
+        if !shown.picture.rgb.is_empty() {
+            self.draw(&mut canvas, shown, height, false);
+        }
+        canvas
+    }
+
+    /// The picture's colors with it over them, as sRGB bytes.
+    pub fn over(self, shown: Shown<'_>) -> Vec<u8> {
+        let (buffer, mut rgb) = (&shown.picture.buffer, shown.picture.rgb.clone());
+        self.marks(shown, [buffer.width, buffer.height]).mix_into(&mut rgb, 0);
+        rgb
+    }
+}
+
+/// Draws what tells colors along the right edge of a picture that takes `height` rows of the
+/// canvas, one below the other: from the top down, or down to the bottom.
+fn draw_legends(canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
+    let legends = &shown.picture.legends;
+    let (ink, space) = (shown.ink(), 10 * canvas.scale);
+    let tall = (TALL * height as f64) as usize / legends.len().max(1);
+    let each = tall + canvas.line_height() + space;
+    let first = if to_bottom { height.saturating_sub(legends.len() * each) } else { space };
+    for (n, legend) in legends.iter().enumerate() {
+        let top = first + n * each;
+        draw_legend(canvas, legend, top, tall, ink);
+    }
+}
+
+fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, ink: u32) {
+    let (scale, letter) = (canvas.scale, canvas.letter_height());
+    let (space, broad) = (10 * scale, 14 * scale);
+    let extent = legend.high - legend.low;
+    let marks = if extent > 0.0 {
+        ticks(legend.low, legend.high).0
+    } else {
+        // The one value that there is, as far as floats that found its points know it.
+        let value = format!("{:.3e}", legend.low).parse().unwrap_or(legend.low);
+        vec![(legend.low, f64::to_string(&value))]
+    };
+    let longest = marks.iter().map(|(_, text)| text.chars().count()).max().unwrap_or(0);
+    let title = canvas.fitting(&legend.value, LONGEST * canvas.advance());
+    let right = canvas.width.saturating_sub(space);
+    let left = right.saturating_sub(longest * canvas.advance() + 8 * scale + broad);
+    let begin = right.saturating_sub(title.chars().count() * canvas.advance()).min(left);
+    canvas.write(&title, begin as i64, top as i64, ink);
+    let bar = top + canvas.line_height();
+    for row in 0..tall {
+        let share = 1.0 - (row as f64 + 0.5) / tall as f64;
+        let [red, green, blue] = legend.map.bytes(share);
+        let color = u32::from_be_bytes([0, red, green, blue]);
+        canvas.fill(left as i64, (bar + row) as i64, broad, 1, color, 255);
+    }
+    let place = |value: f64| {
+        let share = if extent > 0.0 { (legend.high - value) / extent } else { 0.5 };
+        bar as f64 + share * tall as f64
+    };
+    if let Some(step) = legend.step.filter(|step| extent / step < tall as f64 / 4.0) {
+        let first = (legend.low / step).ceil() as i64;
+        for line in (first..).map(|line| line as f64 * step).take_while(|v| *v <= legend.high) {
+            canvas.fill(left as i64, place(line) as i64, broad, scale, 0, 200);
+        }
+    }
+    for (value, text) in marks {
+        let row = place(value);
+        canvas.fill((left + broad) as i64, row as i64, 4 * scale, scale, ink, 200);
+        let y = row.round() as i64 - letter as i64 / 2;
+        canvas.write(&text, (left + broad + 8 * scale) as i64, y, ink);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use zeroset_render::model::Model;
+    use zeroset_render::picture::{Picture, Settings};
+    use zeroset_space::Region;
+    use zeroset_trace::{Camera, Projection};
+
+    fn picture(text: &str) -> (Picture, Camera, Region) {
+        let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());
+        let document = document.expect("reads");
+        let region = Region::new(-2.0 * DVec3::ONE, 2.0 * DVec3::ONE).expect("a cube");
+        let settings = Settings { width: 400, height: 300, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect("a model");
+        let projection = Projection::Perspective { fov: 40.0 };
+        let eye = DVec3::new(5.0, -7.0, 4.0);
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
+        let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
+        (picture, camera, region)
+    }
+
+    fn changed(picture: &Picture, after: &[u8]) -> Vec<usize> {
+        let both = picture.rgb.as_chunks::<3>().0.iter().zip(after.as_chunks::<3>().0);
+        both.enumerate().filter(|(_, (a, b))| a != b).map(|(n, _)| n).collect()
+    }
+
+    #[test]
+    fn axes_are_drawn_over_the_picture_and_faint_behind_it() {
+        let (picture, camera, region) = picture("x^2+y^2+z^2 = 1");
+        let shown = Shown { camera: &camera, region: &region, picture: &picture };
+        assert_eq!(
+            Around { axes: false, legend: true }.over(shown),
+            picture.rgb,
+            "there is nothing to tell"
+        );
+        let after = Around { axes: true, legend: false }.over(shown);
+        let lines = changed(&picture, &after);
+        let on_surface = lines.iter().filter(|&&n| picture.buffer.is_drawn(n)).count();
+        assert!(lines.len() > 1500 && on_surface > 20, "{} {on_surface}", lines.len());
+        // As if nothing hid them.
+        let mut clear = picture.clone();
+        clear.buffer.drawn.fill(f64::INFINITY);
+        let seen = Around { axes: true, legend: false }.over(Shown { picture: &clear, ..shown });
+        let change = |rgb: &[u8], on_surface: bool| -> u64 {
+            let lines = lines.iter().filter(|&&n| picture.buffer.is_drawn(n) == on_surface);
+            lines.map(|&n| u64::from(picture.rgb[3 * n].abs_diff(rgb[3 * n]))).sum()
+        };
+        assert!(4 * change(&after, true) < 3 * change(&seen, true));
+        let beside = [&after, &seen].map(|rgb| change(rgb, false));
+        assert!(beside[0] <= beside[1] && 10 * beside[0] > 9 * beside[1], "{beside:?}");
+    }
+
+    #[test]
+    fn a_legend_tells_values_by_their_colors() {
+        let (picture, camera, region) = picture("color viridis(z)\nx^2+y^2+z^2 = 1");
+        let [legend] = &picture.legends[..] else { panic!("{:?}", picture.legends) };
+        assert!(legend.value == "z" && legend.low > -1.01 && legend.low < -0.8, "{legend:?}");
+        assert!((0.95..1.01).contains(&legend.high), "{legend:?}");
+        let shown = Shown { camera: &camera, region: &region, picture: &picture };
+        let after = Around { axes: false, legend: true }.over(shown);
+        let pixels = after.as_chunks::<3>().0;
+        for end in [0.0, 1.0] {
+            let color = legend.map.bytes(end);
+            let near = |pixel: &&[u8; 3]| (0..3).all(|part| pixel[part].abs_diff(color[part]) < 4);
+            assert!(pixels.iter().filter(near).count() > 10, "{color:?}");
+        }
+    }
+}

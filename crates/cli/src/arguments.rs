@@ -1,0 +1,492 @@
+//! What may be typed after `zeroset`. Values are checked where they are used; only their shape is
+//! known here.
+
+use super::array::Arrays;
+use super::vector::{Size, point};
+use anyhow::{Context, Result};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use glam::DVec3;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use zeroset_render::names::Named;
+use zeroset_render::picture::{Normals, Precision};
+use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipTo, Cut, DomainChoice};
+use zeroset_shade::UndecidedStyle;
+use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
+use zeroset_trace::{Ideas, METHODS, Method, Projection};
+
+/// Rays in a pixel with an edge, unless told otherwise.
+pub const AA: usize = 16;
+
+/// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
+///
+/// Without a command: a window, and a prompt to type in.
+#[derive(Debug, Parser)]
+#[command(name = "zeroset", version, max_term_width = 100)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+
+    #[command(flatten)]
+    pub interactive: InteractiveArgs,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a formula, a file, or a surface of the gallery to a picture.
+    Render(Box<RenderArgs>),
+    /// Evaluate formulas at points or over boxes: JSON lines in, JSON lines out.
+    #[command(after_long_help = EVAL_FORMAT)]
+    Eval(EvalArgs),
+    /// Show how a formula is read, simplified and compiled.
+    Explain(ExplainArgs),
+    /// Render every surface of the gallery, and a contact sheet.
+    Gallery(GalleryArgs),
+    /// Print a completion script for a shell.
+    Completions {
+        /// The shell to complete in.
+        shell: clap_complete::Shell,
+    },
+}
+
+/// What is shown first, where nothing but a document is given.
+#[derive(Debug, Args)]
+pub struct InteractiveArgs {
+    /// A formula, a file to draw and watch, or a name from `zeroset gallery --list`
+    #[arg(value_name = "FORMULA|FILE|NAME", allow_hyphen_values = true)]
+    pub source: Option<OsString>,
+
+    #[command(flatten)]
+    pub values: ValueArgs,
+
+    #[command(flatten)]
+    pub camera: CameraArgs,
+
+    #[command(flatten)]
+    pub kernels: KernelArgs,
+
+    /// The window's width and height in pixels
+    #[arg(long, value_name = "N|WxH", default_value = "800x640", allow_hyphen_values = true)]
+    pub size: Size,
+
+    /// Size of the window's letters: 1, 2 or 3 [default: by the window's height]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub ui_scale: Option<u8>,
+
+    /// Show pictures in the terminal and open no window
+    #[arg(long)]
+    pub preview: bool,
+}
+
+/// A document, and the values it is drawn for.
+#[derive(Debug, Args)]
+pub struct DocumentArgs {
+    /// A formula such as 'x^2+y^2+z^2=1', a file of them, a name from `zeroset gallery --list`, or
+    /// - for standard input
+    #[arg(value_name = "FORMULA|FILE|NAME|-", allow_hyphen_values = true)]
+    pub source: OsString,
+
+    #[command(flatten)]
+    pub values: ValueArgs,
+}
+
+/// Values for what a document leaves open.
+#[derive(Debug, Args)]
+pub struct ValueArgs {
+    /// Set a parameter of the formula; may be repeated
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    define: Vec<String>,
+
+    /// The time t, or with --frames where it begins and ends
+    #[arg(long, value_name = "T|A..B", allow_hyphen_values = true)]
+    pub time: Option<String>,
+
+    /// The domain: auto, a number R for the cube from -R to R, or six bounds
+    #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
+    domain: Option<DomainChoice>,
+}
+
+impl ValueArgs {
+    /// # Errors
+    /// If one is not of the form `name=value`.
+    pub fn overrides(&self) -> Result<Vec<(String, String)>> {
+        let split = |define: &String| {
+            let (name, value) = define
+                .split_once('=')
+                .with_context(|| format!("-D '{define}' is not of the form name=value"))?;
+            Ok((name.trim().to_owned(), value.trim().to_owned()))
+        };
+        self.define.iter().map(split).collect()
+    }
+
+    /// # Errors
+    /// If it is not a number.
+    pub fn time(&self) -> Result<Option<f64>> {
+        let number = |text: &String| {
+            view::number(text).with_context(|| format!("--time '{text}' is not a finite number"))
+        };
+        self.time.as_ref().map(number).transpose()
+    }
+
+    pub fn domain(&self) -> DomainChoice {
+        self.domain.unwrap_or_default()
+    }
+}
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub document: DocumentArgs,
+
+    #[command(flatten)]
+    pub outputs: OutputArgs,
+
+    #[command(flatten)]
+    pub camera: CameraArgs,
+
+    /// What the domain is clipped to
+    #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipTo>(), default_value = "auto")]
+    pub clip_to: ClipTo,
+
+    #[command(flatten)]
+    pub tracing: TracingArgs,
+
+    #[command(flatten)]
+    pub shading: ShadingArgs,
+
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
+
+    /// Stop looking for surfaces after this long: what was not reached is undecided and not drawn
+    ///
+    /// The time runs from the start, or from that of each frame. To choose where to look, and then
+    /// from where, takes a quarter of what is left each, at most. Kernels that are being compiled
+    /// are waited for, and so are the colors of what was found, and a sequence's domain.
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub budget: Option<f64>,
+
+    /// Exit with code 1 if any pixel is undecided
+    #[arg(long)]
+    pub strict: bool,
+}
+
+impl RenderArgs {
+    /// What is cut away of the domain.
+    pub fn cut(&self) -> Cut {
+        Cut { plane: self.camera.clip(), to: self.clip_to }
+    }
+}
+
+/// What is written, and where.
+#[derive(Debug, Args)]
+pub struct OutputArgs {
+    /// The picture, as PNG; - for standard output
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: Option<PathBuf>,
+
+    /// Width and height in pixels, or one number for a square
+    #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
+    pub size: Size,
+
+    #[command(flatten)]
+    pub arrays: Arrays,
+
+    /// Print times, counts, camera and domain as a JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct CameraArgs {
+    /// Look from this side
+    #[arg(long, value_parser = side(), conflicts_with_all = ["eye", "up"])]
+    view: Option<&'static StandardView>,
+
+    /// The position of the eye; it may lie inside the domain
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    eye: Option<DVec3>,
+
+    /// The point to look at [default: the centre of the domain]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    target: Option<DVec3>,
+
+    /// The direction that points up in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    up: Option<DVec3>,
+
+    /// The vertical field of view, in degrees [default: 40]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    fov: Option<f64>,
+
+    /// Parallel projection, with a picture this high in world units
+    #[arg(long, value_name = "HEIGHT", conflicts_with = "fov", allow_hyphen_values = true)]
+    ortho: Option<f64>,
+
+    /// Clip by a plane: keep a*x + b*y + c*z <= d; `off` for none, whatever the file says
+    #[arg(long, value_name = "A,B,C,D", allow_hyphen_values = true)]
+    clip: Option<ClipChoice>,
+}
+
+impl CameraArgs {
+    pub fn choice(&self) -> CameraChoice {
+        let parallel = self.ortho.map(|height| Projection::Orthographic { height });
+        CameraChoice {
+            view: self.view,
+            eye: self.eye,
+            target: self.target,
+            up: self.up,
+            projection: parallel.or(self.fov.map(|fov| Projection::Perspective { fov })),
+        }
+    }
+
+    pub fn clip(&self) -> ClipChoice {
+        self.clip.unwrap_or_default()
+    }
+}
+
+/// How surfaces are found, and how finely.
+#[derive(Debug, Args)]
+pub struct KernelArgs {
+    /// How rays are traced
+    #[arg(long, value_parser = methods(), default_value = METHODS[0].name)]
+    pub method: &'static Method,
+
+    /// Kernel precision; enclosures are rigorous in all
+    #[arg(long, value_parser = one_of::<Precision>(), default_value = "auto")]
+    pub precision: Precision,
+
+    /// How far, in pixels, a hit may be from where it is reported: above 0, at most 100
+    #[arg(long, value_name = "PIXELS", default_value_t = 0.5, allow_hyphen_values = true)]
+    pub tolerance: f64,
+
+    /// How many times a ray's path through the domain is halved: at most 20, or 40 in f64; beyond
+    /// 14, rays that stay undecided are given up after 32768 steps
+    #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
+    pub max_depth: u32,
+
+    /// Samples on a ray's path through the domain, or the most steps along it: 2 to 1048576
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    pub steps: u32,
+
+    #[command(flatten)]
+    pub without: WithoutArgs,
+}
+
+/// Ideas that are left out, by methods that read these flags.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "To see what each idea of a method brings")]
+pub struct WithoutArgs {
+    /// Halve segments, rather than narrow them to where an affine form may vanish
+    #[arg(long)]
+    no_contract: bool,
+
+    /// Follow each ray alone, rather than tiles of rays
+    #[arg(long)]
+    no_tiles: bool,
+
+    /// Ask no intervals where affine forms leave a segment open
+    #[arg(long)]
+    no_interval: bool,
+}
+
+impl WithoutArgs {
+    pub fn ideas(self) -> Ideas {
+        Ideas { contract: !self.no_contract, tiles: !self.no_tiles, intervals: !self.no_interval }
+    }
+}
+
+#[derive(Debug, Args)]
+pub struct TracingArgs {
+    #[command(flatten)]
+    pub kernels: KernelArgs,
+
+    /// Cast soft shadows: trace a ray from every visible point to an area light
+    #[arg(long)]
+    pub shadows: bool,
+
+    /// How many times a shadow ray's path is halved [default: one less than --max-depth]
+    #[arg(long, value_name = "N", requires = "shadows")]
+    pub shadow_depth: Option<u32>,
+
+    /// Where normals come from
+    #[arg(long, value_parser = one_of::<Normals>(), default_value = "gradient")]
+    pub normals: Normals,
+
+    /// Threads to use [default: one per processor]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+}
+
+/// Many pictures in the place of one.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Sequences")]
+pub struct SequenceArgs {
+    /// Number of frames: -o frame-%04d.png writes a file for each, another PNG or GIF file holds
+    /// them all, and - writes them to standard output, three bytes per pixel
+    #[arg(long, value_name = "N")]
+    pub frames: Option<usize>,
+
+    /// A parameter that goes from A to B; may be repeated
+    #[arg(long, value_name = "NAME=A..B", allow_hyphen_values = true)]
+    pub sweep: Vec<String>,
+
+    /// Turn the eye around its target, by this many degrees
+    #[arg(long, value_name = "DEGREES", num_args = 0..=1, default_missing_value = "360")]
+    #[arg(require_equals = true)]
+    pub turntable: Option<f64>,
+
+    /// Leave out the end, which shows the same as the start, so that an animation repeats smoothly;
+    /// a full turn always does
+    #[arg(long = "loop")]
+    pub is_loop: bool,
+
+    /// Frames per second of an animation
+    #[arg(long, value_name = "N", default_value_t = 30)]
+    pub fps: u16,
+
+    /// Make only part I of N parts of equal work: 1/8 to 8/8
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<String>,
+
+    /// Keep frames that this command has already made from the same text
+    #[arg(long)]
+    pub resume: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ShadingArgs {
+    /// How undecided pixels are drawn
+    #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade")]
+    pub undecided: UndecidedStyle,
+
+    /// Lighting and background [default: what the document says, else studio]
+    #[arg(long, value_parser = looks())]
+    pub look: Option<&'static Look>,
+
+    /// Draw the domain's box with axes and ticks; the view makes room for it
+    #[arg(long)]
+    pub axes: bool,
+
+    /// Show which value has which color, where values are colored; always shown with axes
+    #[arg(long)]
+    pub legend: bool,
+
+    /// Rays in a pixel on an edge: 1, 4, 16 or 64. Arrays are about one ray per pixel
+    #[arg(long, value_name = "N", default_value_t = AA)]
+    pub aa: usize,
+
+    /// The position of the light [default: far above and to the left of the camera]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub light: Option<DVec3>,
+
+    /// Ambient share of the light, from 0 to 1 [default: the look's]
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
+    pub ambient: Option<f32>,
+
+    /// Background color: a name of CSS such as white, or hexadecimal digits [default: the
+    /// document's, else the look's]
+    #[arg(long, value_name = "RRGGBB|NAME")]
+    pub background: Option<String>,
+}
+
+/// Takes one of the names of `T`.
+fn one_of<T: Named>() -> impl TypedValueParser<Value = T> {
+    let names = T::NAMES.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(names).try_map(|name| T::named(&name).ok_or("no such value"))
+}
+
+/// Takes the name of a precision that one kernel can have.
+fn floats() -> impl TypedValueParser<Value = Precision> {
+    let one = Precision::NAMES.iter().filter(|(precision, ..)| *precision != Precision::Auto);
+    let names = one.map(|(_, name, help)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(names).try_map(|name| Precision::named(&name).ok_or("no such value"))
+}
+
+/// Takes the name of a side to look from.
+fn side() -> impl TypedValueParser<Value = &'static StandardView> {
+    let names = PossibleValuesParser::new(VIEWS.map(|view| view.name));
+    names.try_map(|name| StandardView::named(&name).ok_or("no such view"))
+}
+
+/// Shown below the options of `eval --help`.
+const EVAL_FORMAT: &str = r#"One line in, one line out; both are JSON objects.
+
+At a point:
+  {"f": "sin(x)*y", "at": [1, 2, 0]}
+  {"defined": true, "empty": false, "grad": [1.08, 0.84, 0.0], "precision": "f32", "value": 1.68}
+
+Over a box, a lower and an upper end for each of x, y and z:
+  {"f": "sin(x)*y", "box": [[0, 1], [1, "0x1p1"], [0, "inf"]], "precision": "f64"}
+  {"lo": 0.0, "hi": 1.68, "defined": true, "continuous": true, "empty": false, "precision": "f64"}
+
+All values lie between lo and hi. "empty" is true where f is proven to have no value, "defined" where
+it is proven to have one at the point or everywhere in the box, "continuous" where it is proven to be
+continuous too. At a point where f is proven to have no value, "value" and "grad" are "nan"; where
+nothing is proven they are what the arithmetic of floats yields. Numbers may be texts: hexadecimal
+floats, "inf" and "-inf". "f" may hold several lines, as a file does. A line that cannot be answered
+gives {"error": "..."}."#;
+
+#[derive(Debug, Args)]
+pub struct EvalArgs {
+    /// A file of JSON lines, or - for standard input
+    #[arg(value_name = "FILE|-", default_value = "-")]
+    pub source: PathBuf,
+
+    /// Kernel precision, where a line does not say
+    #[arg(long, value_parser = floats(), default_value = "f32")]
+    pub precision: Precision,
+
+    /// Use the reference evaluator instead of compiled code
+    #[arg(long)]
+    pub reference: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    #[command(flatten)]
+    pub document: DocumentArgs,
+
+    /// Precision of the kernels that are shown
+    #[arg(long, value_parser = floats(), default_value = "f32")]
+    pub precision: Precision,
+
+    /// Show the intermediate code of the interval kernels too
+    #[arg(long)]
+    pub code: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct GalleryArgs {
+    /// The directory for the pictures and contact-sheet.png; created if missing
+    #[arg(short, long, value_name = "DIR", required_unless_present = "list")]
+    pub output: Option<PathBuf>,
+
+    /// List the surfaces without rendering them
+    #[arg(long)]
+    pub list: bool,
+
+    /// Width and height of each picture in pixels, or one number for a square
+    #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
+    pub size: Size,
+
+    #[command(flatten)]
+    pub tracing: TracingArgs,
+}
+
+/// The rows of the table of looks, as values of an argument.
+fn looks() -> impl TypedValueParser<Value = &'static Look> {
+    let values = LOOKS.iter().map(|look| PossibleValue::new(look.name).help(look.help));
+    PossibleValuesParser::new(values).try_map(|name| Look::named(&name).ok_or("no such look"))
+}
+
+/// The rows of the table of methods, as values of an argument.
+fn methods() -> impl TypedValueParser<Value = &'static Method> {
+    let values = METHODS.iter().map(|row| {
+        let options: Vec<String> =
+            row.reads.iter().map(|option| format!("--{}", option.name())).collect();
+        PossibleValue::new(row.name).help(format!("{}; reads {}", row.help, options.join(", ")))
+    });
+    PossibleValuesParser::new(values).try_map(|name| Method::named(&name).ok_or("no such method"))
+}

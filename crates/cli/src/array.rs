@@ -1,0 +1,217 @@
+//! Arrays of what is known of each pixel, in numpy's `.npy` format: one row per array, of which
+//! flag, help and file are made.
+
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
+use npyz::{AutoSerialize, NpyWriter, WriterBuilder};
+use std::io::{self, Write};
+use std::path::PathBuf;
+use zeroset_render::picture::{Picture, Precision};
+use zeroset_trace::GBuffer;
+
+/// An array that can be asked for.
+#[derive(Debug)]
+pub struct ArrayRow {
+    /// Its flag, without the dashes.
+    pub flag: &'static str,
+    help: &'static str,
+    /// Whether normals have to be computed for it.
+    pub needs_normals: bool,
+    /// Whether brackets of hits have to be kept for it.
+    pub needs_brackets: bool,
+    /// Makes ready to write so many rows and columns, of a picture that was computed in these
+    /// floats.
+    pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> Begun,
+}
+
+/// What writes rows to a file, if that could be begun.
+pub type Begun = io::Result<Box<dyn RowWriter>>;
+
+/// A file that is written row by row.
+pub trait RowWriter {
+    /// Writes the next rows of a picture.
+    ///
+    /// # Errors
+    /// If the sink fails.
+    fn add(&mut self, picture: &Picture) -> io::Result<()>;
+
+    /// Writes what comes behind the last row.
+    ///
+    /// # Errors
+    /// If the sink fails.
+    fn end(self: Box<Self>) -> io::Result<()>;
+}
+
+fn distances(buffer: &GBuffer) -> impl Iterator<Item = f64> {
+    (0..buffer.status.len()).map(|pixel| buffer.distance(pixel))
+}
+
+fn normals(buffer: &GBuffer) -> impl Iterator<Item = f32> {
+    // Where the background shows a buffer may hold those of an earlier picture.
+    let normal =
+        |pixel: usize| if buffer.is_drawn(pixel) { buffer.normal[pixel] } else { [0.0; 3] };
+    (0..buffer.normal.len()).flat_map(normal)
+}
+
+/// Every array, in the order of the help.
+pub const ARRAYS: &[ArrayRow] = &[
+    ArrayRow {
+        flag: "distance",
+        help: "Distance from the eye as a float64 array (float32 with --precision f32), inf for a miss",
+        needs_normals: false,
+        needs_brackets: false,
+        begin: |out, [rows, columns], precision| match precision {
+            // Exact, as these kernels know no more.
+            Precision::F32 => array(out, &[rows, columns], |picture, array| {
+                array.extend(distances(&picture.buffer).map(|distance| distance as f32))
+            }),
+            Precision::Auto | Precision::F64 => array(out, &[rows, columns], |picture, array| {
+                array.extend(distances(&picture.buffer))
+            }),
+        },
+    },
+    ArrayRow {
+        flag: "bracket",
+        help: "For hits, the distances between which the first zero is proven to lie, as a float64 array of two values per pixel, NaN elsewhere",
+        needs_normals: false,
+        needs_brackets: true,
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns, 2], |picture, array| {
+                array.extend(picture.buffer.bracket.iter().flatten().copied())
+            })
+        },
+    },
+    ArrayRow {
+        flag: "status",
+        help: "What is proven about each pixel as a uint8 array: 0 miss, 1 hit, 2 undecided",
+        needs_normals: false,
+        needs_brackets: false,
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns], |picture, array| {
+                array.extend(picture.buffer.status.iter().map(|&status| status as u8))
+            })
+        },
+    },
+    ArrayRow {
+        flag: "normal",
+        help: "Unit normals towards f > 0 as a float32 array, 0 where nothing is drawn",
+        needs_normals: true,
+        needs_brackets: false,
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns, 3], |picture, array| array.extend(normals(&picture.buffer)))
+        },
+    },
+    ArrayRow {
+        flag: "surface-id",
+        help: "Which surface is drawn as an int16 array: 0 for the first in the text, and so on; -1 for none",
+        needs_normals: false,
+        needs_brackets: false,
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns], |picture, array| {
+                let buffer = &picture.buffer;
+                let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
+                // A text has at most a thousand surfaces.
+                let number = |pixel| drawn(pixel).map_or(-1, |surface| surface as i16);
+                array.extend((0..buffer.status.len()).map(number))
+            })
+        },
+    },
+];
+
+/// The arrays asked for, and the files they go to.
+#[derive(Debug)]
+pub struct Arrays(pub Vec<(&'static ArrayRow, PathBuf)>);
+
+impl FromArgMatches for Arrays {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let asked = |row: &'static ArrayRow| {
+            matches.get_one::<PathBuf>(row.flag).map(|path| (row, path.clone()))
+        };
+        Ok(Self(ARRAYS.iter().filter_map(asked).collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for Arrays {
+    fn augment_args(command: Command) -> Command {
+        ARRAYS.iter().fold(command, |command, row| {
+            let flag = Arg::new(row.flag).long(row.flag).help(row.help).value_name("FILE.npy");
+            command.arg(flag.value_parser(value_parser!(PathBuf)))
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+type Writer<T> = NpyWriter<T, Box<dyn Write>>;
+
+/// Makes ready to write values in C order under `shape`, given how those of some rows are added.
+fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> Begun
+where
+    T: AutoSerialize + Copy + 'static,
+    F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()> + 'static,
+{
+    let shape: Vec<u64> = shape.iter().map(|&side| side as u64).collect();
+    let options = npyz::WriteOptions::<T>::new().default_dtype().shape(&shape);
+    Ok(Box::new(Array { writer: options.writer(out).begin_nd()?, add }))
+}
+
+struct Array<T: AutoSerialize, F> {
+    writer: Writer<T>,
+    add: F,
+}
+
+impl<T, F> RowWriter for Array<T, F>
+where
+    T: AutoSerialize,
+    F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()>,
+{
+    fn add(&mut self, picture: &Picture) -> io::Result<()> {
+        (self.add)(picture, &mut self.writer)
+    }
+
+    fn end(self: Box<Self>) -> io::Result<()> {
+        self.writer.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_trace::{RayResult, Status};
+
+    #[test]
+    fn what_memory_holds_of_an_earlier_picture_is_not_written() {
+        let mut buffer = GBuffer::new(2, 1, 0);
+        buffer.normal.fill([0.0, 0.6, 0.8]);
+        buffer.set(0, &RayResult { status: Status::Undecided, distance: 3.0, ..RayResult::MISS });
+        buffer.set(0, &RayResult::MISS);
+        buffer.set(
+            1,
+            &RayResult { status: Status::Hit, distance: 2.0, drawn: 2.0, ..RayResult::MISS },
+        );
+        assert_eq!(normals(&buffer).collect::<Vec<_>>(), [0.0, 0.0, 0.0, 0.0, 0.6, 0.8]);
+        assert_eq!(distances(&buffer).collect::<Vec<_>>(), [f64::INFINITY, 2.0]);
+    }
+
+    #[test]
+    fn arrays_are_read_back() {
+        let mut file = tempfile::NamedTempFile::new().expect("a file");
+        let values = [1.5_f32, f32::INFINITY, 0.0, -0.0, 3.0, 4.0];
+        let out = Box::new(file.reopen().expect("the same file"));
+        let options = npyz::WriteOptions::<f32>::new().default_dtype().shape(&[2, 3]);
+        let mut writer: Writer<f32> =
+            options.writer(out as Box<dyn Write>).begin_nd().expect("written");
+        writer.extend(values).expect("written");
+        writer.finish().expect("written");
+        let array = npyz::NpyFile::new(file.as_file_mut()).expect("valid");
+        assert_eq!(array.shape(), [2, 3]);
+        assert_eq!(array.dtype().descr(), "'<f4'");
+        assert_eq!(array.into_vec::<f32>().expect("f32"), values);
+    }
+}

@@ -1,0 +1,137 @@
+//! `zeroset explain`.
+
+use super::arguments::ExplainArgs;
+use super::notes;
+use super::output::print;
+use super::subject::Subject;
+use anyhow::Result;
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::process::ExitCode;
+use zeroset_eval::{FindZeros, KernelFloat, Step, Tape};
+use zeroset_interval::Interval;
+use zeroset_ir::{NodeId, display};
+use zeroset_jit::intermediate_code;
+use zeroset_render::model::make_kernels;
+use zeroset_render::picture::{Precision, Settings};
+use zeroset_scene::coordinate::coordinate;
+use zeroset_scene::program::{ClearedGraph, KernelSource, Program};
+use zeroset_scene::view;
+use zeroset_space::Region;
+use zeroset_trace::Method;
+
+pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
+    let subject = Subject::read(&arguments.document)?;
+    let text = explain(&subject, <&Method>::default(), arguments.precision, arguments.code)?;
+    print(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// How a document is read, simplified and compiled to the kernels that a method begins with: what
+/// can be read first, and the code last, if it is asked for.
+///
+/// # Errors
+/// If no code can be made.
+pub fn explain(
+    subject: &Subject,
+    method: &'static Method,
+    precision: Precision,
+    with_code: bool,
+) -> Result<String> {
+    let make = match precision {
+        Precision::Auto | Precision::F32 => explain_in::<f32>,
+        Precision::F64 => explain_in::<f64>,
+    };
+    make(subject, method, precision, with_code)
+}
+
+fn explain_in<T: KernelFloat>(
+    subject: &Subject,
+    method: &'static Method,
+    precision: Precision,
+    with_code: bool,
+) -> Result<String> {
+    let document = &subject.document;
+    let mut text = String::new();
+    for note in &document.notes {
+        let source = &subject.source;
+        let shown =
+            note.render(Some(&source.from.to_string()), &source.text, notes::colored_output());
+        writeln!(text, "{shown}\n")?;
+    }
+    // A formula without a surface can be explained too; nothing is then assumed of its domain.
+    let region = view::region(document, subject.domain, None).map(|(region, _)| region);
+    if let Err(error) = &region {
+        writeln!(text, "no surface  {error}")?;
+    }
+    let domain = region.as_ref().map_or([Interval::ENTIRE; 3], view::bounds);
+    // Kernels do not depend on it beyond the domain.
+    let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
+    let [x, y, z] = domain.map(|ends| [ends.lo, ends.hi].map(coordinate).join(", "));
+    writeln!(text, "domain      x in [{x}], y in [{y}], z in [{z}]")?;
+    let mut code = String::new();
+    for parameter in &document.parameters {
+        let value = parameter.value.bounds();
+        writeln!(text, "parameter   {} = {}", parameter.name, range(value))?;
+    }
+    let program = Program::drawn(document, domain)?;
+    let names: Vec<&str> = document.parameters.iter().map(|p| p.name.as_str()).collect();
+    for (index, surface) in document.surfaces.iter().enumerate() {
+        let root = program.roots()[index];
+        writeln!(text, "\nread as     {}", surface.echo)?;
+        let label = if program.is_reduced(index) { "same zeros" } else { "simplified" };
+        writeln!(text, "{label}  {}", display(program.graph(), root, &names))?;
+        if let Some(ClearedGraph { graph, numerator, denominator, .. }) = program.cleared(index)? {
+            let show = |node: &NodeId| display(graph, *node, &names);
+            writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
+        }
+        // Asked for what a picture needs, so that the kernels listed are those that it makes.
+        let settings = Settings { method, precision, ..Settings::default() };
+        make_kernels::<T>(&program, index, surface.kind, &region, &settings, &|| true)?;
+        for (form, label) in
+            [(KernelSource::Function, "operations"), (KernelSource::Gradient, "derivatives")]
+        {
+            if let Some(tape) = program.tape::<T>(index, form)? {
+                writeln!(text, "{label}  {}", operations(&tape))?;
+                if with_code && form == KernelSource::Function {
+                    let shown = intermediate_code::<FindZeros, T>(&tape)?;
+                    writeln!(code, "\nzeros kernel of {}\n{shown}", surface.echo)?;
+                }
+            }
+        }
+        for made in program.made().iter().filter(|made| made.surface == index) {
+            writeln!(text, "kernel      {made}")?;
+        }
+    }
+    let (before, after) = program.nodes();
+    writeln!(text, "\nnodes       {before} as typed, {after} simplified")?;
+    Ok(text + &code)
+}
+
+/// The value if the bounds enclose one number as tightly as they can, as the one that has fewer
+/// digits; else the bounds.
+fn range(bounds: Interval) -> String {
+    let [low, high] = [bounds.lo, bounds.hi].map(|bound| bound.to_string());
+    if bounds.lo.next_up() < bounds.hi {
+        format!("[{low}, {high}]")
+    } else if low.len() < high.len() {
+        low
+    } else {
+        high
+    }
+}
+
+/// How many of each operation: `7: 3 sqr, 2 +, 2 *`.
+fn operations<T: KernelFloat>(tape: &Tape<T>) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for step in tape.steps() {
+        if let Step::Apply(op, _) = step {
+            *counts.entry(op.row().name).or_default() += 1;
+        }
+    }
+    let mut counts: Vec<_> = counts.into_iter().collect();
+    counts.sort_by_key(|(name, count)| (std::cmp::Reverse(*count), *name));
+    let parts: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
+    format!("{}: {}", tape.operations(), parts.join(", "))
+}

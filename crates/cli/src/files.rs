@@ -1,0 +1,155 @@
+//! What one picture is written to: files opened before the work.
+
+use super::arguments::OutputArgs;
+use super::array::{ARRAYS, ArrayRow, Arrays, Begun, RowWriter};
+use super::output::Output;
+use super::png_file::{Origin, check_png, png_encoder};
+use anyhow::{Context, Result, bail, ensure};
+use png::StreamWriter;
+use std::cell::RefCell;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use zeroset_render::picture::{Picture, Precision};
+
+impl OutputArgs {
+    fn paths(&self) -> impl Iterator<Item = &PathBuf> {
+        self.output.iter().chain(self.arrays.0.iter().map(|(_, path)| path))
+    }
+
+    /// # Errors
+    /// If nothing is wanted.
+    pub fn check(&self) -> Result<()> {
+        if self.paths().next().is_none() && !self.json {
+            let flags: Vec<String> = ARRAYS.iter().map(|row| format!("--{}", row.flag)).collect();
+            bail!("nothing to write: add -o picture.png, or --json, {}", flags.join(", "));
+        }
+        Ok(())
+    }
+}
+
+/// The files asked for, opened before the work: the picture, which is no array, and arrays.
+pub struct Files(Vec<(Option<&'static ArrayRow>, Output)>);
+
+impl Files {
+    /// # Errors
+    /// If nothing is asked for, something twice, or a file cannot be written.
+    pub fn create(wanted: &OutputArgs) -> Result<Self> {
+        wanted.check()?;
+        let OutputArgs { output: picture, arrays: Arrays(arrays), json, size: _ } = wanted;
+        let paths = || wanted.paths();
+        let standard = paths().filter(|path| path.as_path() == Path::new("-")).count();
+        ensure!(
+            standard + usize::from(*json) <= 1,
+            "only one thing can be written to standard output"
+        );
+        if let Some(path) = picture {
+            check_png(path)?;
+        }
+        let outputs = paths().map(|path| Output::create(path)).collect::<Result<Vec<_>>>()?;
+        for (index, (one, path)) in outputs.iter().zip(paths()).enumerate() {
+            let twice = outputs[..index].iter().any(|other| one.is_same(other));
+            ensure!(!twice, "'{}' is given for two outputs", path.display());
+        }
+        let rows = picture.iter().map(|_| None).chain(arrays.iter().map(|(row, _)| Some(*row)));
+        Ok(Self(rows.zip(outputs).collect()))
+    }
+
+    /// Writes a whole picture.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn finish(self, picture: &Picture, origin: &Origin) -> Result<()> {
+        let size = [picture.buffer.width, picture.buffer.height];
+        let mut files = self.begin(size, picture.precision, origin)?;
+        files.add(picture)?;
+        files.finish()
+    }
+
+    /// Makes ready for rows of a picture of this size that is computed in these floats.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn begin(
+        self,
+        size: [usize; 2],
+        precision: Precision,
+        origin: &Origin,
+    ) -> Result<OpenFiles> {
+        let [width, height] = size;
+        let begin = |row: Option<&ArrayRow>, out: Box<dyn Write>| -> Begun {
+            if let Some(row) = row {
+                return (row.begin)(out, [height, width], precision);
+            }
+            let writer = png_encoder(out, size, origin)?.write_header()?;
+            Ok(Box::new(Png(writer.into_stream_writer()?)))
+        };
+        let open = |(row, file)| {
+            let file = Shared(Rc::new(RefCell::new(file)));
+            let rows = begin(row, Box::new(file.clone())).map_err(|error| file.failed(error))?;
+            Ok((file, rows))
+        };
+        Ok(OpenFiles(self.0.into_iter().map(open).collect::<Result<_>>()?))
+    }
+}
+
+/// Files together with what writes the rows of a picture to them; they appear at the end.
+pub struct OpenFiles(Vec<(Shared, Box<dyn RowWriter>)>);
+
+impl OpenFiles {
+    /// Writes the next rows.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn add(&mut self, picture: &Picture) -> Result<()> {
+        for (file, rows) in &mut self.0 {
+            rows.add(picture).map_err(|error| file.failed(error))?;
+        }
+        Ok(())
+    }
+
+    /// Makes the files appear, the picture last: where it is, the others are.
+    ///
+    /// # Errors
+    /// If one cannot be written.
+    pub fn finish(self) -> Result<()> {
+        self.0.into_iter().rev().try_for_each(|(file, rows)| {
+            rows.end().map_err(|error| file.failed(error))?;
+            // Whoever wrote rows is gone.
+            let file = Rc::into_inner(file.0).context("a file is still being written")?;
+            file.into_inner().end()
+        })
+    }
+}
+
+/// A file that what writes rows to it owns as well.
+#[derive(Clone)]
+struct Shared(Rc<RefCell<Output>>);
+
+impl Shared {
+    fn failed(&self, error: io::Error) -> anyhow::Error {
+        self.0.borrow().failed(error)
+    }
+}
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.borrow_mut().flush()
+    }
+}
+
+struct Png(StreamWriter<'static, Box<dyn Write>>);
+
+impl RowWriter for Png {
+    fn add(&mut self, picture: &Picture) -> io::Result<()> {
+        self.0.write_all(&picture.rgb)
+    }
+
+    fn end(self: Box<Self>) -> io::Result<()> {
+        Ok(self.0.finish()?)
+    }
+}

@@ -1,0 +1,74 @@
+//! `zeroset gallery`.
+
+use super::arguments::GalleryArgs;
+use super::notes;
+use super::output::{Output, print};
+use super::png_file::{Origin, write_png};
+use super::progress::Progress;
+use super::render::{beautiful, in_threads, method_settings};
+use super::sheet::Sheet;
+use super::stage::stage;
+use anyhow::{Context, Result};
+use image::RgbImage;
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+use zeroset_render::picture::Settings;
+use zeroset_scene::gallery::{Example, examples};
+
+/// The name of the contact sheet.
+const SHEET: &str = "contact-sheet.png";
+
+pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
+    let examples = examples();
+    if arguments.list {
+        print(&listed(&examples))?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    arguments.size.held_whole()?;
+    let directory = arguments.output.as_deref().context("no directory to write to: add -o DIR")?;
+    let settings = beautiful(&method_settings(&arguments.tracing, arguments.size)?);
+    std::fs::create_dir_all(directory)
+        .with_context(|| format!("cannot make the directory '{}'", directory.display()))?;
+    in_threads(arguments.tracing.threads, || all(&examples, directory, &settings))?;
+    notes::note(&format!(
+        "{} pictures and {SHEET} are in '{}'",
+        examples.len(),
+        directory.display()
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// One line for each: its name, and what it is.
+pub fn listed(examples: &[Example]) -> String {
+    let widest = examples.iter().map(|example| example.slug.len()).max().unwrap_or(0);
+    let mut lines = String::new();
+    for example in examples {
+        let _ = writeln!(lines, "{:widest$}  {}", example.slug, example.summary());
+    }
+    lines
+}
+
+fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()> {
+    let sheet_file = Output::create(&directory.join(SHEET))?;
+    let mut sheet = Sheet::new(examples.len());
+    let bar = Progress::new(examples.len() as u64, "gallery");
+    for (done, example) in examples.iter().enumerate() {
+        let file = Output::create(&directory.join(format!("{}.png", example.slug)))?;
+        let picture = render(example, settings).with_context(|| example.slug)?;
+        let (width, height) = (settings.width, settings.height);
+        file.finish(|out| write_png(out, picture.as_raw(), [width, height], &Origin::default()))?;
+        sheet.add(example.title(), &picture);
+        bar.reach(done as u64 + 1);
+    }
+    let sheet = sheet.into_image();
+    let (width, height) = (sheet.width() as usize, sheet.height() as usize);
+    sheet_file.finish(|out| write_png(out, sheet.as_raw(), [width, height], &Origin::default()))
+}
+
+fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {
+    let (model, camera) = stage(example, settings, &|| true)?.context("wanted to the end")?;
+    let picture = model.picture(&camera, settings, &|_, _| {})?;
+    RgbImage::from_raw(settings.width as u32, settings.height as u32, picture.rgb)
+        .context("a picture of the wrong size")
+}

@@ -1,0 +1,385 @@
+//! The domain's box over the picture, with labelled ticks. Lines behind the surface are faint.
+
+use super::canvas::{Canvas, Rgb};
+use super::ticks::ticks;
+use glam::{DVec2, DVec3};
+use zeroset_live::Rendering;
+use zeroset_render::picture::Picture;
+use zeroset_scene::view::corners;
+use zeroset_space::Region;
+use zeroset_trace::{Camera, Projection};
+
+/// Lines and letters on light ground, and on dark.
+const INKS: [Rgb; 2] = [0x0030_3038, 0x00d8_d8e0];
+const SEEN: u32 = 190;
+const HIDDEN: u32 = 36;
+
+/// Width of a line, in dots of a letter.
+const WIDTH: f64 = 1.1;
+
+/// Pieces into which an edge is cut, for what is behind the eye or the surface.
+const PIECES: usize = 256;
+
+/// What is shown, and from where.
+#[derive(Clone, Copy)]
+pub struct Shown<'a> {
+    pub camera: &'a Camera,
+    pub region: &'a Region,
+    pub picture: &'a Picture,
+}
+
+impl<'a> From<&'a Rendering> for Shown<'a> {
+    fn from(rendering: &'a Rendering) -> Self {
+        let (camera, picture) = (&rendering.camera, &rendering.picture);
+        Self { camera, region: rendering.model.region(), picture }
+    }
+}
+
+impl Shown<'_> {
+    /// The color of lines and letters that can be read on the picture's ground.
+    pub fn ink(&self) -> Rgb {
+        let ground =
+            (0..self.picture.buffer.drawn.len()).find(|&n| !self.picture.buffer.is_drawn(n));
+        let pixel = ground.and_then(|n| self.picture.rgb.as_chunks::<3>().0.get(n));
+        let is_dark =
+            pixel.is_some_and(|rgb| rgb.iter().map(|part| u32::from(*part)).sum::<u32>() < 300);
+        INKS[usize::from(is_dark)]
+    }
+}
+
+/// Where points of space appear in a window of a given size.
+struct Projector<'a> {
+    shown: Shown<'a>,
+    rays: zeroset_trace::RayGrid,
+}
+
+impl Projector<'_> {
+    /// The place in pixels and the distance from the ray's origin; `None` behind the eye.
+    fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
+        let rays = &self.rays;
+        let way = point - rays.eye();
+        let depth = way.dot(rays.forward());
+        let (reach, distance) = match self.shown.camera.projection() {
+            Projection::Perspective { fov } => {
+                ((fov.to_radians() / 2.0).tan() * depth, way.length())
+            }
+            Projection::Orthographic { height } => (height / 2.0, depth),
+        };
+        if depth <= 1e-6 * way.length() || reach <= 0.0 {
+            return None;
+        }
+        let half = rays.height() as f64 / 2.0;
+        let across = rays.width() as f64 / 2.0 + way.dot(rays.right()) / reach * half;
+        let down = half - way.dot(rays.up()) / reach * half;
+        Some((DVec2::new(across, down), distance))
+    }
+
+    /// Whether nothing is painted in front of a point seen at this place.
+    fn is_seen(&self, at: DVec2, distance: f64) -> bool {
+        let buffer = &self.shown.picture.buffer;
+        let scaled = |at: f64, size: usize, of: usize| {
+            let place = (at * of as f64 / size as f64).max(0.0) as usize;
+            place.min(of - 1)
+        };
+        let x = scaled(at.x, self.rays.width(), buffer.width);
+        let y = scaled(at.y, self.rays.height(), buffer.height);
+        // What lies on the box is not behind itself.
+        buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
+    }
+
+    fn line(&self, cover: &mut Cover, from: DVec3, to: DVec3) {
+        // Where the part begins that is seen alike, where it ends so far, and how it is seen.
+        let mut part: Option<(DVec2, DVec2, Option<u32>)> = None;
+        let mut draw = |part: Option<(DVec2, DVec2, Option<u32>)>| {
+            if let Some((from, to, Some(share))) = part {
+                cover.line(from, to, share);
+            }
+        };
+        for piece in 0..=PIECES {
+            let point = from.lerp(to, piece as f64 / PIECES as f64);
+            // Far outside there is nothing to draw, and no end to it.
+            let near = |at: DVec2| at.abs().max_element() < 1e5;
+            let Some((at, distance)) = self.project(point).filter(|(at, _)| near(*at)) else {
+                draw(part.take());
+                continue;
+            };
+            let share = if self.is_seen(at, distance) { SEEN } else { HIDDEN };
+            part = Some(match part {
+                None => (at, at, None),
+                Some((from, _, before)) if before.is_none_or(|before| before == share) => {
+                    (from, at, Some(share))
+                }
+                Some(whole @ (_, last, _)) => {
+                    draw(Some(whole));
+                    (last, at, Some(share))
+                }
+            });
+        }
+        draw(part);
+    }
+}
+
+/// How much of each pixel lines cover, so that lines that meet are no darker there.
+struct Cover {
+    width: usize,
+    height: usize,
+    /// Of a line, in pixels.
+    thickness: f64,
+    shares: Vec<u8>,
+}
+
+impl Cover {
+    fn new(canvas: &Canvas) -> Self {
+        let (width, height) = (canvas.width, canvas.height);
+        let thickness = WIDTH * canvas.scale as f64;
+        Self { width, height, thickness, shares: vec![0; width * height] }
+    }
+
+    /// A straight line with smooth edges.
+    fn line(&mut self, from: DVec2, to: DVec2, share: u32) {
+        let reach = self.thickness / 2.0 + 0.5;
+        let range = |a: f64, b: f64, size: usize| {
+            let low = (a.min(b) - reach).floor().clamp(0.0, size as f64);
+            let high = (a.max(b) + reach).ceil().clamp(0.0, size as f64);
+            low as usize..high as usize
+        };
+        let (way, rows) = (to - from, range(from.y, to.y, self.height));
+        // In a row no more than this lies beside where the line crosses it.
+        let beside = reach * way.length() / way.y.abs();
+        for y in rows {
+            let columns = if beside.is_finite() {
+                let crossed = |y: f64| (y - from.y) / way.y;
+                let [first, last] = [y as f64, y as f64 + 1.0].map(crossed);
+                let ends = [first, last].map(|share| from.x + share.clamp(0.0, 1.0) * way.x);
+                let (low, high) = (ends[0].min(ends[1]) - beside, ends[0].max(ends[1]) + beside);
+                let whole = range(from.x, to.x, self.width);
+                let part = range(low + reach, high - reach, self.width);
+                whole.start.max(part.start)..whole.end.min(part.end)
+            } else {
+                range(from.x, to.x, self.width)
+            };
+            for x in columns {
+                let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) - from;
+                let along = (at.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+                let covered = (reach - (at - along * way).length()).clamp(0.0, 1.0);
+                let place = &mut self.shares[y * self.width + x];
+                *place = (*place).max((covered * f64::from(share)) as u8);
+            }
+        }
+    }
+
+    fn blend(&self, canvas: &mut Canvas, ink: Rgb) {
+        // Most of it is empty.
+        for (part, shares) in self.shares.chunks(64).enumerate() {
+            if shares.iter().fold(0, |any, share| any | share) == 0 {
+                continue;
+            }
+            for (n, share) in (64 * part..).zip(shares).filter(|(_, share)| **share > 0) {
+                let (x, y) = (n % self.width, n / self.width);
+                canvas.blend(x as i64, y as i64, ink, u32::from(*share));
+            }
+        }
+    }
+}
+
+/// Something written beside the box: its upper left corner and its size in pixels.
+#[derive(Clone, Debug)]
+pub struct Label {
+    pub text: String,
+    pub place: DVec2,
+    pub size: DVec2,
+}
+
+impl Label {
+    /// Whether there is less than `space` between them to the sides, or they overlap.
+    fn touches(&self, other: &Self, space: f64) -> bool {
+        let space = DVec2::new(space, 0.0);
+        self.place.cmplt(other.place + other.size + space).all()
+            && other.place.cmplt(self.place + self.size + space).all()
+    }
+}
+
+/// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height`
+/// pixels, and returns what is written.
+pub fn draw_box(canvas: &mut Canvas, shown: Shown<'_>, height: usize) -> Vec<Label> {
+    let mut labels = Vec::new();
+    let projector = Projector { shown, rays: shown.camera.rays(canvas.width, height) };
+    let (region, mut cover) = (shown.region, Cover::new(canvas));
+    let corners = corners(region);
+    let centre = projector.project(region.centre()).map(|(at, _)| at);
+    for axis in 0..3 {
+        let edges: Vec<(DVec3, DVec3)> = (0..8)
+            .filter(|n| n >> axis & 1 == 0)
+            .map(|n| (corners[n], corners[n | 1 << axis]))
+            .collect();
+        for (from, to) in &edges {
+            projector.line(&mut cover, *from, *to);
+        }
+        // x and y along the lowest edges of the picture, z along the leftmost.
+        let rank = |(from, to): &&(DVec3, DVec3)| {
+            let at = projector.project(from.midpoint(*to)).map(|(at, _)| at)?;
+            let rank = if axis == 2 { -at.x } else { at.y };
+            rank.is_finite().then_some((rank * 16.0) as i64)
+        };
+        let edge = edges.iter().filter(|edge| rank(edge).is_some()).max_by_key(rank);
+        if let (Some(edge), Some(centre)) = (edge, centre) {
+            label(canvas, &mut cover, &projector, axis, *edge, centre, &mut labels);
+        }
+    }
+    cover.blend(canvas, shown.ink());
+    labels
+}
+
+/// Writes numbers and the name of an axis along an edge.
+fn label(
+    canvas: &mut Canvas,
+    cover: &mut Cover,
+    projector: &Projector<'_>,
+    axis: usize,
+    (from, to): (DVec3, DVec3),
+    centre: DVec2,
+    labels: &mut Vec<Label>,
+) {
+    let (low, high) = (from[axis], to[axis]);
+    let (ticks, step) = ticks(low, high);
+    let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
+    // Across the edge, so that labels of two edges that meet part; an edge that is seen from its
+    // end has no such direction.
+    let away = (middle - centre).normalize_or(DVec2::Y);
+    let ends = projector.project(from).zip(projector.project(to));
+    let across = ends.map_or(DVec2::ZERO, |((a, _), (b, _))| (b - a).perp());
+    let outward = match across.try_normalize() {
+        Some(across) if across.dot(away) < 0.0 => -across,
+        Some(across) => across,
+        None => away,
+    };
+    let scale = canvas.scale as f64;
+    // Where a label of this text belongs, and where it goes: where the box is cut off, its labels
+    // are not.
+    let size = DVec2::new(canvas.width as f64, projector.rays.height() as f64);
+    let letter = DVec2::new(canvas.advance() as f64, canvas.letter_height() as f64);
+    let label = |value: f64, text: String, reach: f64| {
+        let mut point = from;
+        point[axis] = value;
+        let (at, _) = projector.project(point)?;
+        let half = letter * DVec2::new(text.chars().count() as f64, 1.0) / 2.0;
+        let place = at + outward * (reach * scale + half.dot(outward.abs())) - half;
+        let place = place.clamp(DVec2::ZERO, (size - 2.0 * half).max(DVec2::ZERO));
+        Some((at, Label { text, place, size: 2.0 * half }))
+    };
+    // With a letter's space to what is there already, on this edge and on others: what finds no
+    // room is left away.
+    let free = |label: &Label, labels: &[Label]| {
+        !labels.iter().any(|other| label.touches(other, letter.x))
+    };
+    let ink = projector.shown.ink();
+    let mut write = |label: Label, labels: &mut Vec<Label>| {
+        let (x, y) = (label.place.x.round() as i64, label.place.y.round() as i64);
+        canvas.write(&label.text, x, y, ink);
+        labels.push(label);
+    };
+    let mut marks = Vec::new();
+    for (value, text) in ticks {
+        let Some((at, label)) = label(value, text, 7.0) else { continue };
+        marks.push(at);
+        if free(&label, labels) {
+            write(label, labels);
+        }
+    }
+    // The name stands beside the middle, or as near to that as is free.
+    let name = ["x", "y", "z"][axis].to_owned();
+    let places = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75].into_iter().filter_map(|steps| {
+        let (_, label) = label(low.midpoint(high) + steps * step, name.clone(), 40.0)?;
+        Some(label)
+    });
+    if let Some(label) = { places }.find(|label| free(label, labels)) {
+        write(label, labels);
+    }
+    for at in marks {
+        if at.abs().max_element() < 1e5 {
+            cover.line(at, at + outward * (5.0 * scale), SEEN);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+    use zeroset_live::{Live, Request};
+    use zeroset_render::picture::Settings;
+
+    /// What is written around the domain ±2 in a window of this size.
+    fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
+        let settings = Settings { width, height, max_depth: 4, ..Settings::default() };
+        let text = "domain 2\nx^2+y^2+z^2 = 1".into();
+        let live = Live::new(Request { text, settings, ..Request::default() });
+        let limit = Duration::from_mins(1);
+        assert!(live.wait(limit));
+        if fitted {
+            live.fit();
+            assert!(live.wait(limit));
+        }
+        let rendering = live.snapshot().rendering.expect("a picture");
+        let pixels = vec![0x00ff_ffff; width * height];
+        draw_box(&mut Canvas::new(width, height, pixels, scale), (&*rendering).into(), height)
+    }
+
+    #[test]
+    fn labels_are_apart_and_within_the_picture() {
+        for (width, height) in [(800, 600), (640, 460), (300, 200), (1600, 1180)] {
+            for (scale, fitted) in [(1, false), (1, true), (2, true)] {
+                let labels = labels(width, height, scale, fitted);
+                let letter = 8.0;
+                for (index, one) in labels.iter().enumerate() {
+                    let end = one.place + one.size;
+                    assert!(one.place.min_element() >= 0.0, "{one:?}");
+                    assert!(end.x <= width as f64 && end.y <= height as f64, "{one:?}");
+                    for other in &labels[..index] {
+                        assert!(!one.touches(other, letter), "{one:?} and {other:?}");
+                    }
+                }
+                assert!(labels.len() > 5, "{width}x{height}: {labels:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_axis_has_its_name_and_its_numbers_where_there_is_room() {
+        let labels = labels(800, 600, 1, true);
+        let mut texts: Vec<&str> = labels.iter().map(|label| label.text.as_str()).collect();
+        texts.sort_unstable();
+        // The corner where x and z are both -2 says so once.
+        let mut expected =
+            vec!["-1", "-1", "-1", "-2", "-2", "0", "0", "0", "1", "1", "1", "2", "2", "2"];
+        expected.extend(["x", "y", "z"]);
+        assert_eq!(texts, expected);
+    }
+
+    /// Only pixels near a line are asked; all others lie too far away from it.
+    #[test]
+    fn a_line_covers_what_is_near_it() {
+        let (width, height) = (120, 90);
+        let canvas = Canvas::new(width, height, Vec::new(), 1);
+        let mut random = fastrand::Rng::with_seed(20_070_005);
+        for case in 0..400 {
+            let mut place = || DVec2::new(160.0 * random.f64() - 20.0, 120.0 * random.f64() - 15.0);
+            let (from, mut to) = (place(), place());
+            match case % 4 {
+                0 => to.y = from.y,
+                1 => to.x = from.x,
+                2 => to = from.lerp(to, 0.02),
+                _ => {}
+            }
+            let mut cover = Cover::new(&canvas);
+            cover.line(from, to, SEEN);
+            for (n, share) in cover.shares.iter().enumerate() {
+                let at = DVec2::new((n % width) as f64 + 0.5, (n / width) as f64 + 0.5);
+                let along = (at - from).dot(to - from) / (to - from).length_squared().max(1e-12);
+                let off = (at - from.lerp(to, along.clamp(0.0, 1.0))).length();
+                let covered = (WIDTH / 2.0 + 0.5 - off).clamp(0.0, 1.0) * f64::from(SEEN);
+                assert!((covered - f64::from(*share)).abs() < 1.01, "{at} of {from} to {to}");
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What is known of the surface under the pointer.
+
+use glam::DVec3;
+use serde_json::json;
+use std::fmt::Write as _;
+use zeroset_live::{Rendering, Request, quote};
+use zeroset_render::picture::Precision;
+use zeroset_syntax::ast::Statement;
+use zeroset_syntax::{Limits, parse};
+use zeroset_trace::{MethodOption, Proves, Status, UndecidedReason};
+
+/// A place of the surface that is seen in a pixel.
+pub struct Pick<'a> {
+    rendering: &'a Rendering,
+    pixel: usize,
+    /// How far off, about, the point may be, in world units.
+    reach: f64,
+    /// The point that is painted; `None` where the background shows.
+    pub point: Option<DVec3>,
+}
+
+impl<'a> Pick<'a> {
+    /// What is seen at a place of a window of the given size; `None` outside.
+    pub fn at(rendering: &'a Rendering, place: (f64, f64), window: (usize, usize)) -> Option<Self> {
+        let buffer = &rendering.picture.buffer;
+        let scaled = |at: f64, size: usize, of: usize| {
+            let inside = at >= 0.0 && at < size as f64;
+            inside.then(|| ((at * of as f64 / size as f64) as usize).min(of - 1))
+        };
+        let column = scaled(place.0, window.0, buffer.width)?;
+        let row = scaled(place.1, window.1, buffer.height)?;
+        let pixel = row * buffer.width + column;
+        let rays = rendering.camera.rays(buffer.width, buffer.height);
+        let ray = rays.ray_of(pixel);
+        let distance = buffer.drawn[pixel];
+        let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
+        let settings = &rendering.request.settings;
+        let reach = if settings.method.reads.contains(&MethodOption::Depth) {
+            let extent = 2.0 * rendering.model.region().half_extent();
+            extent * 0.5_f64.powi(settings.max_depth as i32)
+        } else {
+            settings.tolerance * rays.footprint(distance)
+        };
+        Some(Self { rendering, pixel, reach, point })
+    }
+
+    /// One line with the coordinates, of which surface where there are several, and whether that is
+    /// undecided.
+    pub fn coordinates(&self) -> Option<String> {
+        let p = self.point?;
+        let digits = digits(self.reach);
+        let buffer = &self.rendering.picture.buffer;
+        let surface = match self.rendering.document.surfaces.len() {
+            0 | 1 => String::new(),
+            _ => format!("surface {}  ", buffer.surface[self.pixel] + 1),
+        };
+        let is_open = buffer.status[self.pixel] == Status::Undecided
+            && buffer.reason(self.pixel) != UndecidedReason::Unproven;
+        let open = if is_open { "  undecided" } else { "" };
+        Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
+    }
+
+    /// Several lines: coordinates, value, normal, what is proven and why, and the command that asks
+    /// again.
+    pub fn describe(&self) -> String {
+        let buffer = &self.rendering.picture.buffer;
+        let (column, row) = (self.pixel % buffer.width, self.pixel / buffer.width);
+        let status = match buffer.status[self.pixel] {
+            Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
+            Status::Hit => "hit: proven".to_owned(),
+            Status::Undecided if buffer.reason(self.pixel) == UndecidedReason::Unproven => {
+                let method = self.rendering.picture.method;
+                match (method.proves, self.point) {
+                    (Proves::Nothing, _) => format!("undecided: {} proves nothing", method.name),
+                    (_, None) => format!("undecided: {} proves misses only", method.name),
+                    (_, Some(_)) => format!(
+                        "undecided: the surface may lie within {:.1e}; {} proves misses only",
+                        self.reach, method.name,
+                    ),
+                }
+            }
+            Status::Undecided => {
+                format!("undecided: a point {}", buffer.reason(self.pixel).describe())
+            }
+        };
+        let mut text = format!("pixel {column}, {row}: {status}");
+        let Some(p) = self.point else { return text };
+        let surface = usize::from(buffer.surface[self.pixel]);
+        let echo = self.rendering.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
+        let model = &self.rendering.model;
+        let precision = model.precision();
+        // The shortest digits that say which float it is.
+        let show = |value: f64| match precision {
+            Precision::F32 => (value as f32).to_string(),
+            Precision::Auto | Precision::F64 => value.to_string(),
+        };
+        let [x, y, z] = p.to_array().map(show);
+        let distance = show(buffer.drawn[self.pixel]);
+        let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}  distance {distance}");
+        let document = &self.rendering.document;
+        let (value, gradient) = model.sample_typed(document, surface, p);
+        let [a, b, c] = buffer.normal[self.pixel];
+        let [u, v, w] = gradient.map(show);
+        let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}", show(value));
+        let _ = write!(text, "\n  normal {a:.4}, {b:.4}, {c:.4}");
+        let formula = formula(&self.rendering.request, surface);
+        let (point, precision) = match precision {
+            Precision::F32 => (json!(p.as_vec3().to_array()), Precision::F32),
+            Precision::Auto | Precision::F64 => (json!(p.to_array()), Precision::F64),
+        };
+        let precision = precision.to_string();
+        let question = json!({ "f": formula, "at": point, "precision": precision }).to_string();
+        let _ = write!(text, "\n  echo {} | zeroset eval", quote(&question));
+        text
+    }
+}
+
+/// Decimals that a place deserves which is known to within so much: those of its first digit.
+fn digits(reach: f64) -> usize {
+    (-reach.log10().floor()).clamp(0.0, 17.0) as usize
+}
+
+/// The definitions of a document and one of its surfaces, as a text of its own.
+fn formula(request: &Request, surface: usize) -> String {
+    let text = &request.text;
+    let statements = parse(text, &Limits::default()).unwrap_or_default();
+    let mut lines = Vec::new();
+    let mut drawings = 0;
+    let part = |start: usize| {
+        let end = text[start..].find(['\n', ';']).map_or(text.len(), |end| start + end);
+        // A statement goes on where a bracket is open, and is then taken to the end of the text's
+        // line that closes it.
+        let mut end = end;
+        while super::completion::is_open(&text[start..end]) && end < text.len() {
+            end = text[end + 1..].find(['\n', ';']).map_or(text.len(), |more| end + 1 + more);
+        }
+        text[start..end].trim_end().to_owned()
+    };
+    for statement in &statements {
+        match statement {
+            Statement::Define(definition) => lines.push(part(definition.name.span.start)),
+            Statement::Draw { expr, .. } => {
+                if drawings == surface {
+                    lines.push(part(expr.span.start));
+                }
+                drawings += 1;
+            }
+        }
+    }
+    for (name, value) in &request.overrides {
+        lines.push(format!("{name} = {value}"));
+    }
+    if let Some(time) = request.time {
+        lines.push(format!("t = {time}"));
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_have_the_digits_that_are_known_of_them() {
+        let slab = |depth| 4.0 * 0.5_f64.powi(depth);
+        assert_eq!([digits(slab(10)), digits(slab(16)), digits(slab(40))], [3, 5, 12]);
+        assert_eq!([digits(1e6), digits(0.0), digits(f64::INFINITY)], [0, 17, 0]);
+    }
+}

@@ -1,0 +1,115 @@
+//! PNG files, and where their pictures came from.
+
+use anyhow::{Result, ensure};
+use std::io::Write;
+use std::path::Path;
+use zeroset_live::quote;
+
+/// Where a picture came from, as its file tells.
+#[derive(Clone, Default, PartialEq, Eq)]
+pub struct Origin {
+    /// The command that makes it, and the text that it drew.
+    pub chunks: Vec<(&'static str, String)>,
+}
+
+/// What makes no difference to pictures: which of them are made here, how fast, and whether they
+/// are made again.
+const INDIFFERENT: [(&str, bool); 3] =
+    [("--shard", true), ("--resume", false), ("--threads", true)];
+
+impl Origin {
+    /// What was typed, as it could be typed again, and the text that is drawn.
+    pub fn typed(text: &str) -> Self {
+        let mut words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+        let mut kept = vec!["zeroset".to_owned()];
+        while let Some(word) = words.next() {
+            let (flag, value) = word.split_once('=').map_or((&*word, None), |(a, b)| (a, Some(b)));
+            match INDIFFERENT.iter().find(|(name, _)| *name == flag) {
+                Some((_, true)) if value.is_none() => drop(words.next()),
+                Some(_) => {}
+                None => kept.push(quote(&word)),
+            }
+        }
+        Self { chunks: vec![("Comment", kept.join(" ")), ("Description", text.to_owned())] }
+    }
+
+    /// This command alone.
+    pub fn command(command: &str) -> Self {
+        Self { chunks: vec![("Comment", command.to_owned())] }
+    }
+
+    /// The same for one frame of a sequence.
+    #[must_use]
+    pub fn frame(&self, number: usize) -> Self {
+        let mut chunks = self.chunks.clone();
+        chunks.push(("Title", format!("frame {number}")));
+        Self { chunks }
+    }
+
+    /// Whether a PNG file came from here.
+    pub fn is_of(&self, file: &Path) -> bool {
+        let open = || {
+            let file = std::io::BufReader::new(std::fs::File::open(file).ok()?);
+            png::Decoder::new(file).read_info().ok()
+        };
+        let Some(reader) = open() else { return false };
+        let texts = &reader.info().utf8_text;
+        self.chunks.iter().all(|(key, value)| {
+            let same = |chunk: &png::text_metadata::ITXtChunk| {
+                chunk.keyword == *key && chunk.get_text().is_ok_and(|text| text == *value)
+            };
+            texts.iter().any(same)
+        })
+    }
+}
+
+/// Refuses a path that asks for another format than PNG. A path without an extension asks for none.
+///
+/// # Errors
+/// If it does.
+pub fn check_png(path: &Path) -> Result<()> {
+    ensure!(
+        path.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("png")),
+        "pictures are written as PNG only: '{}' has another extension; use '{}'",
+        path.display(),
+        path.with_extension("png").display()
+    );
+    Ok(())
+}
+
+/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with where it came from.
+///
+/// # Errors
+/// If the sink fails.
+pub fn write_png(
+    out: &mut dyn Write,
+    rgb: &[u8],
+    [width, height]: [usize; 2],
+    origin: &Origin,
+) -> std::io::Result<()> {
+    let mut writer = png_encoder(out, [width, height], origin)?.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(())
+}
+
+/// What writes a PNG (sRGB) of this size to `out`, with where it came from.
+///
+/// # Errors
+/// If a text of `origin` cannot be written.
+pub fn png_encoder<W: Write>(
+    out: W,
+    [width, height]: [usize; 2],
+    origin: &Origin,
+) -> std::io::Result<png::Encoder<'static, W>> {
+    let mut encoder = png::Encoder::new(out, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();
+    encoder.add_itxt_chunk("Software".to_owned(), software)?;
+    for (key, text) in &origin.chunks {
+        encoder.add_itxt_chunk((*key).to_owned(), text.clone())?;
+    }
+    Ok(encoder)
+}

@@ -1,0 +1,280 @@
+//! The prompt: a line that is typed, with history, completion and colors. What a line means is
+//! decided elsewhere.
+
+use super::completion::{Class, candidates, classes, given_up, is_open};
+use super::data::data_directory;
+use super::history::KEPT_LINES;
+use super::session::{Session, lock};
+use super::{notes, preview};
+use anyhow::anyhow;
+use rustyline::completion::{Completer, Pair};
+use rustyline::error::ReadlineError;
+use rustyline::highlight::{CmdKind, Highlighter};
+use rustyline::hint::Hinter;
+use rustyline::history::FileHistory;
+use rustyline::validate::{ValidationContext, ValidationResult, Validator};
+use rustyline::{CompletionType, Config, Context, Editor, ExternalPrinter, Helper};
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::io::IsTerminal;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+use zeroset_live::COMMANDS;
+use zeroset_syntax::WordKind;
+
+/// What is wrong with a line is said when nothing has been typed for so long.
+const PAUSE: Duration = Duration::from_millis(300);
+/// How often that is looked at.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Reads and enters lines until the end of input or of the session. With `preview`, pictures are
+/// shown as well.
+///
+/// # Errors
+/// If lines cannot be read: input that is not UTF-8 text, for example.
+pub fn run(session: &Arc<Session>, preview: bool) -> anyhow::Result<()> {
+    session.watch(Some(&session.live.text()));
+    notes::say(&session.welcome);
+    if preview {
+        show(session);
+        preview::drop_late_answer();
+    }
+    read_lines(session, preview).map_err(|error| anyhow!("the prompt has stopped: {error}"))
+}
+
+/// Said of bytes that are not UTF-8.
+const NOT_TEXT: &str = "the terminal sent bytes that are not UTF-8 text; the line is left out";
+
+fn show(session: &Session) {
+    if let Err(error) = session.show_preview() {
+        notes::error(&error);
+    }
+}
+
+fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
+    let config = Config::builder()
+        .completion_type(CompletionType::List)
+        .max_history_size(KEPT_LINES)?
+        .build();
+    let typing = Arc::new(Mutex::new(Typing { at: Instant::now(), is_begun: false, reported: 0 }));
+    let mut editor: Editor<PromptHelper, FileHistory> = Editor::with_config(config)?;
+    editor.set_helper(Some(PromptHelper {
+        session: Arc::clone(session),
+        typing: Arc::clone(&typing),
+    }));
+    let history = data_directory().map(|directory| directory.join("history"));
+    if let Some(history) = &history {
+        // There is none the first time.
+        let _ = editor.load_history(history);
+        session.recall(editor.history().iter().cloned());
+    }
+    // Of the lines entered here and in the window, those that the editor has.
+    let mut known = 0;
+    session.recalled(&mut known);
+    let mut last = preview.then(|| session.live.request());
+    let interactive = std::io::stdin().is_terminal();
+    if interactive && let Ok(mut printer) = editor.create_external_printer() {
+        let print = move |text: &str| printer.print(format!("{text}\n")).is_ok();
+        session.print_with(Some(Box::new(print)));
+        let session = Arc::clone(session);
+        let typing = Arc::clone(&typing);
+        std::thread::spawn(move || report_faults(&session, &typing));
+    }
+    while !session.has_ended() {
+        learn(session, &mut editor, &mut known)?;
+        let line = match editor.readline("zeroset> ") {
+            Ok(line) => {
+                forget_line(&typing);
+                line
+            }
+            // As in a shell: what was begun is given up, not the session.
+            Err(ReadlineError::Interrupted) if forget_line(&typing) => {
+                session.live.type_line("");
+                continue;
+            }
+            Err(ReadlineError::Eof | ReadlineError::Interrupted) => {
+                // Without a terminal the window, if there is one, goes on.
+                if interactive || preview {
+                    session.end();
+                }
+                break;
+            }
+            // What the terminal sent is no text; the next line may be.
+            Err(ReadlineError::Io(error))
+                if interactive && error.kind() == std::io::ErrorKind::InvalidData =>
+            {
+                notes::say(NOT_TEXT);
+                continue;
+            }
+            Err(error) => {
+                session.print_with(None);
+                if interactive {
+                    // The terminal has gone, and whoever sat there.
+                    session.end();
+                }
+                return Err(error);
+            }
+        };
+        if !line.trim().is_empty() {
+            session.recall([line.clone()]);
+        }
+        // Others may have been entered in the window while this one was typed.
+        learn(session, &mut editor, &mut known)?;
+        if let Some(history) = &history {
+            // At once, so that nothing is lost however the program ends.
+            let _ = editor.append_history(history);
+        }
+        let parts = given_up(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
+        for line in parts {
+            match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
+                // What a command says is not to scroll away behind a picture that was there
+                // already.
+                Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
+                    session.fit_terminal();
+                    let shown = session.live.request();
+                    if last.as_ref() != Some(&shown) {
+                        show(session);
+                        last = Some(shown);
+                    }
+                }
+                Ok(_) => {}
+                Err(wrong) => notes::say(&wrong.full),
+            }
+        }
+    }
+    session.print_with(None);
+    Ok(())
+}
+
+/// Adds lines to the editor's history that it has not.
+fn learn(
+    session: &Session,
+    editor: &mut Editor<PromptHelper, FileHistory>,
+    known: &mut usize,
+) -> rustyline::Result<()> {
+    for line in session.recalled(known) {
+        editor.add_history_entry(line)?;
+    }
+    Ok(())
+}
+
+/// When something was typed last, whether the line holds anything, and which request's fault was
+/// shown last.
+struct Typing {
+    at: Instant,
+    is_begun: bool,
+    reported: u64,
+}
+
+/// Forgets the line that is typed; whether there was anything in it.
+fn forget_line(typing: &Mutex<Typing>) -> bool {
+    let mut typing = lock(typing);
+    std::mem::take(&mut typing.is_begun)
+}
+
+/// Says what is wrong with what is typed or saved, after a pause.
+fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
+    while !session.has_ended() {
+        std::thread::sleep(LOOK);
+        let mut typing = lock(typing);
+        let Some(fault) = session.live.snapshot().fault else { continue };
+        let is_new = fault.revision != typing.reported && session.is_told(fault.revision);
+        if typing.at.elapsed() < PAUSE || !is_new {
+            continue;
+        }
+        typing.reported = fault.revision;
+        drop(typing);
+        session.say(&fault.render(notes::colored()));
+    }
+}
+
+/// Everything that happens while a line is typed.
+struct PromptHelper {
+    session: Arc<Session>,
+    typing: Arc<Mutex<Typing>>,
+}
+
+impl Helper for PromptHelper {}
+
+impl Completer for PromptHelper {
+    type Candidate = Pair;
+
+    fn complete(
+        &self,
+        line: &str,
+        pos: usize,
+        _: &Context<'_>,
+    ) -> rustyline::Result<(usize, Vec<Pair>)> {
+        let (start, names) = candidates(line, pos);
+        let pair = |name: String| Pair { display: name.clone(), replacement: name };
+        Ok((start, names.into_iter().map(pair).collect()))
+    }
+}
+
+impl Hinter for PromptHelper {
+    type Hint = String;
+
+    /// Called at every key, so that the picture follows what is typed.
+    fn hint(&self, line: &str, pos: usize, _: &Context<'_>) -> Option<String> {
+        {
+            let mut typing = lock(&self.typing);
+            (typing.at, typing.is_begun) = (Instant::now(), !line.trim().is_empty());
+        }
+        self.session.live.type_line(line);
+        if pos < line.len() {
+            return None;
+        }
+        let command = line.trim_start().strip_prefix(':')?;
+        let row = COMMANDS.iter().find(|row| row.name == command)?;
+        (!row.arguments.is_empty()).then(|| format!(" {}", row.arguments))
+    }
+}
+
+impl Highlighter for PromptHelper {
+    fn highlight<'l>(&self, line: &'l str, _: usize) -> Cow<'l, str> {
+        if !notes::colored_output() {
+            return Cow::Borrowed(line);
+        }
+        let mut text = String::new();
+        let mut end = 0;
+        for (place, class) in classes(line) {
+            let color = match class {
+                Class::Number => "36",
+                // A letter by itself is seen well enough.
+                Class::Word(_) if place.len() == 1 => continue,
+                Class::Word(WordKind::Function | WordKind::Value) => "34",
+                Class::Word(WordKind::Setting | WordKind::InSetting) => "35",
+                Class::Word(WordKind::Joint | WordKind::Program) => "33",
+                Class::Comment => "2",
+            };
+            text.push_str(&line[end..place.start]);
+            // Writing to a string cannot fail.
+            let _ = write!(text, "\x1b[{color}m{}\x1b[0m", &line[place.clone()]);
+            end = place.end;
+        }
+        text.push_str(&line[end..]);
+        Cow::Owned(text)
+    }
+
+    fn highlight_hint<'h>(&self, hint: &'h str) -> Cow<'h, str> {
+        if notes::colored_output() {
+            Cow::Owned(format!("\x1b[2m{hint}\x1b[0m"))
+        } else {
+            Cow::Borrowed(hint)
+        }
+    }
+
+    fn highlight_char(&self, _: &str, _: usize, kind: CmdKind) -> bool {
+        kind != CmdKind::MoveCursor
+    }
+}
+
+impl Validator for PromptHelper {
+    fn validate(&self, context: &mut ValidationContext<'_>) -> rustyline::Result<ValidationResult> {
+        Ok(if is_open(context.input()) {
+            ValidationResult::Incomplete
+        } else {
+            ValidationResult::Valid(None)
+        })
+    }
+}

@@ -1,0 +1,270 @@
+//! `zeroset render`.
+
+use super::annotate::Around;
+use super::arguments::{AA, KernelArgs, RenderArgs, TracingArgs};
+use super::files::Files;
+use super::output::print;
+use super::overlay::Shown;
+use super::png_file::Origin;
+use super::progress::Progress;
+use super::sequence;
+use super::subject::{self, Subject};
+use super::vector::Size;
+use super::{UNDECIDED, notes, report};
+use anyhow::{Context, Result, ensure};
+use glam::DVec3;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use zeroset_render::framing;
+use zeroset_render::model::{Model, Strip};
+use zeroset_render::picture::{
+    Open, Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance,
+};
+use zeroset_scene::blank::Blank;
+use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::view::{self, DomainChoice};
+use zeroset_shade::{LinearRgb, Pattern};
+use zeroset_space::Region;
+use zeroset_syntax::SrgbColor;
+use zeroset_trace::MethodOption;
+
+/// What is drawn where the search for a domain ran out of time reaches so far from the origin along
+/// each axis.
+const ANYWHERE: f64 = 2.0;
+
+pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
+    let settings = settings(arguments)?;
+    if let Some(sequence) = sequence::asked(arguments)? {
+        let threads = arguments.tracing.threads;
+        return in_threads(threads, || sequence::run(arguments, &sequence, &settings));
+    }
+    let choice = arguments.camera.choice();
+    let cut = arguments.cut();
+    let files = Files::create(&arguments.outputs)?;
+    let subject = Subject::read(&arguments.document)?;
+    subject.show_notes();
+
+    let around = Around::asked(&arguments.shading, &subject.document);
+    let render = || -> Result<_> {
+        let document = &subject.document;
+        let wanted = settings.has_time_to_choose();
+        let found = view::region_while(&mut None, document, subject.domain, cut, &wanted)?;
+        let (region, searched) = if let Some(found) = found {
+            found
+        } else {
+            let [low, high] = [-ANYWHERE, ANYWHERE];
+            notes::note(&format!(
+                "no domain was found in time: x, y, z in {low}..{high} are drawn; --domain says \
+                 where to look"
+            ));
+            let anywhere = DomainChoice::Bounds([low, high, low, high, low, high]);
+            view::region(document, anywhere, cut)?
+        };
+        let model = Model::new(document, &region, &settings)?;
+        let camera = if around.axes {
+            framing::of_domain(&region, document, &choice, &settings)?
+        } else {
+            framing::camera(&model, document, &choice, &settings)?
+        };
+        let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
+        let pixels = settings.width * settings.height * seen;
+        let bar = Progress::new(pixels as u64, "tracing");
+        let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
+        let origin = Origin::typed(&subject.source.text);
+        let size = [settings.width, settings.height];
+        let mut files = files.begin(size, settings.precision, &origin)?;
+        let mut marks = None;
+        let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
+            let seen = overview.unwrap_or(&*picture);
+            let shown = Shown { camera: &camera, region: &region, picture: seen };
+            marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
+            files.add(picture)
+        };
+        let picture = model.strips(&camera, &settings, &advance, &mut write)?;
+        files.finish()?;
+        Ok((region, searched, camera, picture))
+    };
+    let (region, searched, camera, picture) = in_threads(arguments.tracing.threads, render)?;
+
+    if let Some(found) = searched {
+        notes::note(&subject::describe_domain(&found));
+    }
+    remark(&subject, &region, &settings, &picture, searched);
+    if arguments.outputs.json {
+        let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
+        print(&format!("{object}\n"))?;
+    }
+    let undecided = picture.statistics.pixels.undecided > 0;
+    Ok(if arguments.strict && undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
+}
+
+/// Runs `work` with this many threads, or as many as there are processors.
+///
+/// # Errors
+/// If there can be no threads, or as `work`.
+pub fn in_threads<T: Send>(
+    threads: Option<usize>,
+    work: impl FnOnce() -> Result<T> + Send,
+) -> Result<T> {
+    let Some(threads) = threads else {
+        return work();
+    };
+    ensure!((1..=1024).contains(&threads), "--threads must be between 1 and 1024");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.context("cannot start the threads")?.install(work)
+}
+
+/// # Errors
+/// If slabs would be too thin for floats of this precision, or none.
+pub fn check_depth(flag: &str, depth: u32, precision: Precision) -> Result<()> {
+    let most = precision.max_depth();
+    let hint = match precision {
+        Precision::Auto | Precision::F32 => {
+            format!(", or {} with --precision f64", Precision::F64.max_depth())
+        }
+        Precision::F64 => String::new(),
+    };
+    ensure!((1..=most).contains(&depth), "{flag} must be between 1 and {most}{hint}");
+    Ok(())
+}
+
+/// What is asked for of the way in which surfaces are found; the rest by default.
+///
+/// # Errors
+/// If a number is out of range.
+pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
+    let KernelArgs { method, precision, tolerance, max_depth, steps, without } = *kernels;
+    let ideas = without.ideas();
+    check_depth("--max-depth", max_depth, precision)?;
+    ensure!(is_tolerance(tolerance), "--tolerance {tolerance}: {TOLERANCES}");
+    let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
+    ensure!(STEPS_RANGE.contains(&steps), "--steps must be between {least} and {most}");
+    Ok(Settings { method, precision, tolerance, max_depth, steps, ideas, ..Settings::default() })
+}
+
+/// With all that makes a picture look better.
+pub fn beautiful(settings: &Settings) -> Settings {
+    let antialias = Pattern::of(AA).expect("one of them");
+    Settings { occlusion: true, antialias, ..settings.clone() }
+}
+
+/// What the method's flags ask for, at a given size and with the default shading.
+///
+/// # Errors
+/// If a number is out of range.
+pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
+    let settings = kernel_settings(&method.kernels)?;
+    let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
+    check_depth("--shadow-depth", shadow_depth, settings.precision)?;
+    Ok(Settings {
+        width,
+        height,
+        shadow_depth: method.shadows.then_some(shadow_depth),
+        normals: Some(method.normals),
+        ..settings
+    })
+}
+
+fn settings(arguments: &RenderArgs) -> Result<Settings> {
+    let shading = &arguments.shading;
+    let ambient = shading.ambient;
+    ensure!(
+        ambient.is_none_or(|share| (0.0..=1.0).contains(&share)),
+        "--ambient must be between 0 and 1"
+    );
+    let aa = shading.aa;
+    let antialias = Pattern::of(aa).with_context(|| {
+        format!("--aa {aa}: there are 1, 4, 16 or 64 rays in a pixel with an edge")
+    })?;
+    let background = |text: &String| {
+        let named = SrgbColor::typed(text).map(|color| LinearRgb::from_srgb(color.rgb));
+        named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
+            format!("--background '{text}' is not a color such as white or ffffff")
+        })
+    };
+    let background = shading.background.as_ref().map(background).transpose()?;
+    ensure!(shading.light.is_none_or(DVec3::is_finite), "--light needs finite numbers");
+    let outputs = &arguments.outputs;
+    let method = method_settings(&arguments.tracing, outputs.size)?;
+    let keeps_normals = outputs.arrays.0.iter().any(|(row, _)| row.needs_normals);
+    let needs_normals = outputs.output.is_some() || keeps_normals;
+    let budget = |seconds: f64| {
+        ensure!(
+            seconds > 0.0,
+            "--budget {seconds}: without time nothing can be found; give seconds above 0"
+        );
+        Duration::try_from_secs_f64(seconds)
+            .with_context(|| format!("--budget {seconds}: no such time"))
+    };
+    let budget = arguments.budget.map(budget).transpose()?;
+    Ok(Settings {
+        normals: method.normals.filter(|_| needs_normals),
+        keeps_normals,
+        brackets: outputs.arrays.0.iter().any(|(row, _)| row.needs_brackets),
+        budget,
+        begun: Some(Instant::now()),
+        undecided: shading.undecided,
+        light: shading.light,
+        look: shading.look,
+        occlusion: true,
+        antialias,
+        ambient: shading.ambient,
+        background,
+        ..method
+    })
+}
+
+/// Says what a look at the picture does not tell: why nothing is seen, and how much is undecided.
+fn remark(
+    subject: &Subject,
+    region: &Region,
+    settings: &Settings,
+    picture: &Picture,
+    searched: Option<AutoDomain>,
+) {
+    picture.remarks.iter().for_each(|remark| notes::note(remark));
+    if picture.flat {
+        notes::note(zeroset_live::FLAT);
+    }
+    let pixels = picture.statistics.pixels;
+    let seen = pixels.hit + pixels.undecided;
+    if seen == 0 {
+        let blank = Blank::find(&subject.document, region, picture.undefined, searched);
+        notes::note(&blank.describe(&|ends| format!("--domain {ends}")));
+        return;
+    }
+    if let Some(why) = picture.why_undecided() {
+        let all = pixels.miss + seen;
+        let are = if pixels.undecided == 1 { "is" } else { "are" };
+        notes::note(&format!("{} of {all} pixels {are} undecided: {why}", pixels.undecided));
+    }
+    let Open { blank, unreached, .. } = picture.statistics.open;
+    if let Some(budget) = settings.budget.filter(|_| unreached > 0) {
+        notes::note(&format!(
+            "{unreached} of these were not reached within {} s and are not drawn: a larger --budget \
+             shows more",
+            budget.as_secs_f64(),
+        ));
+    }
+    let deepens = picture.method.reads.contains(&MethodOption::Depth);
+    let passed_over = blank - unreached;
+    if deepens && picture.statistics.work.given_up > 0 {
+        notes::note(&format!(
+            "some rays were given up after {} steps and stay undecided: a smaller --max-depth takes \
+             less time, --precision f64 may decide more of them",
+            zeroset_trace::STEPS,
+        ));
+    } else if passed_over > 0 {
+        // With the finest floats at work there is nothing to advise.
+        let advice = match (deepens, settings.precision) {
+            (true, Precision::F64) => "; a larger --max-depth may decide more of them",
+            (true, _) => "; a larger --max-depth or --precision f64 may decide more of them",
+            (false, Precision::F32) => "; --precision f64 may decide more of them",
+            (false, _) => "",
+        };
+        notes::note(&format!(
+            "{passed_over} of these are not drawn: the function has no bounds along those rays, as near \
+             a pole, at a gap or beyond the range of floats, so a root there would not be seen{advice}"
+        ));
+    }
+}

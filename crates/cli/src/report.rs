@@ -1,0 +1,101 @@
+//! What `zeroset render --json` prints.
+
+use super::subject::Subject;
+use serde_json::{Map, Value, json};
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::domain::AutoDomain;
+use zeroset_space::Region;
+use zeroset_trace::{Camera, Count, Projection, UndecidedReason};
+
+/// Times, counts, camera and domain of a picture.
+pub fn object(
+    subject: &Subject,
+    region: &Region,
+    searched: Option<AutoDomain>,
+    camera: &Camera,
+    settings: &Settings,
+    picture: &Picture,
+) -> Value {
+    let statistics = &picture.statistics;
+    let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
+    let count = |count: Count| json!({"calls": count.calls, "lanes": count.lanes});
+    let (low, high) = (region.low(), region.high());
+    let echoes: Vec<&str> = subject.document.surfaces.iter().map(|s| s.echo.as_str()).collect();
+    let (projection, value) = match camera.projection() {
+        Projection::Perspective { fov } => ("fov", fov),
+        Projection::Orthographic { height } => ("ortho", height),
+    };
+    let kernels: Vec<Value> = statistics
+        .kernels
+        .iter()
+        .map(|made| {
+            json!({
+                "surface": made.surface,
+                "question": made.question,
+                "form": made.form.to_string(),
+                "precision": made.floats(),
+                "bytes": made.bytes,
+                "vector_bytes": made.vector_bytes,
+                "reason": made.reason(),
+            })
+        })
+        .collect();
+    let reasons: Map<String, Value> = UndecidedReason::ALL
+        .iter()
+        .zip(statistics.open.reasons)
+        .map(|(reason, count)| (reason.name().to_owned(), count.into()))
+        .collect();
+    json!({
+        "surfaces": echoes,
+        "method": picture.method.name,
+        "precision": picture.precision.to_string(),
+        "tolerance": settings.tolerance,
+        "max_depth": settings.max_depth,
+        "steps": settings.steps,
+        "budget": settings.budget.map(|budget| budget.as_secs_f64()),
+        "look": picture.look.name,
+        "antialias": settings.antialias.count(),
+        "size": [settings.width, settings.height],
+        "ms": {
+            "parse": ms(subject.parse),
+            "simplify": ms(statistics.times.simplify),
+            "compile": ms(statistics.times.compile),
+            "trace": ms(statistics.times.trace),
+            "shade": ms(statistics.times.shade),
+            "occlude": ms(statistics.times.occlude),
+            "antialias": ms(statistics.times.antialias),
+        },
+        "pixels": {
+            "hit": statistics.pixels.hit,
+            "miss": statistics.pixels.miss,
+            "undecided": statistics.pixels.undecided,
+        },
+        "undecided": reasons,
+        "work": {
+            "tile": count(statistics.work.tiles),
+            "segment": count(statistics.work.segments),
+            "interval": count(statistics.work.interval),
+            "point": count(statistics.work.point),
+            "gradient": count(statistics.work.gradient),
+            "given_up": statistics.work.given_up,
+        },
+        "edge_rays": statistics.edge_rays,
+        "code_bytes": statistics.code_bytes,
+        "kernels": kernels,
+        "nodes": {"before": statistics.nodes.0, "after": statistics.nodes.1},
+        "camera": {
+            "eye": camera.eye().to_array(),
+            "target": camera.target().to_array(),
+            "up": camera.up().to_array(),
+            (projection): value,
+        },
+        "domain": [low.x, high.x, low.y, high.y, low.z, high.z],
+        "domain_found": searched.map(|found| found.finding.describe()),
+        "clip": region.clip().map(|clip| {
+            [clip.normal.x, clip.normal.y, clip.normal.z, clip.offset]
+        }),
+        "ball": region.ball().map(|ball| {
+            [ball.centre.x, ball.centre.y, ball.centre.z, ball.radius]
+        }),
+    })
+}

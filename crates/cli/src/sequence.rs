@@ -1,0 +1,412 @@
+//! `zeroset render --frames`: many pictures, in files of their own or in one.
+
+use super::animation::{Animation, Format};
+use super::annotate::Around;
+use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
+use super::array::Arrays;
+use super::files::Files;
+use super::output::{Output, print};
+use super::overlay::Shown;
+use super::png_file::Origin;
+use super::progress::Progress;
+use super::subject::{self, Subject};
+use super::{UNDECIDED, notes, report};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_render::sequence::{Sequence, Stage, Sweep};
+use zeroset_scene::view;
+use zeroset_syntax::{ErrorKind, Errors, Options};
+use zeroset_trace::Camera;
+
+/// Most frames: an hour of 60 a second is less than a quarter of it.
+const MOST_FRAMES: usize = 1_000_000;
+
+/// A whole turn, in degrees.
+const WHOLE_TURN: f64 = 360.0;
+
+/// What is asked for, and which part of it is to be made here.
+pub struct Asked {
+    sequence: Sequence,
+    /// Counted from 0, of so many.
+    shard: (usize, usize),
+}
+
+/// The sequence that is asked for, if one is.
+///
+/// # Errors
+/// If something of it is missing or wrong.
+pub fn asked(arguments: &RenderArgs) -> Result<Option<Asked>> {
+    let SequenceArgs { frames, sweep, turntable, is_loop, fps, shard, resume } =
+        &arguments.sequence;
+    let time = arguments.document.values.time.as_deref().filter(|time| time.contains(".."));
+    let mut sweeps = sweep.iter().map(|text| swept(text)).collect::<Result<Vec<_>>>()?;
+    if let Some(time) = time {
+        let (from, to) = ends(time).with_context(|| format!("--time '{time}'"))?;
+        sweeps.insert(0, Sweep { name: "t".to_owned(), from, to });
+    }
+    let moves = !sweeps.is_empty() || turntable.is_some();
+    let Some(frames) = *frames else {
+        let odd = [
+            (moves, "a sequence"),
+            (*is_loop, "--loop"),
+            (*resume, "--resume"),
+            (shard.is_some(), "--shard"),
+        ];
+        if let Some((_, what)) = odd.iter().find(|(given, _)| *given) {
+            bail!("{what} needs --frames N, which says how many pictures there are");
+        }
+        return Ok(None);
+    };
+    ensure!((1..=MOST_FRAMES).contains(&frames), "--frames must be between 1 and {MOST_FRAMES}");
+    ensure!(
+        moves,
+        "--frames needs something that moves: --time A..B, --sweep NAME=A..B or --turntable"
+    );
+    ensure!((1..=1000).contains(fps), "--fps must be between 1 and 1000");
+    let whole = |degrees: f64| degrees != 0.0 && degrees % WHOLE_TURN == 0.0;
+    if let Some(degrees) = turntable {
+        ensure!(degrees.is_finite(), "--turntable {degrees}: no such angle");
+    }
+    let is_loop = *is_loop || sweeps.is_empty() && turntable.is_some_and(whole);
+    for (index, sweep) in sweeps.iter().enumerate() {
+        let twice = sweeps[..index].iter().any(|other| other.name == sweep.name);
+        ensure!(!twice, "'{}' is swept twice", sweep.name);
+    }
+    let defined = arguments.document.values.overrides()?;
+    if let Some((name, _)) = defined.iter().find(|(name, _)| sweeps.iter().any(|s| s.name == *name))
+    {
+        bail!("'{name}' is both set by -D and swept");
+    }
+    let shard = shard.as_deref().map_or(Ok((0, 1)), |text| {
+        part(text).with_context(|| format!("--shard '{text}' is not of the form I/N, as 1/8"))
+    })?;
+    Ok(Some(Asked { sequence: Sequence { frames, sweeps, turn: *turntable, is_loop }, shard }))
+}
+
+/// Of `NAME=A..B`.
+fn swept(text: &str) -> Result<Sweep> {
+    let (name, range) = text
+        .split_once('=')
+        .with_context(|| format!("--sweep '{text}' is not of the form name=a..b"))?;
+    let (from, to) = ends(range).with_context(|| format!("--sweep '{text}'"))?;
+    Ok(Sweep { name: name.trim().to_owned(), from, to })
+}
+
+/// Of `A..B`.
+fn ends(text: &str) -> Result<(f64, f64)> {
+    let (from, to) = text.split_once("..").context("two values are written a..b, as 0..2pi")?;
+    let number = |text: &str| {
+        view::number(text).with_context(|| format!("'{}' is not a finite number", text.trim()))
+    };
+    Ok((number(from)?, number(to)?))
+}
+
+/// Of `I/N`, counted from 0.
+fn part(text: &str) -> Option<(usize, usize)> {
+    let (one, of) = text.split_once('/')?;
+    let (one, of) = (one.trim().parse::<usize>().ok()?, of.trim().parse::<usize>().ok()?);
+    (1..=of).contains(&one).then(|| (one - 1, of))
+}
+
+/// Makes the frames.
+///
+/// # Errors
+/// If a frame cannot be made or written; what was written stays.
+pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result<ExitCode> {
+    let wanted = &arguments.outputs;
+    wanted.check()?;
+    let format = one_file(wanted, arguments.sequence.fps)?;
+    wanted.size.held_whole()?;
+    let sequence = &asked.sequence;
+    ensure!(
+        format.is_none() || asked.shard == (0, 1) && !arguments.sequence.resume,
+        "--shard and --resume need a file for each frame: -o frame-%04d.png"
+    );
+    let maker = Maker::new(arguments, sequence, settings)?;
+    let count = match format {
+        None => maker.files(wanted, asked.shard, arguments.sequence.resume)?,
+        Some(format) => {
+            let path = wanted.output.as_deref().unwrap_or(Path::new("-"));
+            maker.animation(format, path, arguments.sequence.fps)?
+        }
+    };
+    count.remark();
+    let undecided = arguments.strict && count.undecided > 0;
+    Ok(if undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
+}
+
+/// The format of one file that all frames go into; `None` if they go into files of their own.
+fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<Format>> {
+    if let Some(path) = &wanted.output
+        && numbered(path, 0)?.is_none()
+    {
+        let format = Format::of(path, [wanted.size.width, wanted.size.height], fps)?;
+        let flag = wanted.arrays.0.first().map(|(row, _)| format!("--{}", row.flag));
+        let flag = flag.or(wanted.json.then(|| "--json".to_owned()));
+        if let Some(flag) = flag {
+            bail!("{flag} is about one frame: write each to a file, -o frame-%04d.png");
+        }
+        return Ok(Some(format));
+    }
+    for (_, path) in &wanted.arrays.0 {
+        let (numbered, path) = (numbered(path, 0)?.is_some(), path.display());
+        ensure!(numbered, "'{path}' would be written by every frame: use a name with %04d");
+    }
+    Ok(None)
+}
+
+/// A path with the number of a frame in the place of `%d` or `%04d`, and `%` in that of `%%`;
+/// `None` if there is no such place.
+///
+/// # Errors
+/// If there is more than one, or `%` is followed by something else.
+fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
+    let Some(text) = path.to_str() else { return Ok(None) };
+    let (mut name, mut rest, mut places) = (String::new(), text, 0);
+    while let Some((before, after)) = rest.split_once('%') {
+        name.push_str(before);
+        if let Some(after) = after.strip_prefix('%') {
+            name.push('%');
+            rest = after;
+            continue;
+        }
+        let digits = after.len() - after.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let (width, after) = after.split_at(digits);
+        let width =
+            if width.is_empty() { Some(0) } else { width.parse().ok().filter(|w| *w <= 20) };
+        let place = width.zip(after.strip_prefix('d'));
+        let (width, after) = place.with_context(|| {
+            format!("'{text}': a frame's number is written %d or %04d, and % is written %%")
+        })?;
+        let _ = write!(name, "{frame:0width$}");
+        places += 1;
+        rest = after;
+    }
+    ensure!(places <= 1, "'{text}': the frame's number can stand in one place only");
+    name.push_str(rest);
+    Ok((places == 1).then(|| name.into()))
+}
+
+/// What is to be said of all frames together.
+#[derive(Default)]
+struct Count {
+    made: usize,
+    kept: usize,
+    undecided: usize,
+    blank: usize,
+}
+
+impl Count {
+    fn add(&mut self, picture: &Picture) {
+        let pixels = picture.statistics.pixels;
+        self.made += 1;
+        self.undecided += usize::from(pixels.undecided > 0);
+        self.blank += usize::from(pixels.hit + pixels.undecided == 0);
+    }
+
+    fn remark(&self) {
+        let Self { made, kept, undecided, blank } = *self;
+        if kept > 0 {
+            notes::note(&format!("{kept} frames were there already, {made} were made"));
+        }
+        if undecided > 0 {
+            notes::note(&format!("{undecided} of {made} frames have undecided pixels"));
+        }
+        if blank > 0 {
+            notes::note(&format!("nothing is seen in {blank} of {made} frames"));
+        }
+    }
+}
+
+/// The moving name that the text does not know.
+fn unknown_sweep(errors: &Errors, sequence: &Sequence) -> Option<String> {
+    errors.iter().find_map(|error| match &error.kind {
+        ErrorKind::UnknownOverride { name } => {
+            sequence.sweeps.iter().any(|sweep| sweep.name == *name).then(|| name.clone())
+        }
+        _ => None,
+    })
+}
+
+/// Makes frames one after another.
+struct Maker<'a> {
+    subject: Subject,
+    overrides: Vec<(String, String)>,
+    time: Option<f64>,
+    sequence: &'a Sequence,
+    settings: &'a Settings,
+    stage: Stage,
+    around: Around,
+    progress: Progress,
+}
+
+impl<'a> Maker<'a> {
+    fn new(arguments: &RenderArgs, sequence: &'a Sequence, settings: &'a Settings) -> Result<Self> {
+        let values = &arguments.document.values;
+        let overrides = values.overrides()?;
+        let is_timed = sequence.sweeps.iter().any(|sweep| sweep.name == "t");
+        let time = if is_timed { None } else { values.time()? };
+        let options = Options { overrides: &overrides, time, ..Options::default() };
+        let mut unknown = None;
+        let read = |text: &str| {
+            let read = sequence.document(text, &options, 0);
+            read.inspect_err(|errors| unknown = unknown_sweep(errors, sequence))
+        };
+        let subject = Subject::read_by(&arguments.document, read);
+        if let Some(name) = unknown {
+            bail!("'{name}' moves, but does not occur in the formula");
+        }
+        let subject = subject?;
+        subject.show_notes();
+        let idle = sequence.sweeps.iter().find(|sweep| {
+            let mut parameters = subject.document.parameters.iter();
+            let moving = parameters.find(|parameter| parameter.name == sweep.name);
+            moving.is_none_or(|moving| view::is_idle(&subject.document, moving))
+        });
+        if let Some(Sweep { name, .. }) = idle {
+            bail!("nothing that is drawn depends on '{name}', so all frames would be the same");
+        }
+        let around = Around::asked(&arguments.shading, &subject.document);
+        let (text, place) = (&subject.source.text, (subject.domain, arguments.cut()));
+        let choice = arguments.camera.choice();
+        let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;
+        if let Some(found) = &stage.searched {
+            notes::note(&subject::describe_domain(found));
+        }
+        let progress = Progress::new(sequence.frames as u64, "frames");
+        Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
+    }
+
+    /// One frame, with kernels of the one before where they serve.
+    fn make(&mut self, frame: usize, last: &mut Option<Model>) -> Result<(Camera, Picture)> {
+        let Self { overrides, time, sequence, stage, .. } = self;
+        let settings = self.settings.begin();
+        let options = Options { overrides, time: *time, ..Options::default() };
+        let named = || {
+            let values = sequence.values(frame).map(|(name, value)| format!(", {name} = {value}"));
+            format!("frame {frame}{}", values.collect::<String>())
+        };
+        let document = sequence.document(&self.subject.source.text, &options, frame);
+        let document = document.map_err(|errors| anyhow!("{errors}")).with_context(named)?;
+        let rebound = last.as_ref().and_then(|model| model.rebound(&document, &stage.region));
+        let model = rebound.unwrap_or_else(|| Model::new(&document, &stage.region, &settings));
+        let model = model.with_context(named)?;
+        let camera = sequence.camera(stage, frame).with_context(named)?;
+        let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
+        let shown = Shown { camera: &camera, region: &stage.region, picture: &picture };
+        picture.rgb = self.around.over(shown);
+        self.subject.document = document;
+        *last = Some(model);
+        Ok((camera, picture))
+    }
+
+    /// Frames in files of their own: of `of` frames that follow each other, every one is another
+    /// shard's.
+    fn files(
+        mut self,
+        wanted: &OutputArgs,
+        (shard, of): (usize, usize),
+        resume: bool,
+    ) -> Result<Count> {
+        let (mut count, mut last) = (Count::default(), None);
+        let origin = Origin::typed(&self.subject.source.text);
+        for frame in (shard..self.sequence.frames).step_by(of) {
+            let origin = origin.frame(frame);
+            let name = |path: &PathBuf| -> Result<PathBuf> {
+                Ok(numbered(path, frame)?.unwrap_or_else(|| path.clone()))
+            };
+            let arrays = wanted.arrays.0.iter().map(|(row, path)| Ok((*row, name(path)?)));
+            let files = OutputArgs {
+                output: wanted.output.as_ref().map(name).transpose()?,
+                arrays: Arrays(arrays.collect::<Result<_>>()?),
+                ..*wanted
+            };
+            let is_there = |picture: &PathBuf| {
+                let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
+                let last = written(picture);
+                // Arrays do not say whose they are: those of another sequence are newer than this
+                // one's picture.
+                let is_of_it = |(_, array): &(_, PathBuf)| {
+                    array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
+                };
+                origin.is_of(picture) && files.arrays.0.iter().all(is_of_it)
+            };
+            if resume && files.output.as_ref().is_some_and(is_there) {
+                count.kept += 1;
+                continue;
+            }
+            let opened = Files::create(&files)?;
+            let (camera, picture) = self.make(frame, &mut last)?;
+            opened.finish(&picture, &origin)?;
+            if wanted.json {
+                let Stage { region, searched, .. } = &self.stage;
+                let settings = self.settings;
+                let subject = &self.subject;
+                let mut object =
+                    report::object(subject, region, *searched, &camera, settings, &picture);
+                object["frame"] = frame.into();
+                object["values"] = self.sequence.values(frame).collect();
+                print(&format!("{object}\n"))?;
+            }
+            count.add(&picture);
+            self.progress.reach(frame as u64 + 1);
+        }
+        Ok(count)
+    }
+
+    /// All frames into one file, or to standard output.
+    fn animation(mut self, format: Format, path: &Path, fps: u16) -> Result<Count> {
+        let output = Output::create(path)?;
+        let origin = Origin::typed(&self.subject.source.text);
+        let size = [self.settings.width, self.settings.height];
+        let frames = self.sequence.frames;
+        let (mut count, mut last, mut wrong) = (Count::default(), None, None);
+        let written = output.stream(|out| {
+            let mut animation = Animation::begin(format, out, size, (frames, fps), &origin)?;
+            for frame in 0..frames {
+                let picture = match self.make(frame, &mut last) {
+                    Ok((_, picture)) => picture,
+                    Err(error) => {
+                        wrong = Some(error);
+                        return Err(std::io::ErrorKind::Interrupted.into());
+                    }
+                };
+                animation.add(&picture.rgb)?;
+                count.add(&picture);
+                self.progress.reach(frame as u64 + 1);
+            }
+            animation.end()
+        });
+        wrong.map_or(written, Err)?;
+        Ok(count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_s_number_takes_the_place_of_the_directive() {
+        let name = |text: &str| numbered(Path::new(text), 7).expect("valid");
+        assert_eq!(name("frame-%04d.png"), Some("frame-0007.png".into()));
+        assert_eq!(name("%d/100%%.png"), Some("7/100%.png".into()));
+        assert_eq!(name("frame.png"), None);
+        for wrong in ["%s.png", "%d-%d.png", "%", "%99d.png", "%-4d.png"] {
+            assert!(numbered(Path::new(wrong), 7).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn parts_are_counted_from_one() {
+        assert_eq!(part("1/8"), Some((0, 8)));
+        assert_eq!(part("8/8"), Some((7, 8)));
+        for wrong in ["0/8", "9/8", "1", "a/b", "1/0", "-1/8"] {
+            assert_eq!(part(wrong), None, "{wrong}");
+        }
+    }
+}

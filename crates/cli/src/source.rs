@@ -1,0 +1,146 @@
+//! Where the text to draw comes from: standard input, a file, the gallery, or the command line
+//! itself.
+
+use anyhow::{Context, Result, bail};
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use zeroset_live::DocumentSource;
+use zeroset_scene::gallery::{Example, example};
+
+/// No text is read further than this; the parser's own limit is far lower.
+const LONGEST: u64 = 16 << 20;
+
+/// A text and where it came from.
+pub struct Source {
+    pub from: DocumentSource,
+    pub text: String,
+}
+
+impl From<Example> for Source {
+    fn from(example: Example) -> Self {
+        Self { from: DocumentSource::Gallery(example), text: example.text.to_owned() }
+    }
+}
+
+/// Finds the text that `argument` stands for: `-` is standard input, an existing file wins over a
+/// name of the gallery, and that over a formula.
+///
+/// # Errors
+/// If a file cannot be read, or the text is not UTF-8.
+pub fn find(argument: &OsStr) -> Result<Source> {
+    if argument == "-" {
+        let from = DocumentSource::Stream("standard input".to_owned());
+        return read(from, std::io::stdin().lock());
+    }
+    let path = Path::new(argument);
+    let shown = argument.to_string_lossy();
+    // An empty argument or one with a NUL byte is no path, and the failing look-up says so. A link
+    // that leads nowhere is a path all the same.
+    if path.symlink_metadata().is_ok() {
+        if !path.is_dir() {
+            return open(path);
+        }
+        // A directory is nothing to draw, and may be called like a surface whose pictures are in
+        // it.
+        let Some(example) = argument.to_str().and_then(example) else {
+            bail!("'{shown}' is a directory, not a function file");
+        };
+        return Ok(example.into());
+    }
+    let Some(text) = argument.to_str() else {
+        bail!("the formula is not valid UTF-8, and no file has this name: '{shown}'");
+    };
+    if let Some(example) = example(text) {
+        return Ok(example.into());
+    }
+    if path.extension().is_some_and(|extension| extension == "zset") {
+        let slug = text.strip_suffix(".zset").and_then(example);
+        match slug {
+            Some(example) => {
+                bail!("there is no file '{shown}'; the gallery has '{}'", example.slug)
+            }
+            None => bail!("there is no file '{shown}'; 'zeroset gallery --list' lists the gallery"),
+        }
+    }
+    if is_like_a_path(path) && !is_formula(text) {
+        bail!("there is no file '{shown}', and it is no formula");
+    }
+    if let Some(slug) = misspelt(text) {
+        bail!(
+            "'{shown}' is not a file, a surface of the gallery or a formula; did you mean '{slug}' of the gallery?"
+        );
+    }
+    Ok(Source { from: DocumentSource::Typed, text: text.to_owned() })
+}
+
+/// The name of the gallery that a text is likely to mean which is a word and no formula: one that
+/// it begins, or the nearest.
+fn misspelt(text: &str) -> Option<&'static str> {
+    const SHORTEST: usize = 4;
+    let text = text.trim();
+    let is_word = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
+    if text.len() < SHORTEST || text.len() > 40 || !is_word {
+        return None;
+    }
+    let slugs = || zeroset_scene::gallery::examples().into_iter().map(|example| example.slug);
+    let distance = |slug: &str| strsim::damerau_levenshtein(slug, text);
+    let begun = slugs().find(|slug| slug.starts_with(text));
+    let near = || slugs().filter(|slug| distance(slug) <= 2 && distance(slug) * 3 <= text.len());
+    let slug = begun.or_else(|| near().min_by_key(|slug| distance(slug)))?;
+    (!is_formula(text)).then_some(slug)
+}
+
+fn is_formula(text: &str) -> bool {
+    zeroset_syntax::read(text, &zeroset_syntax::Options::default()).is_ok()
+}
+
+/// Whether it is a file's name with an extension of some letters, perhaps in a directory.
+fn is_like_a_path(path: &Path) -> bool {
+    let is_word = |text: &str| text.chars().all(|c| c.is_alphanumeric() || "-_./\\".contains(c));
+    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+    extension.len() > 1
+        && extension.chars().all(|c| c.is_ascii_alphabetic())
+        && path.to_str().is_some_and(is_word)
+}
+
+/// The text of a file.
+///
+/// # Errors
+/// If it cannot be read, or is not UTF-8.
+pub fn open(path: &Path) -> Result<Source> {
+    let shown = path.display();
+    let file = File::open(path).with_context(|| format!("cannot read '{shown}'"))?;
+    // A pipe is no file to look at again, or to save to.
+    let is_file = file.metadata().is_ok_and(|found| found.is_file());
+    let from = if is_file {
+        DocumentSource::File(path.to_owned())
+    } else {
+        DocumentSource::Stream(shown.to_string())
+    };
+    read(from, file)
+}
+
+fn read(from: DocumentSource, stream: impl Read) -> Result<Source> {
+    let mut bytes = Vec::new();
+    stream
+        .take(LONGEST + 1)
+        .read_to_end(&mut bytes)
+        .with_context(|| format!("cannot read '{from}'"))?;
+    if bytes.len() as u64 > LONGEST {
+        bail!("'{from}' is longer than {} MB: too large for a formula", LONGEST >> 20);
+    }
+    match String::from_utf8(bytes) {
+        // Some editors mark text as UTF-8 by a first character that is none of it.
+        Ok(text) => {
+            let text = text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned();
+            Ok(Source { from, text })
+        }
+        Err(error) => {
+            let at = error.utf8_error().valid_up_to();
+            let line = 1 + String::from_utf8_lossy(&error.as_bytes()[..at]).matches('\n').count();
+            bail!("'{from}' is not valid UTF-8 text: line {line}, byte {at}")
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! A surface of the gallery made ready for pictures, as the contact sheet and the window's browser
+//! show it.
+
+use anyhow::{Result, anyhow};
+use zeroset_render::framing;
+use zeroset_render::model::Model;
+use zeroset_render::picture::Settings;
+use zeroset_scene::gallery::Example;
+use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_syntax::Options;
+use zeroset_trace::Camera;
+
+/// The model and the camera for pictures of the settings' size; `None` if they were no longer
+/// `wanted`.
+///
+/// # Errors
+/// If there is something wrong with it.
+pub fn stage(
+    example: &Example,
+    settings: &Settings,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<(Model, Camera)>> {
+    let document = zeroset_syntax::read(example.text, &Options::default())
+        .map_err(|errors| anyhow!("{errors}"))?;
+    let found = view::region_while(&mut None, &document, DomainChoice::Document, None, wanted)?;
+    let Some((region, _)) = found else { return Ok(None) };
+    let Some(model) = Model::new_while(&document, &region, &region, settings, wanted)? else {
+        return Ok(None);
+    };
+    let choice = CameraChoice::default();
+    let camera = framing::camera_while(&model, &document, &choice, settings, wanted)?;
+    Ok(camera.map(|camera| (model, camera)))
+}

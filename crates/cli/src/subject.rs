@@ -1,0 +1,88 @@
+//! A document and everything said about it on the command line.
+
+use super::arguments::DocumentArgs;
+use super::notes;
+use super::source::{self, Source};
+use anyhow::Result;
+use std::time::{Duration, Instant};
+use zeroset_scene::coordinate::coordinate;
+use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::view::{self, DomainChoice};
+use zeroset_syntax::{Document, Errors, Options};
+
+/// What is drawn.
+pub struct Subject {
+    /// Where the text came from.
+    pub source: Source,
+    /// The text as read.
+    pub document: Document,
+    /// Where to look.
+    pub domain: DomainChoice,
+    /// How long reading took.
+    pub parse: Duration,
+}
+
+impl Subject {
+    /// Finds and reads the text.
+    ///
+    /// # Errors
+    /// If there is no text, or it is wrong.
+    pub fn read(arguments: &DocumentArgs) -> Result<Self> {
+        let values = &arguments.values;
+        let (overrides, time) = (values.overrides()?, values.time()?);
+        let options = Options { overrides: &overrides, time, ..Options::default() };
+        let subject = Self::read_by(arguments, |text| zeroset_syntax::read(text, &options))?;
+        note_time(time, &subject.document);
+        Ok(subject)
+    }
+
+    /// Finds the text, and reads it by `read`.
+    ///
+    /// # Errors
+    /// If there is no text, or it is wrong.
+    pub fn read_by(
+        arguments: &DocumentArgs,
+        read: impl FnOnce(&str) -> Result<Document, Errors>,
+    ) -> Result<Self> {
+        let source = source::find(&arguments.source)?;
+        let domain = arguments.values.domain();
+        let started = Instant::now();
+        let read = read(&source.text);
+        let parse = started.elapsed();
+        match read {
+            Ok(document) => Ok(Self { source, document, domain, parse }),
+            Err(errors) => {
+                let shown =
+                    errors.render(Some(&source.from.to_string()), &source.text, notes::colored());
+                Err(notes::Diagnostic(shown).into())
+            }
+        }
+    }
+
+    /// Reports how the text was read where that may surprise.
+    pub fn show_notes(&self) {
+        for note in &self.document.notes {
+            let Source { from, text } = &self.source;
+            notes::say(&note.render(Some(&from.to_string()), text, notes::colored()));
+        }
+    }
+}
+
+/// Says so if a time was given for a document that does not depend on it.
+pub fn note_time(time: Option<f64>, document: &Document) {
+    if time.is_some() && !view::depends_on_time(document) {
+        notes::note("--time changes nothing: `t` occurs nowhere in the formula");
+    }
+}
+
+/// One line on a domain that was searched for.
+pub fn describe_domain(found: &AutoDomain) -> String {
+    let range = |axis: usize| [found.low[axis], found.high[axis]].map(coordinate).join("..");
+    let [x, y, z] = [0, 1, 2].map(range);
+    let shown = if x == y && y == z {
+        format!("x, y, z in {x}")
+    } else {
+        format!("x in {x}, y in {y}, z in {z}")
+    };
+    format!("{}; domain {shown}", found.finding.describe())
+}

@@ -1,0 +1,297 @@
+//! A file that is watched while an editor saves it, in whatever style.
+//!
+//! The directory is watched and not the file, so that a file that is replaced, deleted or renamed
+//! is found again. Nothing is known of what the text means.
+
+use super::source::{self, Source};
+use anyhow::{Context, Result, anyhow};
+use notify::{RecommendedWatcher, RecursiveMode, Watcher as _};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime};
+
+/// A file is read when nothing has happened to it for so long: editors save in several steps.
+const QUIET: Duration = Duration::from_millis(25);
+/// A file that never comes to rest is read this often.
+const RESTLESS: Duration = Duration::from_millis(200);
+/// The file is looked at this often even without an event: some file systems report none.
+const POLL: Duration = Duration::from_secs(1);
+
+/// What became of the file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// It has another text, which may be half written.
+    Text(String),
+    /// It can no longer be read.
+    Lost(String),
+}
+
+enum Message {
+    Event,
+    Stop,
+}
+
+/// Ends the watch when it is dropped.
+pub struct Watch {
+    // Declared first, so that no event comes after the thread has ended.
+    _watcher: Option<RecommendedWatcher>,
+    stop: Sender<Message>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Watch {
+    /// Calls `report` on a thread of its own whenever the file's text is no longer `text`, but not
+    /// when it is empty: a file is emptied before it is written.
+    ///
+    /// # Errors
+    /// If the file's directory cannot be named.
+    pub fn start(
+        path: &Path,
+        text: &str,
+        report: impl FnMut(Change) + Send + 'static,
+    ) -> Result<Self> {
+        let path = std::path::absolute(path).context("cannot name the file's directory")?;
+        let directory = path.parent().context("the file has no directory")?.to_owned();
+        let (stop, messages) = channel();
+        let events = stop.clone();
+        let watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
+            // Reading the file is an event too, which must not lead to reading it again.
+            if event.map_or(true, |event| !event.kind.is_access() || is_close(&event)) {
+                let _ = events.send(Message::Event);
+            }
+        });
+        // Without events there still is the regular look.
+        let watcher = watcher.ok().and_then(|mut watcher| {
+            watcher.watch(&directory, RecursiveMode::NonRecursive).ok()?;
+            Some(watcher)
+        });
+        let mut watched = Watched { path, text: text.to_owned(), lost: false, stamp: None, report };
+        let thread = std::thread::spawn(move || watched.run(&messages));
+        Ok(Self { _watcher: watcher, stop, thread: Some(thread) })
+    }
+}
+
+/// Whether a writer has closed the file.
+fn is_close(event: &notify::Event) -> bool {
+    use notify::event::{AccessKind, AccessMode, EventKind};
+    event.kind == EventKind::Access(AccessKind::Close(AccessMode::Write))
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        let _ = self.stop.send(Message::Stop);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+struct Watched<R> {
+    path: PathBuf,
+    text: String,
+    lost: bool,
+    stamp: Option<(SystemTime, u64)>,
+    report: R,
+}
+
+impl<R: FnMut(Change)> Watched<R> {
+    fn run(&mut self, messages: &Receiver<Message>) {
+        // It may have changed between being read and being watched.
+        self.look();
+        loop {
+            match messages.recv_timeout(POLL) {
+                Ok(Message::Event) => {
+                    let first = Instant::now();
+                    while first.elapsed() < RESTLESS {
+                        match messages.recv_timeout(QUIET) {
+                            Ok(Message::Event) => {}
+                            Err(RecvTimeoutError::Timeout) => break,
+                            Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return,
+                        }
+                    }
+                    self.look();
+                }
+                Err(RecvTimeoutError::Timeout) => {
+                    if self.stamp() != self.stamp {
+                        self.look();
+                    }
+                }
+                Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return,
+            }
+        }
+    }
+
+    fn stamp(&self) -> Option<(SystemTime, u64)> {
+        let found = std::fs::metadata(&self.path).ok()?;
+        Some((found.modified().ok()?, found.len()))
+    }
+
+    fn look(&mut self) {
+        self.stamp = self.stamp();
+        let read = match std::fs::metadata(&self.path) {
+            // To open a pipe would be to wait for whoever writes to it.
+            Ok(found) if !found.is_file() => {
+                Err(anyhow!("'{}' is not a file any more", self.path.display()))
+            }
+            _ => source::open(&self.path),
+        };
+        match read {
+            Ok(Source { text, .. }) => {
+                self.lost = false;
+                if text != self.text && !text.trim().is_empty() {
+                    self.text.clone_from(&text);
+                    (self.report)(Change::Text(text));
+                }
+            }
+            // Once is enough.
+            Err(_) if self.lost => {}
+            Err(error) => {
+                self.lost = true;
+                (self.report)(Change::Lost(format!("{error:#}")));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::File;
+    use std::io::Write;
+    use std::sync::Arc;
+    use zeroset_live::{DocumentSource, Live, Request};
+    use zeroset_render::picture::Settings;
+
+    const LIMIT: Duration = Duration::from_secs(30);
+
+    struct Watched {
+        directory: tempfile::TempDir,
+        live: Arc<Live>,
+        _watch: Watch,
+    }
+
+    fn watched(text: &str) -> Watched {
+        let directory = tempfile::tempdir().expect("a directory");
+        let path = directory.path().join("surface.zset");
+        std::fs::write(&path, text).expect("written");
+        let settings = Settings { width: 24, height: 24, max_depth: 6, ..Settings::default() };
+        let live = Live::new(Request { text: text.into(), settings, ..Request::default() });
+        let live = Arc::new(live);
+        let target = Arc::clone(&live);
+        let watch = Watch::start(&path, text, move |change| {
+            if let Change::Text(text) = change {
+                target.load(DocumentSource::Typed, &text, true);
+            }
+        });
+        Watched { directory, live, _watch: watch.expect("watched") }
+    }
+
+    impl Watched {
+        fn path(&self) -> PathBuf {
+            self.directory.path().join("surface.zset")
+        }
+
+        /// Waits until the picture is that of `text`, and asserts that there always is one.
+        fn follows(&self, text: &str) {
+            let until = Instant::now() + LIMIT;
+            loop {
+                assert!(self.live.wait(LIMIT));
+                let seen = self.live.snapshot();
+                let frame = seen.rendering.expect("there always is a picture");
+                if *frame.request.text == *text && !frame.coarse {
+                    assert!(seen.fault.is_none());
+                    return;
+                }
+                assert!(Instant::now() < until, "still {:?}, not {text:?}", frame.request.text);
+                std::thread::sleep(Duration::from_millis(2));
+            }
+        }
+    }
+
+    fn overwrite(path: &Path, text: &str) {
+        std::fs::write(path, text).expect("written");
+    }
+
+    /// vim and many others: a new file takes the name of the old.
+    fn rename_over(path: &Path, text: &str) {
+        let other = path.with_extension("swp");
+        overwrite(&other, text);
+        std::fs::rename(other, path).expect("renamed");
+    }
+
+    /// vim with a backup: the old file is moved away first.
+    fn move_away(path: &Path, text: &str) {
+        let backup = path.with_extension("zset~");
+        std::fs::rename(path, &backup).expect("renamed");
+        overwrite(path, text);
+        std::fs::remove_file(backup).expect("removed");
+    }
+
+    /// In pieces, with pauses in which half of the text is there.
+    fn piecemeal(path: &Path, text: &str) {
+        let mut file = File::create(path).expect("created");
+        for half in [&text[..text.len() / 2], &text[text.len() / 2..]] {
+            std::thread::sleep(QUIET * 2);
+            file.write_all(half.as_bytes()).expect("written");
+            file.flush().expect("written");
+        }
+    }
+
+    fn delete_and_return(path: &Path, text: &str) {
+        std::fs::remove_file(path).expect("removed");
+        std::thread::sleep(QUIET * 2);
+        overwrite(path, text);
+    }
+
+    #[test]
+    fn every_style_of_saving_is_followed() {
+        let file = watched("x^2+y^2+z^2 = 1");
+        file.follows("x^2+y^2+z^2 = 1");
+        file.live.turn(|orbit| orbit.turn(10.0, 5.0, 24));
+        file.live.wait(LIMIT);
+        let camera = file.live.snapshot().rendering.expect("a picture").camera;
+        let styles = [overwrite, rename_over, move_away, piecemeal, delete_and_return];
+        for (number, save) in (0..10).zip(styles.into_iter().cycle()) {
+            let text = format!("domain 2\nx^2+y^2+(z-{number}/10)^2 = 1 # {number}");
+            save(&file.path(), &text);
+            file.follows(&text);
+        }
+        let last = file.live.snapshot().rendering.expect("a picture").camera;
+        let turn = |camera: &zeroset_trace::Camera| camera.rays(1, 1).forward();
+        assert!((turn(&camera) - turn(&last)).length() < 1e-9, "the view has moved");
+    }
+
+    #[test]
+    fn a_broken_or_missing_file_keeps_the_picture() {
+        let file = watched("x^2+y^2+z^2 = 1");
+        file.follows("x^2+y^2+z^2 = 1");
+        let good = file.live.snapshot().rendering.expect("a picture").picture.rgb.clone();
+        for broken in ["x^2+(", "\u{0}", "domain 2\nx^2+unknown"] {
+            overwrite(&file.path(), broken);
+            let until = Instant::now() + LIMIT;
+            while file.live.snapshot().fault.is_none_or(|fault| *fault.request.text != *broken) {
+                assert!(Instant::now() < until, "no error for {broken:?}");
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            assert_eq!(file.live.snapshot().rendering.expect("kept").picture.rgb, good);
+        }
+        overwrite(&file.path(), "");
+        std::thread::sleep(QUIET * 4);
+        std::fs::remove_file(file.path()).expect("removed");
+        std::thread::sleep(QUIET * 4);
+        assert_eq!(file.live.snapshot().rendering.expect("kept").picture.rgb, good);
+        overwrite(&file.path(), "x = y");
+        file.follows("x = y");
+    }
+
+    #[test]
+    fn a_thousand_saves_end_with_the_last() {
+        let file = watched("x = 0.5");
+        let styles = [overwrite, rename_over, move_away];
+        for (number, save) in (0..1000).zip(styles.into_iter().cycle()) {
+            save(&file.path(), &format!("x = {number}/1000"));
+        }
+        file.follows("x = 999/1000");
+    }
+}

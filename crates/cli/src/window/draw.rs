@@ -1,0 +1,254 @@
+//! What the window shows: the picture, and over it the line that is typed, messages, sliders, the
+//! list of surfaces and the status; or the gallery. It is drawn again only when something of that
+//! changes.
+
+use super::enlarge::enlarge;
+use super::page::Page;
+use super::panel::Panel;
+use super::{MESSAGE, PAUSE, Window, browser, list};
+use crate::annotate::Around;
+use crate::canvas::{Canvas, Rgb};
+use crate::help;
+use crate::theme::{GROUND, INK};
+use anyhow::{Context, Result};
+use minifb::MouseMode;
+use std::sync::Arc;
+use std::time::Instant;
+use zeroset_live::{Fault, Rendering, Slider, Snapshot};
+
+const PAPER: Rgb = 0x00f4_f4f6;
+const DIM: Rgb = 0x00b0_b0bc;
+const WRONG: Rgb = 0x00d0_3030;
+const WRONG_TEXT: Rgb = 0x00ff_9090;
+
+/// The picture at the window's size, with its axes, kept while only what lies over it changes.
+#[derive(Default)]
+pub struct Backdrop {
+    rendering: Option<Arc<Rendering>>,
+    size: (usize, usize),
+    scale: usize,
+    pixels: Vec<Rgb>,
+}
+
+/// Everything that a window's content depends on.
+#[derive(Clone, PartialEq)]
+pub struct Content {
+    size: (usize, usize),
+    /// The rendering, by its place in memory: it is kept while it is shown.
+    rendering: Option<*const Rendering>,
+    fault: Option<String>,
+    wrong: bool,
+    hover: Option<String>,
+    line: Option<(String, usize)>,
+    candidates: Option<String>,
+    message: Option<String>,
+    sliders: Option<(Panel, Vec<Slider>, Option<usize>)>,
+    surfaces: Option<list::Shown>,
+    gallery: Option<browser::Shown>,
+    help: bool,
+    page: Option<Page>,
+}
+
+impl Content {
+    /// What there is to say above the line that is typed or the status line.
+    fn said(&self) -> Option<(&str, Rgb)> {
+        let candidates = self.candidates.as_deref().map(|text| (text, DIM));
+        let fault = self.fault.as_deref().map(|text| (text, WRONG_TEXT));
+        let message = self.message.as_deref().map(|text| (text, INK));
+        candidates.or(fault).or(message)
+    }
+}
+
+/// Where lines of text go, in pixels.
+struct Layout {
+    /// Around what is written.
+    margin: usize,
+    /// What a line has room for between margins.
+    room: usize,
+    row: usize,
+    /// The top of the status line.
+    bottom: i64,
+}
+
+impl Window {
+    /// Draws what is seen, if it is not what is shown already, and tells whether it did.
+    pub(super) fn draw(&mut self, seen: &Snapshot) -> Result<bool> {
+        if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE) {
+            self.message = None;
+        }
+        self.compared = Instant::now();
+        let content = self.content(seen);
+        if self.drawn.as_ref() == Some(&content) {
+            return Ok(false);
+        }
+        self.entitle();
+        self.active = self.compared;
+        let (picture, scale) = (self.picture_size(), self.scale_at(content.size.1));
+        self.backdrop.follow(seen.rendering.as_ref(), picture, content.size, scale);
+        let canvas = self.compose(&content);
+        self.native
+            .update_with_buffer(&canvas.pixels, canvas.width, canvas.height)
+            .context("the window cannot be drawn to")?;
+        self.drawn = Some(content);
+        Ok(true)
+    }
+
+    fn content(&mut self, seen: &Snapshot) -> Content {
+        let gallery = self.browsed();
+        let pick = self.pointer(MouseMode::Discard).and_then(|at| self.pick(at, seen));
+        let rested = self.typed.elapsed() > PAUSE;
+        let fault = self.fault(seen);
+        Content {
+            size: self.size(),
+            rendering: seen.rendering.as_ref().map(Arc::as_ptr),
+            fault: fault.filter(|_| rested).map(wrong),
+            wrong: fault.is_some(),
+            hover: pick.and_then(|pick| pick.coordinates()),
+            line: self.line.as_ref().map(|line| (line.text().to_owned(), line.column())),
+            candidates: (!self.candidates.is_empty()).then(|| self.candidates.join("  ")),
+            message: self.message.as_ref().map(|(text, _)| text.clone()),
+            sliders: self.sliders.shown(),
+            surfaces: self.surfaces.shown(),
+            gallery,
+            help: self.help,
+            page: self.page.clone(),
+        }
+    }
+
+    fn compose(&self, content: &Content) -> Canvas {
+        let (width, height) = content.size;
+        let scale = self.scale_at(height);
+        let mut canvas = Canvas::new(width, height, self.backdrop.pixels.clone(), scale);
+        if let Some(gallery) = &content.gallery {
+            self.draw_gallery(&mut canvas, gallery);
+            return canvas;
+        }
+        let rendering = self.backdrop.rendering.as_ref();
+        if content.wrong {
+            canvas.border(2 * scale, WRONG);
+        }
+        let (row, margin) = (canvas.line_height(), 6 * scale);
+        let room = width.saturating_sub(2 * margin);
+        let layout = Layout { margin, room, row, bottom: height as i64 - row as i64 };
+        let listed = content.surfaces.as_ref();
+        let are_listed = listed.is_some_and(|shown| shown.list.has_formulas());
+        if let Some(rendering) = rendering.filter(|_| !are_listed) {
+            canvas.label(&canvas.fitting(&echo(rendering), room), 0, 0, INK);
+        }
+        if let Some((panel, sliders, hovered)) = &content.sliders {
+            panel.draw(&mut canvas, sliders, *hovered);
+        }
+        if let Some(shown) = listed {
+            shown.draw(&mut canvas);
+        }
+        draw_status(&mut canvas, &layout, content, rendering);
+        draw_texts(&mut canvas, &layout, content);
+        if content.help {
+            help::draw(&mut canvas);
+        }
+        if let Some(page) = &content.page {
+            page.draw(&mut canvas);
+        }
+        canvas
+    }
+}
+
+/// What is wrong in one line, and the key that mends it if there is one.
+fn wrong(fault: &Fault) -> String {
+    let message = fault.message();
+    match fault.missing_letter() {
+        Some(letter) => format!("{message}; F2: {letter} = 1"),
+        None => message,
+    }
+}
+
+/// How the first surface was read, and how many more there are.
+fn echo(rendering: &Rendering) -> String {
+    let surfaces = &rendering.document.surfaces;
+    let echo = surfaces.first().map_or("", |surface| surface.echo.as_str());
+    match surfaces.len() {
+        0 | 1 => echo.to_owned(),
+        more => format!("{echo}  and {} more", more - 1),
+    }
+}
+
+/// The status line: what is seen at its left, and at its right what is under the pointer.
+fn draw_status(
+    canvas: &mut Canvas,
+    layout: &Layout,
+    content: &Content,
+    rendering: Option<&Arc<Rendering>>,
+) {
+    let Layout { margin, room, row, bottom } = *layout;
+    canvas.fill(0, bottom, canvas.width, row, GROUND, 255);
+    let status = match rendering {
+        Some(rendering) => rendering.in_words(),
+        None => "no picture yet: type / and a formula".to_owned(),
+    };
+    let hover = content.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
+    let taken = hover.chars().count() * canvas.advance();
+    let text_y = bottom + 2 * canvas.scale as i64;
+    let right = (canvas.width as i64 - margin as i64 - taken as i64).max(0);
+    if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
+        canvas.write(&hover, right, text_y, DIM);
+    } else if content.line.is_none() && content.said().is_none() {
+        // Both do not fit one line.
+        canvas.label(&hover, right, bottom - row as i64, DIM);
+    }
+    let left = canvas.fitting(&status, room);
+    canvas.write(&left, margin as i64, text_y, INK);
+}
+
+/// The line that is typed, what it may be completed to, and what there is to say.
+fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
+    let Layout { margin, room, row, bottom } = *layout;
+    let (width, dot) = (canvas.width, canvas.scale);
+    let mut above = bottom - row as i64;
+    if let Some((text, column)) = &content.line {
+        canvas.fill(0, above, width, row, 0x0010_1014, 240);
+        // The end of a long line is where it is typed.
+        let letters = (room / canvas.advance()).saturating_sub(3).max(1);
+        let skip = column.saturating_sub(letters);
+        let part: String = text.chars().skip(skip).take(letters + 1).collect();
+        canvas.write(&format!("> {part}"), margin as i64, above + 2 * dot as i64, INK);
+        let at = margin + (2 + column - skip) * canvas.advance();
+        canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, INK, 255);
+        above -= row as i64;
+    }
+    if let Some((text, color)) = content.said() {
+        let text = canvas.fitting(text, room);
+        canvas.label(&text, 0, above, color);
+    }
+}
+
+impl Backdrop {
+    /// Scales the rendering's picture to its part of the window and draws its axes, if something of
+    /// that has changed.
+    fn follow(
+        &mut self,
+        rendering: Option<&Arc<Rendering>>,
+        picture: (usize, usize),
+        window: (usize, usize),
+        scale: usize,
+    ) {
+        let is_same = self.rendering.as_ref().map(Arc::as_ptr) == rendering.map(Arc::as_ptr);
+        if is_same && (self.size, self.scale) == (window, scale) && !self.pixels.is_empty() {
+            return;
+        }
+        self.rendering = rendering.cloned();
+        (self.size, self.scale) = (window, scale);
+        self.pixels.clear();
+        self.pixels.resize(window.0 * window.1, PAPER);
+        let Some(rendering) = rendering else { return };
+        let buffer = &rendering.picture.buffer;
+        let shown = &rendering.picture.rgb;
+        enlarge(shown, [buffer.width, buffer.height], &mut self.pixels, [picture.0, picture.1]);
+        let axes = rendering.request.axes.are_shown(&rendering.document);
+        let pixels = std::mem::take(&mut self.pixels);
+        let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
+        // Legends stand at the bottom: above are the lists.
+        let around = Around::new(axes, &rendering.document);
+        around.draw(&mut canvas, (&**rendering).into(), picture.1, true);
+        self.pixels = canvas.pixels;
+    }
+}

@@ -1,0 +1,230 @@
+//! What keys do in the window, and the line that is typed in it.
+
+use super::Window;
+use super::input::Input;
+use super::page::Page;
+use super::tasks::save;
+use crate::line_edit::LineEdit;
+use minifb::Key;
+use std::sync::Arc;
+use std::thread::spawn;
+use std::time::Instant;
+use zeroset_live::{Axes, status_words};
+
+/// Pixels that an arrow key turns by, in a window this high.
+const ARROW: f64 = 20.0;
+const ARROW_HEIGHT: usize = 400;
+/// What one step of the wheel, or of + and -, scales by.
+pub const ZOOM: f64 = 0.85;
+
+impl Window {
+    pub(super) fn keys(&mut self) {
+        for typed in self.typed_keys.take() {
+            self.active = Instant::now();
+            if self.browser.is_open() {
+                match typed {
+                    Input::Letter(letter) => self.filter_gallery(letter),
+                    Input::Key(Key::Escape) => self.toggle_gallery(),
+                    Input::Key(key) => self.browse(key),
+                    Input::Control(_) => {}
+                }
+                continue;
+            }
+            match (typed, &mut self.line) {
+                (Input::Letter(letter), Some(line)) => {
+                    line.insert(letter);
+                    self.follow_typing();
+                }
+                (Input::Letter(letter), None) => self.shortcut(letter),
+                (Input::Control(Key::Z), None) => self.step_back(true),
+                (Input::Control(Key::Y), None) => self.step_back(false),
+                (Input::Control(_), None) => {}
+                (Input::Key(Key::F1), _) => self.next_help(),
+                (Input::Key(Key::F2), _) => self.define_letter(),
+                (Input::Key(Key::Escape), _) => self.escape(),
+                (Input::Key(Key::Enter | Key::NumPadEnter), _) => match self.line.take() {
+                    None => self.line = Some(LineEdit::default()),
+                    Some(line) => self.enter(line),
+                },
+                (Input::Key(key) | Input::Control(key), Some(_)) => self.edit(key),
+                (Input::Key(key), None) => self.arrow(key),
+            }
+        }
+    }
+
+    /// Closes what is open, the last first; never the program.
+    fn escape(&mut self) {
+        self.candidates.clear();
+        if self.mouse.cancel() {
+            return;
+        }
+        self.message = None;
+        if self.line.take().is_some() {
+            self.session.live.type_line("");
+            self.session.hush();
+        } else {
+            (self.help, self.page) = (false, None);
+        }
+    }
+
+    /// Shows the keys, then the words of the status line and what is written elsewhere, then
+    /// neither.
+    fn next_help(&mut self) {
+        let was_closed = !self.help && self.page.is_none();
+        self.page = self.help.then(|| Page::new(&status_words()));
+        self.help = was_closed;
+    }
+
+    /// Scrolls the text that is shown by so many lines.
+    pub(super) fn turn_page(&mut self, lines: isize) {
+        let size = self.size();
+        let scale = self.scale_at(size.1);
+        if let Some(page) = &mut self.page {
+            page.scroll(lines, size, scale);
+        }
+    }
+
+    fn enter(&mut self, line: LineEdit) {
+        self.candidates.clear();
+        self.message = None;
+        let text = line.text().trim().to_owned();
+        if text.is_empty() {
+            return self.session.live.type_line("");
+        }
+        self.session.recall([text]);
+        self.send(line);
+    }
+
+    /// Takes the last step back, or does it again.
+    fn step_back(&mut self, back: bool) {
+        self.sliders.pause();
+        let live = &self.session.live;
+        let is_done = if back { live.undo() } else { live.redo() };
+        self.session.follow();
+        self.session.hush();
+        match (is_done, back) {
+            (true, _) => self.message = None,
+            (false, true) => self.say("there is nothing to undo"),
+            (false, false) => self.say("there is nothing to redo"),
+        }
+    }
+
+    /// Gives the letter that lacks a value one, where that is all that is wrong.
+    fn define_letter(&mut self) {
+        let fault = self.session.live.snapshot().fault;
+        let Some(letter) = fault.and_then(|fault| fault.missing_letter()) else { return };
+        self.send(format!("{letter} = 1"));
+    }
+
+    fn edit(&mut self, key: Key) {
+        let Some(line) = &mut self.line else { return };
+        let mut candidates = Vec::new();
+        match key {
+            Key::Backspace => line.backspace(),
+            Key::Delete => line.delete(),
+            Key::Left => line.left(),
+            Key::Right => line.right(),
+            Key::Home => line.home(),
+            Key::End => line.end(),
+            Key::Tab => candidates = line.complete(),
+            Key::Up | Key::Down => line.recall(&self.session.recalled(&mut 0), key == Key::Up),
+            _ => return,
+        }
+        self.follow_typing();
+        self.candidates = candidates;
+    }
+
+    fn follow_typing(&mut self) {
+        self.typed = Instant::now();
+        self.candidates.clear();
+        self.message = None;
+        self.follow_line();
+    }
+
+    /// Lets the picture follow the line, if there is one.
+    pub(super) fn follow_line(&mut self) {
+        if let Some(line) = &self.line {
+            self.session.live.type_line(line.text());
+            self.session.hush();
+        }
+    }
+
+    /// Scrolls the text that is shown, changes what is under the pointer, or turns the view.
+    fn arrow(&mut self, key: Key) {
+        if self.page.is_some() {
+            return self.turn_page(match key {
+                Key::Up => -1,
+                Key::Down => 1,
+                Key::PageUp => -10,
+                Key::PageDown => 10,
+                _ => 0,
+            });
+        }
+        if self.change_surface(key) {
+            return;
+        }
+        let (across, down) = match key {
+            Key::Left => (ARROW, 0.0),
+            Key::Right => (-ARROW, 0.0),
+            Key::Up => (0.0, ARROW),
+            Key::Down => (0.0, -ARROW),
+            _ => return,
+        };
+        if down == 0.0 && self.nudge(-across.signum()) {
+            return;
+        }
+        self.session.live.turn(|orbit| orbit.turn(across, down, ARROW_HEIGHT));
+    }
+
+    fn shortcut(&mut self, letter: char) {
+        let live = &self.session.live;
+        let height = self.picture_size().1;
+        match letter.to_ascii_lowercase() {
+            '/' | ':' => {
+                let begun = if letter == ':' { ":" } else { "" };
+                self.line = Some(begun.to_owned().into());
+                (self.help, self.page) = (false, None);
+            }
+            '+' | '=' => live.turn(|orbit| orbit.zoom(ZOOM, 0.0, 0.0, height)),
+            '-' => live.turn(|orbit| orbit.zoom(1.0 / ZOOM, 0.0, 0.0, height)),
+            'r' => live.reset_view(),
+            'f' => live.fit(),
+            'p' => live.turn(|orbit| orbit.toggle_projection()),
+            'u' => live.toggle_undecided(),
+            'x' => self.toggle_axes(),
+            't' => self.toggle_play(),
+            'k' => self.toggle_cut(),
+            'g' => self.toggle_gallery(),
+            'l' => self.toggle_list(),
+            '1'..='9' => self.toggle_surface(letter as usize - '1' as usize),
+            's' => {
+                let (session, tell) = (Arc::clone(&self.session), self.tell.clone());
+                let revision = live.revision();
+                self.threads.push(spawn(move || save(&session, None, revision, &tell)));
+                self.say("saving the picture once it is finished");
+            }
+            'q' => self.session.end(),
+            _ => {}
+        }
+    }
+
+    fn toggle_cut(&mut self) {
+        if self.session.live.toggle_cut() {
+            self.say("cut open: Ctrl with the wheel moves the cut, K takes it away");
+        }
+    }
+
+    /// Shows the domain's box and axes, or no longer.
+    fn toggle_axes(&self) {
+        let live = &self.session.live;
+        let Some(seen) = live.snapshot().rendering else { return };
+        let are_shown = live.request().axes.are_shown(&seen.document);
+        let are_usual = Axes::Usual.are_shown(&seen.document);
+        live.set_axes(match (are_shown, are_usual) {
+            (true, true) => Axes::Off,
+            (false, false) => Axes::On,
+            // As it would be if nobody had said anything.
+            (true, false) | (false, true) => Axes::Usual,
+        });
+    }
+}

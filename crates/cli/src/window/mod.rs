@@ -1,0 +1,325 @@
+//! The window: pictures as they come, the mouse and the keys. It owns the main thread and knows
+//! nothing of how a picture is made.
+
+mod browser;
+mod clicks;
+mod draw;
+mod enlarge;
+mod input;
+mod keys;
+mod list;
+mod mouse;
+mod page;
+mod panel;
+mod rows;
+mod sliders;
+mod surfaces;
+mod tasks;
+mod thumbnails;
+mod wheel;
+
+use super::canvas::Canvas;
+use super::line_edit::LineEdit;
+use super::session::Session;
+use super::tips;
+use super::vector::Size;
+use anyhow::Result;
+use browser::Browser;
+use clicks::Clicks;
+use draw::{Backdrop, Content};
+use input::{Keyboard, Typed};
+use minifb::{Key, MouseMode, ScaleMode, WindowOptions};
+use mouse::Mouse;
+use page::Page;
+use sliders::Sliders;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::{JoinHandle, sleep, spawn};
+use std::time::{Duration, Instant};
+use surfaces::Surfaces;
+use tasks::{Outcome, enter_all};
+use zeroset_live::{Rendering, Snapshot};
+
+/// A message in the window is shown for so long.
+const MESSAGE: Duration = Duration::from_secs(8);
+/// What is wrong with a line is said when nothing has been typed for so long.
+const PAUSE: Duration = Duration::from_millis(300);
+
+/// Mouse and keyboard are looked at this often.
+const LOOK: Duration = Duration::from_millis(4);
+/// The same when nothing has happened for [`REST`]: a look takes some 100 µs.
+const IDLE_LOOK: Duration = Duration::from_millis(20);
+const REST: Duration = Duration::from_secs(2);
+/// The window is drawn at most this often.
+const FRAME: Duration = Duration::from_millis(16);
+/// The same when nothing has happened: messages come and go.
+const IDLE_FRAME: Duration = Duration::from_millis(100);
+
+/// The first tip comes after so long, and the others after so long again.
+const TIP: Duration = Duration::from_secs(20);
+
+/// Windows at least this high get letters twice as large, unless told otherwise.
+const HIGH: usize = 1400;
+
+/// A window that has been opened.
+pub struct Window {
+    native: minifb::Window,
+    session: Arc<Session>,
+    /// Lines to be entered one after the other.
+    lines: Sender<LineEdit>,
+    outcomes: Receiver<Outcome>,
+    /// Hands out ends for whoever has an outcome to tell.
+    tell: Sender<Outcome>,
+    threads: Vec<JoinHandle<()>>,
+    typed_keys: Typed,
+    scale: Option<usize>,
+    mouse: Mouse,
+    clicks: Clicks,
+    /// Whose sliders and surfaces these are.
+    rendering: Option<Arc<Rendering>>,
+    sliders: Sliders,
+    surfaces: Surfaces,
+    browser: Browser,
+    line: Option<LineEdit>,
+    /// What the line's last word may be completed to.
+    candidates: Vec<String>,
+    typed: Instant,
+    message: Option<(String, Instant)>,
+    /// When a tip was last shown.
+    tip: Instant,
+    help: bool,
+    /// A text that somebody asked for.
+    page: Option<Page>,
+    backdrop: Backdrop,
+    drawn: Option<Content>,
+    /// When what is to be seen was last compared with that.
+    compared: Instant,
+    title: String,
+    /// When something was last done or seen.
+    active: Instant,
+}
+
+impl Window {
+    /// Opens a window.
+    ///
+    /// # Errors
+    /// One phrase that says why there can be none.
+    pub fn open(size: Size, scale: Option<usize>, session: &Arc<Session>) -> Result<Self, String> {
+        #[cfg(all(unix, not(target_os = "macos")))]
+        if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
+            return Err("there is no display (DISPLAY is not set)".to_owned());
+        }
+        let options = WindowOptions {
+            resize: true,
+            scale_mode: ScaleMode::UpperLeft,
+            ..WindowOptions::default()
+        };
+        let mut window = minifb::Window::new("zeroset", size.width, size.height, options)
+            .map_err(|error| format!("a window cannot be opened ({error})"))?;
+        // It is looked at more often than it is drawn, and sleeps between.
+        window.set_target_fps(0);
+        let typed_keys = Typed::default();
+        let keyboard = Keyboard { typed: typed_keys.clone(), controls: [false; 2] };
+        window.set_input_callback(Box::new(keyboard));
+        let (lines, entered) = channel();
+        let (tell, outcomes) = channel();
+        let thread = {
+            let (session, tell) = (Arc::clone(session), tell.clone());
+            spawn(move || enter_all(&session, &entered, &tell))
+        };
+        let now = Instant::now();
+        Ok(Self {
+            clicks: Clicks::of(&window),
+            native: window,
+            session: Arc::clone(session),
+            lines,
+            outcomes,
+            tell,
+            threads: vec![thread],
+            typed_keys,
+            scale,
+            mouse: Mouse::default(),
+            rendering: None,
+            sliders: Sliders::default(),
+            surfaces: Surfaces::default(),
+            browser: Browser::default(),
+            line: None,
+            candidates: Vec::new(),
+            typed: now,
+            message: None,
+            tip: now,
+            help: false,
+            page: None,
+            backdrop: Backdrop::default(),
+            drawn: None,
+            compared: now,
+            title: String::new(),
+            active: now,
+        })
+    }
+
+    /// Shows the session until it or the window ends.
+    ///
+    /// # Errors
+    /// If the window can no longer be drawn to.
+    pub fn run(mut self) -> Result<()> {
+        while self.native.is_open() && !self.session.has_ended() {
+            let (width, height) = self.picture_size();
+            self.session.live.resize(width, height);
+            self.keys();
+            self.settle();
+            let seen = self.session.live.snapshot();
+            self.follow(&seen);
+            self.mouse(&seen);
+            self.play(&seen);
+            self.session.live.set_moving(self.sliders.is_in_motion());
+            self.send_value(&seen);
+            self.send_opacity(&seen);
+            self.show_tips();
+            let is_idle = self.active.elapsed() > REST;
+            let frame = if is_idle { IDLE_FRAME } else { FRAME };
+            let is_due = self.compared.elapsed() >= frame;
+            let is_drawn = is_due && self.draw(&seen)?;
+            if !is_drawn {
+                self.native.update();
+            }
+            sleep(if is_idle { IDLE_LOOK } else { LOOK });
+        }
+        self.browser.stop();
+        // What was begun is finished, but no picture is waited for any more.
+        self.session.end();
+        drop(self.lines);
+        for thread in self.threads {
+            // A panic has been reported where it happened.
+            let _ = thread.join();
+        }
+        while let Ok(outcome) = self.outcomes.try_recv() {
+            if let Outcome::Entered(_, Err(wrong)) = outcome {
+                self.session.say(&wrong.full);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the sliders and surfaces of what is seen, and finds a place for them.
+    fn follow(&mut self, seen: &Snapshot) {
+        let rendering = seen.rendering.as_ref();
+        if self.rendering.as_ref().map(Arc::as_ptr) != rendering.map(Arc::as_ptr) {
+            self.active = Instant::now();
+            self.rendering = rendering.cloned();
+            self.sliders.follow(rendering.map(|seen| seen.sliders()).unwrap_or_default());
+            self.surfaces.follow(rendering.map(|seen| seen.surfaces()).unwrap_or_default());
+        }
+        let size = self.picture_size();
+        let letters = Canvas::new(size.0, size.1, Vec::new(), self.scale_at(self.size().1));
+        self.sliders.lay_out(size, &letters);
+        self.surfaces.lay_out(self.sliders.width(), size, &letters);
+    }
+
+    /// Enters a line, on another thread.
+    fn send(&self, line: impl Into<LineEdit>) {
+        // There is somebody to take it as long as there is a window.
+        let _ = self.lines.send(line.into());
+    }
+
+    fn size(&self) -> (usize, usize) {
+        let (width, height) = self.native.get_size();
+        (width.max(1), height.max(1))
+    }
+
+    /// The part above the status line.
+    fn picture_size(&self) -> (usize, usize) {
+        let (width, height) = self.size();
+        let status = Canvas::line_height_at(self.scale_at(height));
+        (width, height.saturating_sub(status).max(1))
+    }
+
+    /// Pixels on the side of one dot of a letter, in a window this high.
+    fn scale_at(&self, height: usize) -> usize {
+        self.scale.unwrap_or(if height >= HIGH { 2 } else { 1 })
+    }
+
+    fn pointer(&self, mode: MouseMode) -> Option<(f64, f64)> {
+        self.native.get_mouse_pos(mode).map(|(x, y)| (f64::from(x), f64::from(y)))
+    }
+
+    fn is_shifted(&self) -> bool {
+        self.native.is_key_down(Key::LeftShift) || self.native.is_key_down(Key::RightShift)
+    }
+
+    fn has_control(&self) -> bool {
+        self.native.is_key_down(Key::LeftCtrl) || self.native.is_key_down(Key::RightCtrl)
+    }
+
+    fn say(&mut self, text: &str) {
+        let first = text.lines().next().unwrap_or_default();
+        self.message = Some((first.to_owned(), Instant::now()));
+    }
+
+    /// Shows a tip where nothing else is said.
+    fn show_tips(&mut self) {
+        if self.message.is_some() || self.line.is_some() || self.tip.elapsed() < TIP {
+            return;
+        }
+        self.tip = Instant::now();
+        if let Some(tip) = tips::next() {
+            self.say(tip);
+        }
+    }
+
+    /// Shows what has been done meanwhile.
+    fn settle(&mut self) {
+        while let Ok(outcome) = self.outcomes.try_recv() {
+            self.active = Instant::now();
+            match outcome {
+                Outcome::Entered(_, Ok(said)) => {
+                    self.sliders.pause();
+                    match said {
+                        Some(text) if text.contains('\n') => self.page = Some(Page::new(&text)),
+                        Some(text) => self.say(&text),
+                        None => {}
+                    }
+                    // What is still being typed may need what was entered.
+                    self.follow_line();
+                }
+                Outcome::Entered(line, Err(wrong)) => {
+                    self.session.say(&wrong.full);
+                    self.say(&wrong.summary);
+                    // It is there to be mended.
+                    self.line.get_or_insert(line);
+                }
+                Outcome::Saved(Ok(())) => {
+                    self.say("saved; the terminal shows the command that reproduces it");
+                }
+                Outcome::Saved(Err(error)) => self.say(&format!("error: {error:#}")),
+            }
+        }
+        self.threads.retain(|thread| !thread.is_finished());
+        if let Some(note) = self.session.notice() {
+            self.active = Instant::now();
+            self.say(&note);
+        }
+        if self.session.is_gallery_wanted() && !self.browser.is_open() {
+            self.toggle_gallery();
+        }
+    }
+
+    /// What is wrong, unless a hand is at work that will pass over it.
+    fn fault<'a>(&self, seen: &'a Snapshot) -> Option<&'a zeroset_live::Fault> {
+        seen.fault.as_deref().filter(|_| !self.sliders.is_moving())
+    }
+
+    /// Names the document in the title bar.
+    fn entitle(&mut self) {
+        let live = &self.session.live;
+        let name = live.request().source.to_string();
+        let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
+        let shown: String = last.chars().filter(|c| !c.is_control()).take(60).collect();
+        let mark = if live.is_changed() { "*" } else { "" };
+        let title = format!("{shown}{mark} - zeroset");
+        if title != self.title {
+            self.native.set_title(&title);
+            self.title = title;
+        }
+    }
+}

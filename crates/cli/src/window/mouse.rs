@@ -1,0 +1,189 @@
+//! What the mouse does in the window: it turns, moves, zooms, clicks, and drags sliders and
+//! surfaces.
+
+use super::Window;
+use super::keys::ZOOM;
+use super::wheel::Wheel;
+use crate::pick::Pick;
+use minifb::{MouseButton, MouseMode};
+use std::time::Instant;
+use zeroset_live::Snapshot;
+
+/// A press that moves no farther than this, in pixels, is a click.
+const CLICK: f64 = 3.0;
+
+/// What is known of the mouse.
+#[derive(Default)]
+pub struct Mouse {
+    drag: Option<Drag>,
+    /// Where it was, and whether a button was held.
+    last: Option<((f64, f64), bool)>,
+    wheel: Wheel,
+}
+
+/// A press of a mouse button that has not ended.
+struct Drag {
+    start: (f64, f64),
+    last: (f64, f64),
+    moves: bool,
+    what: Dragged,
+    /// Esc ends a drag before the button does.
+    cancelled: bool,
+}
+
+/// What a drag moves.
+#[derive(Clone, Copy, PartialEq)]
+enum Dragged {
+    /// The view turns.
+    Turn,
+    /// The view moves.
+    Pan,
+    /// A slider.
+    Slider,
+    /// Something on the list of surfaces.
+    Surface,
+}
+
+impl Mouse {
+    /// Ends a drag before the button is let go, and tells whether there was one.
+    pub fn cancel(&mut self) -> bool {
+        let Some(drag) = &mut self.drag else { return false };
+        drag.cancelled = true;
+        true
+    }
+}
+
+impl Window {
+    pub(super) fn mouse(&mut self, seen: &Snapshot) {
+        let Some(at) = self.pointer(MouseMode::Pass) else { return };
+        let (_, height) = self.picture_size();
+        let inside = self.pointer(MouseMode::Discard).is_some_and(|(_, y)| y < height as f64);
+        self.hover_slider(inside.then_some(at));
+        self.hover_surface(inside.then_some(at));
+        self.wheel(at, inside);
+        let left = self.native.get_mouse_down(MouseButton::Left);
+        let right = self.native.get_mouse_down(MouseButton::Right);
+        let held = left || right;
+        let has_changed = self.mouse.last.replace((at, held)) != Some((at, held));
+        if has_changed {
+            self.active = Instant::now();
+        }
+        if self.browser.is_open() {
+            let clicked = self.clicks.was_missed(held);
+            let pressed = clicked || left && self.mouse.drag.is_none();
+            if left {
+                // What was begun there goes on nowhere else.
+                let (start, last, what) = (at, at, Dragged::Turn);
+                let drag = Drag { start, last, moves: true, what, cancelled: true };
+                self.mouse.drag.get_or_insert(drag);
+            } else {
+                // What was held before is let go where it is.
+                self.mouse.cancel();
+                self.let_go(seen);
+            }
+            return self.point_gallery(at, has_changed, pressed);
+        }
+        if self.clicks.was_missed(held) && inside && self.mouse.drag.is_none() {
+            self.active = Instant::now();
+            self.click(at, seen);
+        }
+        match &mut self.mouse.drag {
+            None if held && inside => {
+                self.session.live.hold(true);
+                let what = if left && self.press_slider(at) {
+                    Dragged::Slider
+                } else if left && self.press_surface(at) {
+                    Dragged::Surface
+                } else if right || self.is_shifted() {
+                    Dragged::Pan
+                } else {
+                    Dragged::Turn
+                };
+                let drag = Drag { start: at, last: at, moves: false, what, cancelled: false };
+                self.mouse.drag = Some(drag);
+            }
+            None => {}
+            Some(drag) if held => {
+                let far = (at.0 - drag.start.0).hypot(at.1 - drag.start.1) > CLICK;
+                drag.moves |= far || drag.what == Dragged::Slider;
+                let (across, down) = (at.0 - drag.last.0, at.1 - drag.last.1);
+                if drag.moves && !drag.cancelled && (across, down) != (0.0, 0.0) {
+                    drag.last = at;
+                    let live = &self.session.live;
+                    match drag.what {
+                        Dragged::Pan => live.turn(|orbit| orbit.pan(across, down, height)),
+                        Dragged::Turn => live.turn(|orbit| orbit.turn(across, down, height)),
+                        Dragged::Slider => self.drag_slider(across),
+                        Dragged::Surface => self.drag_surface(at),
+                    }
+                }
+            }
+            Some(_) => self.let_go(seen),
+        }
+    }
+
+    fn let_go(&mut self, seen: &Snapshot) {
+        let Some(drag) = self.mouse.drag.take() else { return };
+        if drag.what == Dragged::Slider {
+            self.release_slider();
+        }
+        if drag.what == Dragged::Surface {
+            self.release_surface(drag.cancelled);
+        }
+        self.session.live.hold(false);
+        if !drag.moves && drag.what == Dragged::Turn && !drag.cancelled {
+            self.tell_point(drag.start, seen);
+        }
+    }
+
+    /// What a press of the left button does that was over before it was seen.
+    fn click(&mut self, at: (f64, f64), seen: &Snapshot) {
+        if self.press_slider(at) {
+            self.release_slider();
+            self.session.live.hold(false);
+        } else if self.press_surface(at) {
+            self.release_surface(false);
+        } else {
+            self.tell_point(at, seen);
+        }
+    }
+
+    /// What is seen at a place.
+    pub(super) fn pick<'a>(&self, at: (f64, f64), seen: &'a Snapshot) -> Option<Pick<'a>> {
+        Pick::at(seen.rendering.as_ref()?, at, self.picture_size())
+    }
+
+    /// Says what is known of the point that is seen at a place.
+    fn tell_point(&mut self, at: (f64, f64), seen: &Snapshot) {
+        if let Some(text) = self.pick(at, seen).map(|pick| pick.describe()) {
+            self.session.say(&text);
+            self.say(&text);
+        }
+    }
+
+    /// Zooms, or moves the cut, or scrolls what is listed.
+    fn wheel(&mut self, at: (f64, f64), inside: bool) {
+        let Some((_, counted)) = self.native.get_scroll_wheel() else { return };
+        let steps = self.mouse.wheel.steps(counted).clamp(-5.0, 5.0);
+        if steps == 0.0 || !inside {
+            return;
+        }
+        self.active = Instant::now();
+        if self.browser.is_open() {
+            return self.scroll_gallery(steps);
+        }
+        if self.page.is_some() {
+            return self.turn_page(-3 * steps.signum() as isize);
+        }
+        if self.has_control() {
+            return self.session.live.move_cut(steps);
+        }
+        if self.scroll_sliders(steps) || self.scroll_surfaces(steps) {
+            return;
+        }
+        let (width, height) = self.picture_size();
+        let factor = ZOOM.powf(steps);
+        let (across, down) = (at.0 - width as f64 / 2.0, at.1 - height as f64 / 2.0);
+        self.session.live.turn(|orbit| orbit.zoom(factor, across, down, height));
+    }
+}

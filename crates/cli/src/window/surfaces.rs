@@ -1,0 +1,196 @@
+//! How surfaces are hidden, seen through, moved and taken away by the mouse and the keys.
+
+use super::Window;
+use super::list::{List, ListPart, Shown};
+use super::sliders::is_next_due;
+use crate::canvas::Canvas;
+use minifb::Key;
+use std::time::Instant;
+use zeroset_live::{Listed, Snapshot};
+
+/// How far an arrow key moves an opacity.
+const STEP: f64 = 0.05;
+
+/// The list of the surfaces that are seen, and what changes them.
+#[derive(Default)]
+pub struct Surfaces {
+    all: Vec<Listed>,
+    list: Option<List>,
+    /// Whether the list is wanted; if nobody says so, where there is more than one surface.
+    wanted: Option<bool>,
+    scroll: usize,
+    hovered: Option<(usize, ListPart)>,
+    held: Option<Held>,
+    /// An opacity that is still to be asked for.
+    opacity: Option<(usize, f64)>,
+    /// The last request for one, and when it was made.
+    sent: Option<(u64, Instant)>,
+}
+
+/// What a hand holds.
+#[derive(Clone, Copy)]
+enum Held {
+    /// The opacity of a surface.
+    Opacity(usize),
+    /// A surface, and the place where it would go.
+    Row(usize, usize),
+}
+
+impl Surfaces {
+    /// The list as it is to be drawn.
+    pub fn shown(&self) -> Option<Shown> {
+        let dragged = match self.held {
+            Some(Held::Row(from, to)) => Some((from, to)),
+            Some(Held::Opacity(_)) | None => None,
+        };
+        let (list, surfaces, hovered) = (self.list?, self.all.clone(), self.hovered);
+        Some(Shown { list, surfaces, hovered, dragged })
+    }
+
+    /// Takes those of another picture.
+    pub fn follow(&mut self, mut all: Vec<Listed>) {
+        if all.len() != self.all.len() {
+            (self.held, self.hovered, self.opacity) = (None, None, None);
+        }
+        // The hand is ahead of the picture.
+        if let Some((index, opacity)) = self.opacity {
+            all[index].opacity = opacity;
+        }
+        self.all = all;
+    }
+
+    /// Finds a place for the list in a picture of so many pixels, of which `taken` at the left are
+    /// taken, with the letters of `canvas`.
+    pub fn lay_out(&mut self, taken: usize, size: (usize, usize), canvas: &Canvas) {
+        let count = self.all.len();
+        let is_wanted = self.wanted.unwrap_or(count > 1);
+        let list = || List::new(count, self.scroll, taken, size, canvas);
+        self.list = is_wanted.then(list).flatten();
+    }
+
+    fn want(&mut self, index: usize, opacity: f64) {
+        if let Some(surface) = self.all.get_mut(index) {
+            surface.opacity = opacity.clamp(0.0, 1.0);
+            self.opacity = Some((index, surface.opacity));
+        }
+    }
+}
+
+impl Window {
+    pub(super) fn hover_surface(&mut self, at: Option<(f64, f64)>) {
+        let surfaces = &mut self.surfaces;
+        if surfaces.held.is_none() {
+            surfaces.hovered = surfaces.list.zip(at).and_then(|(list, at)| list.at(at));
+        }
+    }
+
+    /// Shows the list, or no longer.
+    pub(super) fn toggle_list(&mut self) {
+        let is_shown = self.surfaces.list.is_some();
+        self.surfaces.wanted = Some(!is_shown);
+    }
+
+    /// Does what a press of the left button means on the list, and tells whether it is there.
+    pub(super) fn press_surface(&mut self, at: (f64, f64)) -> bool {
+        let Some((index, part)) = self.surfaces.list.and_then(|list| list.at(at)) else {
+            return false;
+        };
+        match part {
+            ListPart::Swatch => self.toggle_surface(index),
+            ListPart::Formula => self.surfaces.held = Some(Held::Row(index, index)),
+            ListPart::Opacity(opacity) => {
+                self.surfaces.held = Some(Held::Opacity(index));
+                self.surfaces.want(index, opacity);
+            }
+            ListPart::Delete => self.delete_surface(index),
+        }
+        true
+    }
+
+    /// Moves what is held on the list.
+    pub(super) fn drag_surface(&mut self, at: (f64, f64)) {
+        let surfaces = &mut self.surfaces;
+        let Some(list) = surfaces.list else { return };
+        match &mut surfaces.held {
+            Some(Held::Opacity(index)) => {
+                let index = *index;
+                surfaces.want(index, list.opacity(at.0));
+            }
+            Some(Held::Row(_, to)) => *to = list.rows.nearest(at.1),
+            None => {}
+        }
+    }
+
+    /// Lets go of what is held on the list; if `cancelled`, it goes nowhere.
+    pub(super) fn release_surface(&mut self, cancelled: bool) {
+        match self.surfaces.held.take() {
+            Some(Held::Row(from, to)) if from != to && !cancelled => self.move_surface(from, to),
+            Some(Held::Opacity(_)) => self.ask_for_opacity(),
+            Some(Held::Row(..)) | None => {}
+        }
+    }
+
+    /// Hides the surface with this index, or shows it.
+    pub(super) fn toggle_surface(&mut self, index: usize) {
+        let Some(surface) = self.surfaces.all.get(index) else { return };
+        let result = self.session.live.hide(index + 1, !surface.hidden);
+        self.told(result);
+    }
+
+    fn move_surface(&mut self, from: usize, to: usize) {
+        let result = self.session.live.move_surface(from + 1, to + 1);
+        self.told(result);
+    }
+
+    /// What is left is looked at anew, on another thread.
+    fn delete_surface(&mut self, index: usize) {
+        self.send(format!(":delete {}", index + 1));
+    }
+
+    /// What a key does to the surface under the pointer; tells whether there is one.
+    pub(super) fn change_surface(&mut self, key: Key) -> bool {
+        let Some((index, _)) = self.surfaces.hovered else { return false };
+        let Some(surface) = self.surfaces.all.get(index) else { return false };
+        let (opacity, last) = (surface.opacity, self.surfaces.all.len() - 1);
+        match key {
+            Key::Left => self.surfaces.want(index, opacity - STEP),
+            Key::Right => self.surfaces.want(index, opacity + STEP),
+            Key::Up if self.is_shifted() && index > 0 => self.move_surface(index, index - 1),
+            Key::Down if self.is_shifted() && index < last => self.move_surface(index, index + 1),
+            Key::Delete => self.delete_surface(index),
+            _ => return false,
+        }
+        true
+    }
+
+    /// Scrolls the list if the pointer is over it and there are more, and tells whether so.
+    pub(super) fn scroll_surfaces(&mut self, steps: f64) -> bool {
+        let surfaces = &mut self.surfaces;
+        let list = surfaces.list.filter(|_| surfaces.hovered.is_some());
+        list.is_some_and(|list| list.rows.scroll(&mut surfaces.scroll, steps))
+    }
+
+    /// Asks for the opacity that is wanted, if the picture of the one before is there.
+    pub(super) fn send_opacity(&mut self, seen: &Snapshot) {
+        if is_next_due(self.surfaces.sent, seen) {
+            self.ask_for_opacity();
+        }
+    }
+
+    fn ask_for_opacity(&mut self) {
+        let Some((index, opacity)) = self.surfaces.opacity.take() else { return };
+        self.active = Instant::now();
+        let result = self.session.live.set_opacity(index + 1, opacity);
+        self.surfaces.sent = Some((self.session.live.revision(), Instant::now()));
+        self.told(result);
+    }
+
+    /// Says why something was refused.
+    fn told(&mut self, result: Result<(), zeroset_live::Refusal>) {
+        self.session.hush();
+        match result {
+            Ok(()) => self.message = None,
+            Err(refusal) => self.say(&refusal.to_string()),
+        }
+    }
+}

@@ -1,0 +1,371 @@
+//! Lines that are typed, and the commands among them: one row per command, from which reading,
+//! help, completion and suggestions are derived. What touches files is left to the caller.
+
+use super::help::help;
+use super::pipeline::Request;
+use super::reply::{Refusal, Reply, refused, say};
+use super::session::Live;
+use super::settings::{depth, look, method, precision, shadows, steps, switch, tolerance};
+use super::values::TIME;
+use super::{cut, status};
+use zeroset_render::names::Named;
+use zeroset_render::picture::Precision;
+use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_space::Region;
+use zeroset_style::StandardView;
+
+/// What a line asks for.
+enum Line<'a> {
+    /// Nothing but spaces.
+    Empty,
+    /// Part of the document.
+    Text(&'a str),
+    /// A command and what follows its name.
+    Command(&'static CommandRow, &'a str),
+}
+
+/// One command: how it is described and what it does.
+pub struct CommandRow {
+    /// Its name, without the colon.
+    pub name: &'static str,
+    /// What follows the name, in the notation of a manual.
+    pub arguments: &'static str,
+    /// One line on what it does.
+    pub doc: &'static str,
+    /// Carries it out; `None` if what follows the name is not as `arguments` says.
+    run: fn(&Live, &str) -> Option<Result<Reply, Refusal>>,
+}
+
+/// The command that draws one more surface.
+const ADD: &str = "add";
+
+/// Every command, in the order of the help.
+#[rustfmt::skip]
+pub const COMMANDS: &[CommandRow] = &[
+    CommandRow { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
+        run: |_, name| Some(help(name)) },
+    CommandRow { name: "list", arguments: "", doc: "show the document",
+        run: |live, rest| rest.is_empty().then(|| say(live.text())) },
+    CommandRow { name: ADD, arguments: "FORMULA", doc: "draw one more surface beside the others",
+        run: |live, formula| Some(live.commit(&given(formula)?, true)) },
+    CommandRow { name: "delete", arguments: "[N]", doc: "delete the N-th surface; without a number, list them",
+        run: |live, number| Some(delete(live, optional(number, |number| number.parse().ok())?)) },
+    CommandRow { name: "hide", arguments: "N", doc: "hide the N-th surface",
+        run: |live, number| Some(done(live.hide(number.parse().ok()?, true))) },
+    CommandRow { name: "show", arguments: "[N]", doc: "show the N-th surface again; without a number, all",
+        run: |live, number| Some(done(match optional(number, |number| number.parse().ok())? {
+            Some(number) => live.hide(number, false),
+            None => live.show_all(),
+        })) },
+    CommandRow { name: "opacity", arguments: "N SHARE", doc: "how opaque the N-th surface is, as 50% or 0.5",
+        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, opacity(share.trim())?))) } },
+    CommandRow { name: "move", arguments: "N TO", doc: "move the N-th surface to another place in the list",
+        run: |live, rest| { let (from, to) = rest.split_once(' ')?; Some(done(live.move_surface(from.parse().ok().filter(|from| *from > 0)?, to.trim().parse().ok().filter(|to| *to > 0)?))) } },
+    CommandRow { name: "clear", arguments: "", doc: "delete the whole document",
+        run: |live, rest| rest.is_empty().then(|| { live.clear(); Ok(Reply::Done) }) },
+    CommandRow { name: "undo", arguments: "", doc: "undo the last step",
+        run: |live, rest| rest.is_empty().then(|| if live.undo() { Ok(Reply::Done) } else { refused("there is nothing to undo".to_owned()) }) },
+    CommandRow { name: "redo", arguments: "", doc: "redo what was undone",
+        run: |live, rest| rest.is_empty().then(|| if live.redo() { Ok(Reply::Done) } else { refused("there is nothing to redo".to_owned()) }) },
+    CommandRow { name: "set", arguments: "NAME = VALUE", doc: "give a name a value",
+        run: set },
+    CommandRow { name: "domain", arguments: "auto|R|X0,X1,Y0,Y1,Z0,Z1", doc: "set the domain that is shown",
+        run: |live, domain| Some(look_at(live, domain.parse().ok()?)) },
+    CommandRow { name: "clip", arguments: "[A,B,C,D|off]", doc: "keep only A*x + B*y + C*z <= D",
+        run: |live, plane| cut::clip(live, plane) },
+    CommandRow { name: "view", arguments: "iso|front|back|left|right|top|bottom", doc: "look from this side",
+        run: |live, name| StandardView::named(name).map(|view| look_from(live, view)) },
+    CommandRow { name: "look", arguments: "[NAME]", doc: "lighting and background",
+        run: |live, name| Some(look(live, name)) },
+    CommandRow { name: "shadows", arguments: "[on|off]", doc: "cast shadows",
+        run: |live, choice| Some(shadows(live, optional(choice, switch)?)) },
+    CommandRow { name: "method", arguments: "[NAME]", doc: "how rays are traced",
+        run: |live, name| Some(method(live, name)) },
+    CommandRow { name: "tolerance", arguments: "[PIXELS]", doc: "how far a hit may be from where it is drawn, in pixels",
+        run: |live, pixels| Some(tolerance(live, optional(pixels, |pixels| pixels.parse().ok())?)) },
+    CommandRow { name: "steps", arguments: "[N]", doc: "samples on a ray's path through the domain, or the most steps along it",
+        run: |live, number| Some(steps(live, optional(number, |number| number.parse().ok())?)) },
+    CommandRow { name: "depth", arguments: "[N]", doc: "how often a ray's path through the domain is halved",
+        run: |live, number| Some(depth(live, optional(number, |number| number.parse().ok())?)) },
+    CommandRow { name: "precision", arguments: "[auto|f32|f64]", doc: "kernel precision: f64 is slower but resolves more",
+        run: |live, name| Some(precision(live, optional(name, Precision::named)?)) },
+    CommandRow { name: "time", arguments: "T", doc: "set the time t",
+        run: |live, time| view::number(time).map(|_| live.set(TIME, time)) },
+    CommandRow { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
+        run: |_, from| Some(Ok(Reply::Load(given(from)?))) },
+    CommandRow { name: "gallery", arguments: "", doc: "choose among the pictures of the gallery; without a window, list them",
+        run: |_, rest| rest.is_empty().then_some(Ok(Reply::Gallery)) },
+    CommandRow { name: "save", arguments: "[FILE.zset]", doc: "write the document",
+        run: |_, to| Some(Ok(Reply::Save(given(to)))) },
+    CommandRow { name: "png", arguments: "[FILE.png]", doc: "write the picture, and show the command that reproduces it",
+        run: |_, to| Some(Ok(Reply::Png(given(to)))) },
+    CommandRow { name: "explain", arguments: "[code]", doc: "how the document was read, simplified and compiled",
+        run: |_, what| matches!(what, "" | "code").then(|| Ok(Reply::Explain { code: !what.is_empty() })) },
+    CommandRow { name: "status", arguments: "", doc: "what the picture shows and what it took",
+        run: |live, rest| rest.is_empty().then(|| say(status::describe(&live.snapshot()))) },
+    CommandRow { name: "tips", arguments: "on|off", doc: "show tips in the window, each once",
+        run: |_, choice| switch(choice).map(|wanted| Ok(Reply::Tips(wanted))) },
+    CommandRow { name: "quit", arguments: "", doc: "end",
+        run: |_, rest| rest.is_empty().then_some(Ok(Reply::Quit)) },
+];
+
+impl Live {
+    /// Shows what the document would be if `line`, which is still being typed, were entered. A
+    /// command shows nothing new.
+    pub fn type_line(&self, line: &str) {
+        match read(line) {
+            Ok(Line::Text(formula)) => self.show_typed(Some(formula), false),
+            Ok(Line::Command(row, formula)) if row.name == ADD && !formula.is_empty() => {
+                self.show_typed(Some(formula), true);
+            }
+            Ok(Line::Empty | Line::Command(..)) | Err(_) => self.show_typed(None, false),
+        }
+    }
+
+    /// Enters a line: a part of the document, or a command.
+    ///
+    /// # Errors
+    /// If the document would be wrong, or the command is.
+    pub fn enter(&self, line: &str) -> Result<Reply, Refusal> {
+        match read(line).map_err(Refusal::Command)? {
+            Line::Empty => {
+                self.refresh();
+                Ok(Reply::Done)
+            }
+            Line::Text(line) => self.commit(line, false),
+            Line::Command(row, arguments) => (row.run)(self, arguments)
+                .unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage())))),
+        }
+    }
+}
+
+fn done(result: Result<(), Refusal>) -> Result<Reply, Refusal> {
+    result.map(|()| Reply::Done)
+}
+
+/// A share from 0 to 1, perhaps in hundredths.
+fn opacity(text: &str) -> Option<f64> {
+    let share = match text.strip_suffix('%') {
+        Some(hundredths) => view::number(hundredths)? / 100.0,
+        None => view::number(text)?,
+    };
+    (0.0..=1.0).contains(&share).then_some(share)
+}
+
+/// The text, if there is one.
+fn given(text: &str) -> Option<String> {
+    (!text.is_empty()).then(|| text.to_owned())
+}
+
+/// What may be left out: `Some(None)` if it is, `None` if it is wrong.
+#[allow(clippy::option_option)] // an argument left out, and one that cannot be read
+fn optional<T>(text: &str, read: impl FnOnce(&str) -> Option<T>) -> Option<Option<T>> {
+    if text.is_empty() { Some(None) } else { read(text).map(Some) }
+}
+
+fn set(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
+    let (name, value) = text.split_once('=').or_else(|| text.split_once(' '))?;
+    let (name, value) = (name.trim(), value.trim());
+    let plain = |c: char| c.is_alphanumeric() || c == '_';
+    let valid = !name.is_empty() && name.chars().all(plain) && !value.is_empty();
+    // One definition, not the beginning of a document.
+    if !valid || value.contains(['\n', ';', '=']) {
+        return None;
+    }
+    Some(match (name, view::number(value)) {
+        (TIME, None) => refused(format!("'{value}' is not a finite number")),
+        _ => live.set(name, value),
+    })
+}
+
+fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
+    if let Some(number) = number {
+        return live.delete(number);
+    }
+    let surfaces = live.request().read().map(|document| document.surfaces).unwrap_or_default();
+    let line = |(number, surface): (usize, &zeroset_syntax::Surface)| {
+        format!("{number}  {}", surface.echo)
+    };
+    let lines: Vec<String> = (1..).zip(&surfaces).map(line).collect();
+    say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
+}
+
+fn look_at(live: &Live, domain: DomainChoice) -> Result<Reply, Refusal> {
+    if let DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]) = domain
+        && let Err(error) = Region::new([x0, y0, z0].into(), [x1, y1, z1].into())
+    {
+        return refused(error.to_string());
+    }
+    live.change(|request| request.domain = domain);
+    Ok(Reply::Done)
+}
+
+#[allow(clippy::unnecessary_wraps)] // as all commands
+fn look_from(live: &Live, view: &'static StandardView) -> Result<Reply, Refusal> {
+    live.change(|request: &mut Request| {
+        let projection = request.choice.projection;
+        request.orbit = None;
+        request.choice = CameraChoice { view: Some(view), projection, ..CameraChoice::default() };
+    });
+    Ok(Reply::Done)
+}
+
+/// Reads a line. A command may be shortened to any prefix that only it has.
+///
+/// # Errors
+/// One line that says what is wrong with a command, with a suggestion where there is one.
+fn read(text: &str) -> Result<Line<'_>, String> {
+    let text = text.trim();
+    let Some(command) = text.strip_prefix(':') else {
+        return Ok(if text.is_empty() { Line::Empty } else { Line::Text(text) });
+    };
+    let (name, arguments) = command.split_once(char::is_whitespace).unwrap_or((command, ""));
+    Ok(Line::Command(row(name)?, arguments.trim()))
+}
+
+impl CommandRow {
+    /// The command with what follows it.
+    pub fn usage(&self) -> String {
+        format!(":{} {}", self.name, self.arguments).trim_end().to_owned()
+    }
+}
+
+/// The row of a command by its name or a prefix that only it has.
+fn row(name: &str) -> Result<&'static CommandRow, String> {
+    if let Some(row) = COMMANDS.iter().find(|row| row.name == name) {
+        return Ok(row);
+    }
+    let shortened: Vec<&CommandRow> =
+        COMMANDS.iter().filter(|row| !name.is_empty() && row.name.starts_with(name)).collect();
+    if let [row] = shortened[..] {
+        return Ok(row);
+    }
+    let shown: String = name.chars().take(20).collect();
+    let options = if shortened.is_empty() {
+        // A slip of the finger, not another word.
+        let distance = |row: &&CommandRow| strsim::damerau_levenshtein(row.name, &shown);
+        let nearest = COMMANDS.iter().min_by_key(distance).filter(|row| distance(row) <= 2);
+        nearest.into_iter().collect()
+    } else {
+        shortened
+    };
+    let names: Vec<String> = options.iter().map(|row| format!(":{}", row.name)).collect();
+    Err(if names.is_empty() {
+        format!("there is no command :{shown}; :help lists them")
+    } else {
+        format!("there is no command :{shown}; did you mean {}?", names.join(" or "))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn command(text: &str) -> (&'static str, &str) {
+        match read(text) {
+            Ok(Line::Command(row, arguments)) => (row.name, arguments),
+            _ => panic!("{text:?} is no command"),
+        }
+    }
+
+    fn message(text: &str) -> String {
+        let live = Live::new(Request::default());
+        live.enter(text).expect_err(text).to_string()
+    }
+
+    #[test]
+    fn lines_are_told_apart() {
+        assert!(matches!(read("  "), Ok(Line::Empty)));
+        assert!(matches!(read(" x+y "), Ok(Line::Text("x+y"))));
+        assert_eq!(command(":quit"), ("quit", ""));
+        assert_eq!(command(":q"), ("quit", ""));
+        assert_eq!(command(" :help  sin "), ("help", "sin"));
+        assert_eq!(command(":tol 1e-3"), ("tolerance", "1e-3"));
+        assert_eq!(command(":dep 12"), ("depth", "12"));
+    }
+
+    #[test]
+    fn what_follows_a_command_is_read() {
+        let live = Live::new(Request::default());
+        for (line, expected) in [
+            (":save", Reply::Save(None)),
+            (":png a.png", Reply::Png(Some("a.png".to_owned()))),
+            (":explain", Reply::Explain { code: false }),
+            (":explain code", Reply::Explain { code: true }),
+            (":q", Reply::Quit),
+        ] {
+            assert_eq!(live.enter(line).expect(line), expected, "{line}");
+        }
+        live.enter(":domain 2").expect("a domain");
+        let bounds = [-2.0, 2.0, -2.0, 2.0, -2.0, 2.0];
+        assert_eq!(live.request().domain, DomainChoice::Bounds(bounds));
+        live.enter(":view top").expect("a view");
+        assert_eq!(live.request().choice.view, StandardView::named("top"));
+        live.enter(":prec f64").expect("a precision");
+        assert_eq!(live.settings().precision, Precision::F64);
+        for line in [":set r = 2", ":set r=2", ":set r 2"] {
+            live.clear();
+            live.enter(line).expect(line);
+            assert_eq!(live.text(), "r = 2", "{line}");
+        }
+        for (line, text) in [
+            (":time 1/4", "r = 2\nt = 1/4"),
+            (":set t = -1/8", "r = 2\nt = -1/8"),
+            ("t = 1 in [0, 2]", "r = 2\nt = 1 in [0, 2]"),
+            (":time 20", "r = 2\nt = 20 in [0, 20]"),
+        ] {
+            live.enter(line).expect(line);
+            assert_eq!(live.text(), text, "{line}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_a_suggestion() {
+        assert!(message(":hepl").ends_with("did you mean :help?"));
+        assert!(message(":stauts").ends_with("did you mean :status?"));
+        assert!(
+            message(":s")
+                .contains("did you mean :show or :set or :shadows or :steps or :save or :status?")
+        );
+        assert!(message(":xylophone").ends_with(":help lists them"));
+        assert!(message(":").contains(":help"));
+        assert!(message(":help qqqqqq").starts_with("no function or command named 'qqqqqq'"));
+        for text in [":tolerance -1", ":tolerance 0", ":tolerance nan", ":tolerance 101"] {
+            assert!(message(text).contains("above 0"), "{text}");
+        }
+        assert!(message(":depth 0").contains("between 1 and 20, or 40 after :precision f64"));
+        assert!(message(":set t = soon").contains("'soon' is not a finite number"));
+        for text in [
+            ":domain nonsense",
+            ":domain 1,2",
+            ":time",
+            ":time inf",
+            ":tolerance fine",
+            ":depth -1",
+            ":depth 1.5",
+            ":view up",
+            ":precision f16",
+            ":explain all",
+            ":set",
+            ":set r =",
+            ":set r = 1\nx",
+            ":quit now",
+            ":add",
+            ":delete two",
+            ":clip 1,2",
+            ":clip none",
+            ":tips maybe",
+            ":undo 2",
+        ] {
+            assert!(message(text).starts_with("usage: :"), "{text}");
+        }
+    }
+
+    #[test]
+    fn every_row_is_found_by_its_own_name() {
+        for row in COMMANDS {
+            assert_eq!(super::row(row.name).map(|found| found.name), Ok(row.name));
+            assert!(row.doc.len() > 2 && !row.doc.ends_with('.'), "{}", row.name);
+        }
+    }
+}

@@ -1,0 +1,348 @@
+//! How a line that is entered changes a document's text. Knows statements and lines, but not what
+//! they mean.
+
+use super::values::{Place, kept_range, name, place, right_side};
+use std::ops::Range;
+use zeroset_scene::view::number;
+use zeroset_syntax::ast::Statement;
+use zeroset_syntax::{Limits, parse, setting_word};
+
+/// The text after `line` has been entered into it: a definition replaces the one with the same
+/// name, a single value where that stands; a drawing replaces all others, or joins them if
+/// `adding`, and is seen whatever was hidden; a `domain`, `view` or `color` line replaces the one
+/// before. A number for a value with a range keeps the range, which is extended to hold it. Text or
+/// line may be wrong; reading the result tells where. A text that is wrong even with the line is
+/// given up.
+pub fn entered(text: &str, line: &str, adding: bool) -> String {
+    let limits = Limits::default();
+    let line = line.trim();
+    let base = text.trim_end();
+    if base.is_empty() || parse(base, &limits).is_err() && !completes(base, line) {
+        return line.to_owned();
+    }
+    let joined = format!("{base}\n{line}");
+    if let Some(word) = scene_word(line) {
+        let (kept, new) = (without_lines(base, word), line);
+        // These are about the drawings below.
+        return if matches!(word, "color" | "opacity" | "hidden") {
+            let (comment, rest) = kept.split_at(heading(&kept));
+            format!("{comment}{new}\n{rest}")
+        } else {
+            format!("{kept}\n{new}")
+        };
+    }
+    let Ok(statements) = parse(&joined, &limits) else {
+        return joined;
+    };
+    let start = base.len() + 1;
+    // What reading adds, such as the definitions of coordinates, stands nowhere.
+    let typed = statements.iter().map(|one| (extent(one), one)).filter(|(_, one)| is_typed(one));
+    let (old, new): (Vec<_>, Vec<_>) = typed.partition(|(span, _)| span.start < start);
+    if let Some(text) = revalued(base, line, &old, &new) {
+        return text;
+    }
+    let draws = new.iter().any(|(_, one)| matches!(one, Statement::Draw { .. }));
+    let replaced = |one: &Statement| match name(one) {
+        Some(own) => new.iter().any(|(_, other)| name(other) == Some(own)),
+        None => draws && !adding,
+    };
+    let mut kept = joined.clone();
+    for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
+        kept.replace_range(piece(&joined, span), "");
+    }
+    // A function of a program is more than its name and its result; the later one counts anyway.
+    if parse(&kept, &limits).is_err() {
+        return joined;
+    }
+    if draws && adding && is_hidden_below(base) {
+        kept.insert_str(kept.len() - line.len(), "hidden off\n");
+    } else if draws && !adding {
+        let typed = kept.split_off(kept.len() - line.len());
+        let before = without_lines(&kept, "hidden");
+        kept = if before.is_empty() { typed } else { format!("{}\n{typed}", before.trim_end()) };
+    }
+    kept.trim_start_matches('\n').to_owned()
+}
+
+/// Whether a line defines what a text lacks to be read.
+pub(super) fn completes(text: &str, line: &str) -> bool {
+    let limits = Limits::default();
+    parse(line, &limits).is_ok_and(|all| all.iter().all(|one| name(one).is_some()))
+        && parse(&format!("{}\n{line}", text.trim_end()), &limits).is_ok()
+}
+
+/// Whether what follows a text would not be seen.
+fn is_hidden_below(text: &str) -> bool {
+    let last = text.lines().rfind(|line| scene_word(line) == Some("hidden"));
+    last.is_some_and(|line| line.split_whitespace().nth(1) != Some("off"))
+}
+
+/// A text without the lines that begin with a word about the scene.
+fn without_lines(text: &str, word: &str) -> String {
+    let kept: Vec<&str> = text.lines().filter(|line| scene_word(line) != Some(word)).collect();
+    kept.join("\n")
+}
+
+/// The text without its `number`-th drawing, counted from 1, or how many drawings there are
+/// instead.
+///
+/// # Errors
+/// The number of drawings that were typed, where there is no such one; 0 of a text that is wrong.
+pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize> {
+    let drawings = drawings(text);
+    let Some(span) = number.checked_sub(1).and_then(|index| drawings.get(index)) else {
+        return Err(drawings.len());
+    };
+    let mut kept = text.to_owned();
+    kept.replace_range(piece(text, span), "");
+    Ok(kept.trim_start_matches('\n').trim_end().to_owned())
+}
+
+/// Where the drawings of a text stand, in order.
+fn drawings(text: &str) -> Vec<Range<usize>> {
+    let statements = parse(text, &Limits::default()).unwrap_or_default();
+    let draws = |one: &&Statement| matches!(one, Statement::Draw { .. }) && is_typed(one);
+    statements.iter().filter(draws).map(extent).collect()
+}
+
+/// Whether a line that is entered into a text replaces what it draws. Alone `x = r` may define `r`,
+/// which the text has.
+pub(super) fn draws(text: &str, line: &str) -> bool {
+    let joined = format!("{text}\n{line}");
+    scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
+}
+
+/// A text without those of `lines` that are comments or say where to look from and at what.
+pub(super) fn without_scenery(text: &str, lines: &str) -> String {
+    let is_scenery = |line: &str| {
+        line.trim_start().starts_with('#') || matches!(scene_word(line), Some("domain" | "view"))
+    };
+    let gone: Vec<&str> = lines.lines().filter(|line| is_scenery(line)).collect();
+    let kept: Vec<&str> = text.lines().filter(|line| !gone.contains(line)).collect();
+    kept.join("\n")
+}
+
+/// Whether a statement was typed, and not added by reading.
+fn is_typed(statement: &Statement) -> bool {
+    let span = match statement {
+        Statement::Draw { expr, .. } => expr.span,
+        Statement::Define(definition) => definition.name.span,
+    };
+    span.start < span.end
+}
+
+/// The text with one value replaced where it stands, so that parameters keep their order, if that
+/// is all that `line` does.
+fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> Option<String> {
+    let value = |(_, one): &Placed<'_>| match one {
+        Statement::Define(value) if value.parameters.is_none() => Some(value.name.text.clone()),
+        Statement::Define(_) | Statement::Draw { .. } => None,
+    };
+    let [one] = new else { return None };
+    let wanted = value(one)?;
+    let mut places = old.iter().filter(|other| value(other).as_ref() == Some(&wanted));
+    let (Some((span, _)), None) = (places.next(), places.next()) else { return None };
+    if line.contains(['\n', ';', '#']) {
+        return None;
+    }
+    let rest = &base[span.end..];
+    let end = span.end + end_of_statement(rest).unwrap_or(rest.len());
+    let range = kept_range(base, line, &wanted).unwrap_or_default();
+    let line = format!("{line}{range}");
+    let space = if is_comment(&base[end..]) { " " } else { "" };
+    Some(format!("{}{line}{space}{}", &base[..span.start], &base[end..]))
+}
+
+/// The text with another value for `name`, and with this range if it has none; its definition is
+/// added if there is none.
+pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Option<String> {
+    let Some(Place { body, range: typed }) = place(text, name) else {
+        // A text that lacks a value given on the command line is read with the definition only.
+        let joined = format!("{}\n{name} = {value} in {range}", text.trim_end());
+        return parse(&joined, &Limits::default()).is_ok().then_some(joined);
+    };
+    let with = |what: &str| format!("{}{what}{}", &text[..body.start], &text[body.end..]);
+    if let Some((low, high)) = typed {
+        let holds = || {
+            let (low, high) = (number(&text[low])?, number(&text[high])?);
+            Some((low..=high).contains(&number(value)?))
+        };
+        // One from the command line may lie beyond the range, and then so may its neighbours.
+        let extended = || entered(text, &format!("{name} = {value}"), false);
+        return Some(if holds() == Some(false) { extended() } else { with(value) });
+    }
+    // A program's definition, say, has no place for a range.
+    let is_read = |new: &String| right_side(new, name).is_some_and(|(read, _)| read == value);
+    [format!("{value} in {range}"), value.to_owned()].iter().map(|what| with(what)).find(is_read)
+}
+
+/// A statement and where it stands.
+type Placed<'a> = (Range<usize>, &'a Statement);
+
+/// The first word of a line that is about the scene rather than a formula.
+fn scene_word(line: &str) -> Option<&'static str> {
+    let word = line.split_whitespace().next()?;
+    // `domain = 2` would define a value of that name.
+    let defines = line.trim_start()[word.len()..].trim_start().starts_with(['=', '(']);
+    setting_word(word).filter(|_| !defines)
+}
+
+/// Bytes of the comment that a text starts with.
+fn heading(text: &str) -> usize {
+    text.split_inclusive('\n').take_while(|line| line.starts_with('#')).map(str::len).sum()
+}
+
+fn extent(statement: &Statement) -> Range<usize> {
+    match statement {
+        Statement::Draw { expr, restrictions, .. } => {
+            let ends = restrictions.iter().map(|one| one.span.end);
+            expr.span.start..ends.fold(expr.span.end, usize::max)
+        }
+        Statement::Define(definition) => {
+            let ends = definition.range.iter().map(|range| range.1.span.end);
+            definition.name.span.start..ends.fold(definition.body.span.end, usize::max)
+        }
+    }
+}
+
+/// The whole piece of `text` around a statement, with the break or comment that ends it.
+fn piece(text: &str, span: &Range<usize>) -> Range<usize> {
+    let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
+    let rest = &text[span.end..];
+    let end = end_of_statement(rest).map_or(rest.len(), |at| {
+        if is_comment(&rest[at..]) {
+            rest[at..].find('\n').map_or(rest.len(), |line| at + line + 1)
+        } else {
+            at + 1
+        }
+    });
+    start..span.end + end
+}
+
+/// Where a line, a statement or its comment ends what `rest` begins with.
+fn end_of_statement(rest: &str) -> Option<usize> {
+    let end = rest.find(['\n', ';', '#']);
+    rest.find("//").filter(|at| end.is_none_or(|end| *at < end)).or(end)
+}
+
+/// Whether a comment begins here.
+fn is_comment(rest: &str) -> bool {
+    rest.starts_with('#') || rest.starts_with("//")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawings_replace_drawings_and_definitions_their_namesakes() {
+        for (text, line, expected) in [
+            ("", " x+y ", "x+y"),
+            ("x+y", "x-y", "x-y"),
+            ("r = 2\nx^2+y^2 = r", "z = r", "r = 2\nz = r"),
+            ("r = 2\nx^2+y^2 = r", "r = 3", "r = 3\nx^2+y^2 = r"),
+            ("s = 1; r = 2 # old\nx = r", "r = 3", "s = 1; r = 3 # old\nx = r"),
+            ("r = 2 in [0, 5]\nx = r", "r = 3", "r = 3 in [0, 5]\nx = r"),
+            ("r = 2 in [0, 5]\nx = r", "r = 9/2 + 2", "r = 9/2 + 2 in [0, 9/2 + 2]\nx = r"),
+            ("r = 2 in [0, 2pi]\nx = r", "r = -1", "r = -1 in [-1, 2pi]\nx = r"),
+            ("r = 2 in [0, 5]\nx = r", "r = y", "r = y\nx = r"),
+            ("r = 2 in [0, 5]\nx = r", "r = 3 in [1, 9]", "r = 3 in [1, 9]\nx = r"),
+            ("x = 1; y = 2; r = 3", "z = r", " r = 3\nz = r"),
+            ("x = 1 # one; two\ny = 3", "z", "z"),
+            ("x = 1\nclip 1, 0, 0, 0", "clip 0, 1, 0, 0", "x = 1\nclip 0, 1, 0, 0"),
+            ("x = 1\naxes on", "axes off", "x = 1\naxes off"),
+            ("# A\nopacity 50%\nx = 1", "opacity 80%", "# A\nopacity 80%\nx = 1"),
+            ("color red\nx = 1", "colour blue", "colour blue\nx = 1"),
+            ("x = 1 // one; two\ny = 3", "z", "z"),
+            ("r = 2 // a radius; old\nx = r", "r = 3", "r = 3 // a radius; old\nx = r"),
+            ("x = 1 {y > 0,\n z > 0}\nr = 1", "z = r", "r = 1\nz = r"),
+            ("# Title\nx", "y", "# Title\ny"),
+            ("g(a) = a\nz = g(x)", "g(a) = 2a", "z = g(x)\ng(a) = 2a"),
+            ("z = r^2", "r = 2", "z = r^2\nr = 2"),
+            ("r = 1 + cos(theta)", "z = x", "z = x"),
+            ("float d = length(p) - 1.;", "z = x", "float d = length(p) - 1.;\nz = x"),
+            (
+                "float f(vec3 p) { float a = p.x; return a; }",
+                "float f(vec3 p) { return p.y; }",
+                "float f(vec3 p) { float a = p.x; return a; }\nfloat f(vec3 p) { return p.y; }",
+            ),
+        ] {
+            assert_eq!(entered(text, line, false), expected, "{text:?} and {line:?}");
+        }
+    }
+
+    #[test]
+    fn a_value_is_changed_where_it_stands() {
+        for (text, value, expected) in [
+            ("r = 2 in [0, 5] # radius\nx = r", "3.5", "r = 3.5 in [0, 5] # radius\nx = r"),
+            ("r = 2 in [0, 5] # radius\nx = r", "7", "r = 7 in [0, 7] # radius\nx = r"),
+            ("r = 2\nx = r", "-1", "r = -1 in [0, 9]\nx = r"),
+            ("s = 1; r = -2; x = r", "0.5", "s = 1; r = 0.5 in [0, 9]; x = r"),
+            ("x = r", "0.5", "x = r\nr = 0.5 in [0, 9]"),
+        ] {
+            assert_eq!(with_value(text, "r", value, "[0, 9]").as_deref(), Some(expected), "{text}");
+        }
+        let program = "float r = 0.5;\nfloat d = length(p) - r;";
+        let new = with_value(program, "r", "0.75", "[0, 1]").expect("a value");
+        assert!(parse(&new, &Limits::default()).is_ok(), "{new}");
+        assert_eq!(right_side(&new, "r").map(|(value, _)| value).as_deref(), Some("0.75"));
+    }
+
+    #[test]
+    fn a_drawing_may_join_the_others() {
+        assert_eq!(entered("x = 1", "y = 1", true), "x = 1\ny = 1");
+        assert_eq!(entered("r = 1\nx = r", "r = 2", true), "r = 2\nx = r");
+    }
+
+    #[test]
+    fn what_is_typed_is_seen_whatever_was_hidden() {
+        let text = "r = 1\nhidden\nx = r\nhidden off\ny = r\nhidden\nz = r";
+        assert_eq!(entered(text, "x = y", false), "r = 1\nx = y");
+        assert_eq!(entered(text, "x = y", true), format!("{text}\nhidden off\nx = y"));
+        let shown = "hidden\nx = 1\nhidden off\ny = 1";
+        assert_eq!(entered(shown, "z = 1", true), format!("{shown}\nz = 1"));
+        assert_eq!(entered("hidden\nx = r\nr = 2", "r = 1", false), "hidden\nx = r\nr = 1");
+    }
+
+    #[test]
+    fn lines_about_the_scene_replace_their_like() {
+        assert_eq!(entered("domain 2\nx+y", "domain 3", false), "x+y\ndomain 3");
+        assert_eq!(entered("# A\nx+y", "color red", false), "# A\ncolor red\nx+y");
+        assert_eq!(entered("color red\nx+y", "color blue", false), "color blue\nx+y");
+    }
+
+    #[test]
+    fn a_drawing_is_taken_away_by_its_number() {
+        let text = "# Two\nx = 1\nr = 2; y = r # the second\nz = 3 {x > 0}";
+        assert_eq!(
+            without_drawing(text, 1).as_deref(),
+            Ok("# Two\nr = 2; y = r # the second\nz = 3 {x > 0}")
+        );
+        assert_eq!(without_drawing(text, 2).as_deref(), Ok("# Two\nx = 1\nr = 2;z = 3 {x > 0}"));
+        assert_eq!(
+            without_drawing(text, 3).as_deref(),
+            Ok("# Two\nx = 1\nr = 2; y = r # the second")
+        );
+        assert_eq!(without_drawing(text, 4), Err(3));
+        assert_eq!(without_drawing(text, 0), Err(3));
+    }
+
+    #[test]
+    fn scenery_is_what_came_with_the_formula_and_nobody_set() {
+        let came = "# A\n# b\ndomain 2\nview top\ncolor red\nx";
+        assert_eq!(without_scenery(came, came), "color red\nx");
+        assert_eq!(without_scenery("# A\ndomain 3\nx", came), "domain 3\nx");
+        for (text, line) in [("", "x+y"), ("", "y = x^2"), ("r = 2", "x^2+y^2 = r")] {
+            assert!(draws(text, line), "{line}");
+        }
+        for line in ["r = 2", "domain 2", "x^2+y^2 = r"] {
+            assert!(!draws("", line), "{line}");
+        }
+    }
+
+    #[test]
+    fn what_is_wrong_is_kept_for_the_reader_to_see_but_not_built_upon() {
+        assert_eq!(entered("x+y", "x+", false), "x+y\nx+");
+        assert_eq!(entered("x+(", "x*y", false), "x*y");
+    }
+}

@@ -1,0 +1,184 @@
+//! How a document is changed: lines entered, values set, surfaces taken away. What is wrong is
+//! refused before anything changes. Knows no commands.
+
+use super::draft::{completes, draws, entered, without_scenery};
+use super::pipeline::Request;
+use super::reply::{Refusal, Reply, refused};
+use super::session::Live;
+use super::source::DocumentSource;
+use super::undo::{Gesture, Said};
+use super::values::{self, TIME, defined};
+use std::borrow::Cow;
+use std::sync::Arc;
+use zeroset_interval::Interval;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::is_idle;
+use zeroset_syntax::ast::Statement;
+use zeroset_syntax::{Document, ErrorKind, Limits, Note, NoteKind, parse};
+
+/// What an edit has made of a document.
+pub(super) struct Edit {
+    text: Arc<str>,
+    /// The names that it gave another meaning.
+    defined: Vec<String>,
+    /// Another name of the document.
+    source: Option<DocumentSource>,
+    /// The document as read; `None` while it defines names only.
+    document: Option<Document>,
+}
+
+impl Live {
+    /// Shows what the document would be if a line that is still being typed were entered; `None`
+    /// for the document as it is.
+    pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
+        let shown = |Said { request, readable, .. }: &Said| {
+            Ok(match line {
+                Some(line) => (after(request, readable, line, adding).0.into(), defined(line)),
+                None => (Arc::clone(&request.text), Vec::new()),
+            })
+        };
+        let _never_refused = self.change_after(shown, |state, (shown, typed): (Arc<str>, _)| {
+            if (&shown, &typed) != (&state.shown, &state.typed) {
+                state.typed = typed;
+                self.show(state, shown);
+            }
+        });
+    }
+
+    /// Enters a line into the document.
+    pub(super) fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
+        let document = self.edit(None, |request, readable| {
+            let (text, is_another) = after(request, readable, line, adding);
+            let edit = Edit::checked(request, text, defined(line))?;
+            Ok(Edit { source: is_another.then_some(DocumentSource::Typed), ..edit })
+        })?;
+        let Some(document) = document else { return Ok(nothing_drawn()) };
+        let given = defined(line);
+        let is_given = |note: &&Note| match &note.kind {
+            NoteKind::Unused { name, .. } => given.contains(name),
+            _ => false,
+        };
+        let unused = document.notes.iter().find(is_given);
+        Ok(unused.map_or(Reply::Done, |note| Reply::Say(format!("noted; {}", note.kind))))
+    }
+
+    /// Gives a name a value in the document; a slider keeps its range, which is extended to hold
+    /// the value.
+    pub(super) fn set(&self, name: &str, value: &str) -> Result<Reply, Refusal> {
+        let document = self.edit(None, |request, readable| {
+            let line = format!("{name} = {value}");
+            let base = base(request, readable, &line);
+            let text = entered(&base, &line, false);
+            let lacks = |all: Vec<Statement>| all.iter().all(|one| values::name(one) != Some(name));
+            if parse(&text, &Limits::default()).is_ok_and(lacks) {
+                return refused(format!("`{name}` has a fixed meaning and cannot be set"));
+            }
+            Edit::checked(request, text, vec![name.to_owned()])
+        })?;
+        let Some(document) = document else { return Ok(nothing_drawn()) };
+        let parameter = document.parameters.iter().find(|parameter| parameter.name == name);
+        let is_idle = parameter.is_some_and(|parameter| is_idle(&document, parameter));
+        Ok(match name {
+            _ if !is_idle => Reply::Done,
+            TIME => Reply::Say("noted; nothing that is drawn depends on the time t".to_owned()),
+            _ => Reply::Say(format!("noted; nothing that is drawn depends on `{name}`")),
+        })
+    }
+
+    /// Replaces the document by what `work` makes of it and of the last text that could be read,
+    /// perhaps as a part of a gesture, and returns it as read.
+    pub(super) fn edit(
+        &self,
+        gesture: Option<Gesture>,
+        work: impl Fn(&Request, &str) -> Result<Edit, Refusal>,
+    ) -> Result<Option<Document>, Refusal> {
+        let work = |said: &Said| {
+            let edit = work(&said.request, &said.readable)?;
+            let dragged = said.dragged_in(&edit.text);
+            Ok((edit, dragged))
+        };
+        self.change_after(work, |state, (Edit { text, defined, source, document }, dragged)| {
+            let before = state.said();
+            state.request.forget_given(&defined);
+            state.request.text = Arc::clone(&text);
+            state.readable = Arc::clone(&text);
+            state.dragged = dragged;
+            if let Some(source) = source {
+                state.request.source = source;
+            }
+            state.shown = if document.is_some() { text } else { "".into() };
+            state.typed.clear();
+            self.say(state, before, gesture);
+            document
+        })
+    }
+}
+
+impl Edit {
+    /// Reads a text in which a line has defined some names.
+    ///
+    /// # Errors
+    /// If it is wrong, or if a formula has no surface.
+    pub fn checked(request: &Request, text: String, defined: Vec<String>) -> Result<Self, Refusal> {
+        // What was given on the command line would otherwise go on to hide the definition.
+        let mut request = request.clone();
+        request.forget_given(&defined);
+        let document = match zeroset_syntax::read(&text, &request.options()) {
+            Ok(document) => {
+                Program::new(&document, [Interval::ENTIRE; 3]).map_err(Refusal::Program)?;
+                Some(document)
+            }
+            // A definition may come before the formula that needs it.
+            Err(errors) if errors.iter().all(is_nothing_to_draw) => None,
+            Err(errors) => return Err(Refusal::Text { text, errors }),
+        };
+        Ok(Self { text: text.into(), defined, source: None, document })
+    }
+
+    /// A text that is known to draw what the one before did, as read.
+    pub fn unchecked(text: String, document: Document) -> Self {
+        let (defined, source, document) = (Vec::new(), None, Some(document));
+        Self { text: text.into(), defined, source, document }
+    }
+}
+
+/// The text that entering a line leads to. A formula that takes the place of a surface of the
+/// gallery has nothing to do with that one's domain, view and comments, and they go with it.
+/// The second tells whether it does.
+fn after(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
+    let base = base(request, readable, line);
+    match request.source {
+        DocumentSource::Gallery(came) if !adding && draws(&base, line) => {
+            (entered(&without_scenery(&base, came.text), line, adding), true)
+        }
+        _ => (entered(&base, line, adding), false),
+    }
+}
+
+/// What a line is entered into: a text that can be read, if only with the line. One that lacks a
+/// value which was given on the command line is completed by that.
+pub(super) fn base<'a>(request: &'a Request, readable: &'a str, line: &str) -> Cow<'a, str> {
+    let is_read = |text: &str| parse(text, &Limits::default()).is_ok();
+    // What was taken away does not come back.
+    if request.text.trim().is_empty() || is_read(&request.text) || completes(&request.text, line) {
+        return Cow::Borrowed(&request.text);
+    }
+    let with = |given: &[&(String, String)]| {
+        let lines = given.iter().map(|(name, value)| format!("\n{name} = {value}"));
+        lines.fold(request.text.trim_end().to_owned(), |text, line| text + &line)
+    };
+    let all: Vec<&(String, String)> = request.overrides.iter().collect();
+    let known = defined(&with(&all));
+    let is_lacking = |name: &str| known.iter().filter(|other| *other == name).count() == 1;
+    let lacking: Vec<_> = all.into_iter().filter(|(name, _)| is_lacking(name)).collect();
+    let completed = with(&lacking);
+    if is_read(&completed) { Cow::Owned(completed) } else { Cow::Borrowed(readable) }
+}
+
+fn is_nothing_to_draw(error: &zeroset_syntax::Error) -> bool {
+    matches!(error.kind, ErrorKind::NothingToDraw { .. })
+}
+
+pub(super) fn nothing_drawn() -> Reply {
+    Reply::Say("noted; there is nothing to draw yet".to_owned())
+}

@@ -1,0 +1,50 @@
+//! The live picture: a document that is typed, changed and reloaded while its picture follows.
+//!
+//! [`Live`] holds the document and the settings; a thread of its own turns the latest request into
+//! a coarse and then a fine picture, and drops what is no longer wanted. Nothing here knows a
+//! terminal, a window or a file: callers hand over text and sizes, and take pictures and messages.
+//!
+//! ```
+//! use std::time::Duration;
+//! use crate::{Live, Request};
+//!
+//! let live = Live::new(Request::default());
+//! live.resize(64, 64);
+//! live.enter("x^2+y^2+z^2 = 1")?;
+//! assert!(live.wait(Duration::from_mins(1)));
+//! let seen = live.snapshot().rendering.expect("a picture");
+//! assert_eq!(seen.picture.rgb.len(), 3 * 64 * 64);
+//! # Ok::<(), crate::Refusal>(())
+//! ```
+
+mod coming;
+mod command;
+mod cut;
+mod draft;
+mod edit;
+mod help;
+mod orbit;
+mod pipeline;
+mod reply;
+mod session;
+mod settings;
+mod slider;
+mod source;
+mod status;
+mod status_words;
+mod surfaces;
+mod undo;
+mod values;
+
+pub use coming::COMING;
+pub use command::{COMMANDS, CommandRow};
+pub use draft::entered;
+pub use orbit::Orbit;
+pub use pipeline::{Axes, Fault, Rendering, Request, Snapshot};
+pub use reply::{Refusal, Reply};
+pub use session::Live;
+pub use slider::Slider;
+pub use source::DocumentSource;
+pub use status::{FLAT, quote};
+pub use status_words::status_words;
+pub use surfaces::Listed;

@@ -1,0 +1,306 @@
+//! A camera on a turntable: what dragging and zooming change. Lengths are in half extents of the
+//! region, so that the view survives when a surface grows; angles are in radians. Knows no mouse,
+//! only pixels.
+
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
+use zeroset_space::Region;
+use zeroset_trace::{Camera, CameraError, Projection};
+
+/// A point of view that turns about a pole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orbit {
+    /// The axis of the turntable, of length 1.
+    pole: DVec3,
+    azimuth: f64,
+    elevation: f64,
+    /// From the target to the eye.
+    distance: f64,
+    /// The target, from the region's centre.
+    target: DVec3,
+    /// With the height of a parallel projection in half extents.
+    projection: Projection,
+}
+
+/// The nearest and farthest that can be zoomed.
+const NEAREST: f64 = 1e-4;
+const FARTHEST: f64 = 1e3;
+
+/// What the region's box takes of the picture, at most, when it is made to fit.
+const FILLED: f64 = 0.88;
+
+/// How far a drag across the whole height turns.
+const TURN: f64 = PI;
+
+impl Orbit {
+    /// The orbit on which `camera` lies.
+    pub fn from_camera(camera: &Camera, region: &Region) -> Self {
+        let scale = region.half_extent();
+        let back = camera.eye() - camera.target();
+        let frame = camera.rays(1, 1);
+        // About z if that keeps the horizon level, else about the camera's own upward direction.
+        let level = frame.right().z.abs() < 1e-9;
+        let pole = match level {
+            true if frame.up().z < -1e-9 => DVec3::NEG_Z,
+            true => DVec3::Z,
+            false => camera.up().normalize(),
+        };
+        let elevation = frame.forward().dot(-pole).clamp(-1.0, 1.0).asin();
+        // Straight up or down, the upward direction tells how the table is turned.
+        let lying = if back.cross(pole).length() < 1e-9 * back.length() {
+            frame.up() * -elevation.signum()
+        } else {
+            back
+        };
+        let (a, b) = axes(pole);
+        let mut projection = camera.projection();
+        if let Projection::Orthographic { height } = &mut projection {
+            *height /= scale;
+        }
+        Self {
+            pole,
+            azimuth: lying.dot(b).atan2(lying.dot(a)),
+            elevation,
+            distance: back.length() / scale,
+            target: (camera.target() - region.centre()) / scale,
+            projection,
+        }
+    }
+
+    /// The camera in world units.
+    ///
+    /// # Errors
+    /// If the region is so large or small that the camera's numbers overflow.
+    pub fn camera(&self, region: &Region) -> Result<Camera, CameraError> {
+        let scale = region.half_extent();
+        let (back, _, up) = self.directions();
+        let target = region.centre() + self.target * scale;
+        let mut projection = self.projection;
+        if let Projection::Orthographic { height } = &mut projection {
+            *height *= scale;
+        }
+        Camera::new(target + back * self.distance * scale, target, up, projection)
+    }
+
+    /// Unit vectors to the eye, to the right and upward in the picture.
+    fn directions(&self) -> (DVec3, DVec3, DVec3) {
+        let (a, b) = axes(self.pole);
+        let (sine, cosine) = self.azimuth.sin_cos();
+        let (level, right) = (a * cosine + b * sine, b * cosine - a * sine);
+        let (rise, run) = self.elevation.sin_cos();
+        (level * run + self.pole * rise, right, self.pole * run - level * rise)
+    }
+
+    /// Half extents per pixel on the plane through the target, in a picture this many pixels high.
+    fn unit(&self, height: usize) -> f64 {
+        let visible = match self.projection {
+            Projection::Orthographic { height } => height,
+            Projection::Perspective { fov } => 2.0 * self.distance * (fov.to_radians() / 2.0).tan(),
+        };
+        visible / height.max(1) as f64
+    }
+
+    /// Turns by a drag of so many pixels to the right and downward.
+    pub fn turn(&mut self, across: f64, down: f64, height: usize) {
+        let angle = TURN / height.max(1) as f64;
+        self.azimuth = (self.azimuth - across * angle).rem_euclid(2.0 * PI);
+        self.elevation = (self.elevation + down * angle).clamp(-FRAC_PI_2, FRAC_PI_2);
+    }
+
+    /// Moves with a drag of so many pixels: what is at the target's distance follows the pointer.
+    pub fn pan(&mut self, across: f64, down: f64, height: usize) {
+        let (_, right, up) = self.directions();
+        self.target += (up * down - right * across) * self.unit(height);
+    }
+
+    /// Scales what is seen by `1 / factor`, about a place so many pixels right of and below the
+    /// middle.
+    pub fn zoom(&mut self, factor: f64, across: f64, down: f64, height: usize) {
+        let factor = (self.distance * factor).clamp(NEAREST, FARTHEST) / self.distance;
+        let (_, right, up) = self.directions();
+        self.target += (right * across - up * down) * self.unit(height) * (1.0 - factor);
+        self.distance *= factor;
+        if let Projection::Orthographic { height } = &mut self.projection {
+            *height *= factor;
+        }
+    }
+
+    /// Shows the whole of the box of `shown` from the same side, with space around it for labels,
+    /// in a picture of so many pixels; lengths are in half extents of `region`.
+    pub fn fit(&mut self, shown: &Region, region: &Region, width: usize, height: usize) {
+        let scale = region.half_extent();
+        self.target = (shown.centre() - region.centre()) / scale;
+        let (back, right, up) = self.directions();
+        let aspect = width.max(1) as f64 / height.max(1) as f64;
+        let half = (shown.high() - shown.low()) / (2.0 * scale);
+        // Of each corner, how far from the middle it lies, in halves of the picture's height, and
+        // how near to the eye.
+        let corners = (0..8).map(|n: i32| {
+            let side = |axis: usize| if n >> axis & 1 == 1 { half[axis] } else { -half[axis] };
+            let corner = DVec3::new(side(0), side(1), side(2));
+            let reach = (corner.dot(right).abs() / aspect).max(corner.dot(up).abs()) / FILLED;
+            (reach, corner.dot(back))
+        });
+        match &mut self.projection {
+            Projection::Perspective { fov } => {
+                let slope = (fov.to_radians() / 2.0).tan();
+                let distance = corners.map(|(reach, near)| reach / slope + near);
+                self.distance = distance.fold(NEAREST, f64::max).min(FARTHEST);
+            }
+            Projection::Orthographic { height } => {
+                *height = corners.map(|(reach, _)| 2.0 * reach).fold(NEAREST, f64::max);
+            }
+        }
+    }
+
+    /// From perspective to parallel and back; what is at the target's distance keeps its size.
+    pub fn toggle_projection(&mut self) {
+        let visible = self.unit(1);
+        self.projection = match self.projection {
+            Projection::Perspective { .. } => Projection::Orthographic { height: visible },
+            Projection::Orthographic { .. } => {
+                let fov = zeroset_style::FOV;
+                self.distance = visible / 2.0 / (fov.to_radians() / 2.0).tan();
+                Projection::Perspective { fov }
+            }
+        };
+    }
+}
+
+/// Two unit vectors across the pole; for z these are x and y.
+fn axes(pole: DVec3) -> (DVec3, DVec3) {
+    let a = if pole.z.abs() > 0.9 { DVec3::X } else { DVec3::Z.cross(pole).normalize() };
+    let a = (a - pole * a.dot(pole)).normalize();
+    (a, pole.cross(a))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_scene::view::standard_camera;
+    use zeroset_style::VIEWS;
+
+    const PERSPECTIVE: Projection = Projection::Perspective { fov: 40.0 };
+
+    fn region() -> Region {
+        Region::new(DVec3::new(-1.0, 0.0, 2.0), DVec3::new(3.0, 1.0, 5.0)).expect("valid")
+    }
+
+    fn same(one: &Camera, other: &Camera) {
+        let (a, b) = (one.rays(9, 7), other.rays(9, 7));
+        for (p, q) in [(a.eye(), b.eye()), (a.right(), b.right()), (a.up(), b.up())] {
+            assert!((p - q).length() < 1e-9, "{one:?} and {other:?}");
+        }
+    }
+
+    #[test]
+    fn every_camera_lies_on_its_own_orbit() {
+        let region = region();
+        for view in &VIEWS {
+            for projection in [PERSPECTIVE, Projection::Orthographic { height: 3.0 }] {
+                let camera = standard_camera(view, &region, projection).expect("valid");
+                let orbit = Orbit::from_camera(&camera, &region);
+                let again = orbit.camera(&region).expect("valid");
+                same(&camera, &again);
+                assert_eq!(
+                    matches!(again.projection(), Projection::Perspective { .. }),
+                    matches!(projection, Projection::Perspective { .. })
+                );
+            }
+        }
+        for up in [DVec3::Y, DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Z, DVec3::X] {
+            let eye = DVec3::new(4.0, 3.0, 6.0);
+            let camera = Camera::new(eye, DVec3::ONE, up, PERSPECTIVE).expect("valid");
+            same(&camera, &Orbit::from_camera(&camera, &region).camera(&region).expect("valid"));
+        }
+    }
+
+    #[test]
+    fn a_drag_turns_about_z_and_stops_at_the_poles() {
+        let region = region();
+        let start = standard_camera(&VIEWS[0], &region, PERSPECTIVE).expect("valid");
+        let mut orbit = Orbit::from_camera(&start, &region);
+        orbit.turn(100.0, 0.0, 400);
+        let turned = orbit.camera(&region).expect("valid");
+        assert!((turned.eye().z - start.eye().z).abs() < 1e-9);
+        assert!((turned.eye() - start.eye()).length() > 1.0);
+        // The near side follows the pointer: the eye goes to the left.
+        assert!((turned.eye() - start.eye()).dot(start.rays(1, 1).right()) < 0.0);
+        orbit.turn(0.0, 1e6, 400);
+        let top = orbit.camera(&region).expect("straight down is a view");
+        assert!(top.rays(1, 1).forward().z < -0.999_999);
+    }
+
+    /// Pixel of a point of space, from the middle, to the right and downward.
+    fn pixel(camera: &Camera, point: DVec3, height: f64) -> (f64, f64) {
+        let frame = camera.rays(1, 1);
+        let way = point - camera.eye();
+        let half = match camera.projection() {
+            Projection::Perspective { fov } => {
+                way.dot(frame.forward()) * (fov.to_radians() / 2.0).tan()
+            }
+            Projection::Orthographic { height } => height / 2.0,
+        };
+        let scale = height / 2.0 / half;
+        (way.dot(frame.right()) * scale, -way.dot(frame.up()) * scale)
+    }
+
+    #[test]
+    fn zoom_keeps_what_is_under_the_pointer_and_pan_moves_it_along() {
+        let region = region();
+        for projection in [PERSPECTIVE, Projection::Orthographic { height: 5.0 }] {
+            let camera = standard_camera(&VIEWS[0], &region, projection).expect("valid");
+            let frame = camera.rays(1, 1);
+            let point = camera.target() + 0.4 * frame.right() - 0.3 * frame.up();
+            let at = pixel(&camera, point, 480.0);
+            let mut orbit = Orbit::from_camera(&camera, &region);
+            orbit.zoom(0.7, at.0, at.1, 480);
+            let zoomed = orbit.camera(&region).expect("valid");
+            let after = pixel(&zoomed, point, 480.0);
+            assert!((after.0 - at.0).abs() + (after.1 - at.1).abs() < 1e-6);
+            orbit.pan(30.0, -20.0, 480);
+            let moved = pixel(&orbit.camera(&region).expect("valid"), point, 480.0);
+            assert!((moved.0 - at.0 - 30.0).abs() + (moved.1 - at.1 + 20.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_whole_box_fits_and_fills_the_picture() {
+        let region = region();
+        for view in &VIEWS {
+            for projection in [PERSPECTIVE, Projection::Orthographic { height: 0.3 }] {
+                for (width, height) in [(800, 600), (300, 200), (100, 400)] {
+                    let camera = standard_camera(view, &region, projection).expect("valid");
+                    let mut orbit = Orbit::from_camera(&camera, &region);
+                    orbit.pan(77.0, -50.0, height);
+                    orbit.fit(&region, &region, width, height);
+                    let camera = orbit.camera(&region).expect("valid");
+                    let corners = (0..8).map(|n: i32| {
+                        let low = [n & 1, n >> 1 & 1, n >> 2 & 1].map(|bit| bit == 0);
+                        let at = |k: usize| if low[k] { region.low()[k] } else { region.high()[k] };
+                        pixel(&camera, DVec3::new(at(0), at(1), at(2)), height as f64)
+                    });
+                    let share = |(x, y): (f64, f64)| {
+                        (2.0 * x.abs() / width as f64).max(2.0 * y.abs() / height as f64)
+                    };
+                    let most = corners.map(share).fold(0.0, f64::max);
+                    assert!((most - FILLED).abs() < 1e-9, "{view:?} {projection:?}: {most}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn projections_change_without_a_jump() {
+        let region = region();
+        let camera = standard_camera(&VIEWS[0], &region, PERSPECTIVE).expect("valid");
+        let point = camera.target() + 0.5 * camera.rays(1, 1).right();
+        let mut orbit = Orbit::from_camera(&camera, &region);
+        let before = pixel(&camera, point, 480.0).0;
+        for _ in 0..2 {
+            orbit.toggle_projection();
+            let after = pixel(&orbit.camera(&region).expect("valid"), point, 480.0).0;
+            assert!((before - after).abs() < 1e-6);
+        }
+    }
+}

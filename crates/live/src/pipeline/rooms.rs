@@ -1,0 +1,81 @@
+//! How domains that are searched for follow sliders: a surface is seen to grow and to shrink, and
+//! nothing is compiled.
+
+use glam::DVec3;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::{self, DomainChoice};
+use zeroset_space::{HalfSpace, Region, RegionError};
+use zeroset_syntax::{Document, Parameter};
+
+/// A surface that takes less than this share of the domain found before gets one of its own.
+const LEAST_SHARE: f64 = 0.25;
+
+/// What outgrew its domain gets one with this share of its extent to spare.
+const SPARE: f64 = 0.25;
+
+/// Of so many sliders are the ends looked at, when code is made.
+const SLIDERS: usize = 4;
+
+/// Code is made for domains so many times as large as the one shown, at most.
+const FARTHEST: f64 = 64.0;
+
+/// The same box or ball with this clip.
+///
+/// # Errors
+/// If the plane has no normal.
+pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, RegionError> {
+    view::clipped(region.low(), region.high(), region.ball().is_some(), clip)
+}
+
+/// The domain to be shown after `before`, where `found` is that of the present values: the same
+/// while there is room.
+///
+/// # Errors
+/// If floats leave none.
+pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> {
+    let is_round = found.ball().is_some();
+    let enough = is_inside(found, before)
+        && is_round == before.ball().is_some()
+        && found.half_extent() >= LEAST_SHARE * before.half_extent();
+    if enough {
+        return clipped(before, found.clip());
+    }
+    let room = SPARE * (found.high() - found.low());
+    let low = DVec3::select(found.low().cmplt(before.low()), found.low() - room, found.low());
+    let high = DVec3::select(found.high().cmpgt(before.high()), found.high() + room, found.high());
+    view::clipped(low, high, is_round, found.clip()).or(Ok(*found))
+}
+
+/// A box around what is shown and what is found at the ends of the sliders: code made for it serves
+/// for all of them.
+pub fn reach(
+    shown: &Region,
+    document: &Document,
+    domain: DomainChoice,
+    search: &mut Option<Program>,
+    wanted: &dyn Fn() -> bool,
+) -> Region {
+    let moving =
+        |parameter: &&Parameter| parameter.range.is_some() && !view::is_idle(document, parameter);
+    let (mut low, mut high) = (shown.low(), shown.high());
+    for parameter in document.parameters.iter().filter(moving).take(SLIDERS) {
+        let Some((first, last)) = &parameter.range else { continue };
+        for end in [first, last] {
+            let mut there = document.clone();
+            there.parameters[parameter.number as usize].value = end.clone();
+            let found = view::region_while(search, &there, domain, None, wanted);
+            // At its very ends there may be no surface.
+            if let Ok(Some((region, _))) = found {
+                let room = SPARE * (region.high() - region.low());
+                (low, high) = (low.min(region.low() - room), high.max(region.high() + room));
+            }
+        }
+    }
+    let far = FARTHEST * shown.half_extent();
+    let within = Region::new(low.max(shown.low() - far), high.min(shown.high() + far));
+    within.unwrap_or(*shown)
+}
+
+fn is_inside(inner: &Region, outer: &Region) -> bool {
+    outer.low().cmple(inner.low()).all() && inner.high().cmple(outer.high()).all()
+}

@@ -1,0 +1,421 @@
+//! The thread that makes pictures, and what it keeps from one request to the next.
+
+use super::pace::Pace;
+use super::rooms;
+use super::{Fault, Reason, Rendering, Request, Shared, State, same_document};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, PoisonError, Weak};
+use std::time::{Duration, Instant};
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::blank::Blank;
+use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::{self, CameraChoice, SceneError};
+use zeroset_space::Region;
+use zeroset_syntax::{Document, Errors};
+use zeroset_trace::{Camera, Proves};
+
+/// Halvings along the ray that a coarse picture keeps at least.
+const LEAST_DEPTH: u32 = 6;
+
+/// What was made for earlier requests, as far as it may serve for the next.
+pub(super) struct Worker {
+    pub shared: Arc<Shared>,
+    /// The document that was read last, and the request for which it was.
+    read: Option<(Arc<Request>, Arc<Document>)>,
+    built: Option<Built>,
+    /// The last search for a domain.
+    search: Option<Program>,
+    pub framed: Option<Framed>,
+    /// How many formulas there were.
+    formulas: u64,
+    /// What the present model's pictures cost.
+    pub pace: Pace,
+    /// What the last picture was of that lacks nothing.
+    finished: Option<Arc<Request>>,
+}
+
+/// A model, and what it was made for.
+struct Built {
+    request: Arc<Request>,
+    document: Arc<Document>,
+    made: Made,
+}
+
+/// A model, what was found if its domain was searched for, and what views of it are relative to.
+#[derive(Clone)]
+pub(super) struct Made {
+    pub model: Arc<Model>,
+    searched: Option<AutoDomain>,
+    pub seat: Region,
+    /// Another for every other formula, whatever its values.
+    pub formula: u64,
+}
+
+/// A camera that was fitted, and to what.
+pub(super) struct Framed {
+    /// It may be gone.
+    pub model: Weak<Model>,
+    pub region: Region,
+    /// The number of the formula.
+    pub formula: u64,
+    pub asked: Asked,
+    pub camera: Camera,
+    /// Whether it is where it was fitted to, and not still on the way.
+    pub arrived: bool,
+}
+
+/// What a camera depends on beside what is seen.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Asked {
+    pub choice: CameraChoice,
+    pub size: (usize, usize),
+    pub axes: bool,
+}
+
+/// What all pictures of a request share.
+pub(super) struct Shot<'a> {
+    pub job: &'a Job,
+    pub document: &'a Arc<Document>,
+    pub made: &'a Made,
+    parse: Duration,
+}
+
+impl Shot<'_> {
+    pub fn rendering(&self, camera: Camera, picture: Picture, coarse: bool) -> Rendering {
+        let Self { job, parse, .. } = *self;
+        let Made { ref model, searched, seat, .. } = *self.made;
+        let pixels = picture.statistics.pixels;
+        let is_blank = !coarse && pixels.hit + pixels.undecided == 0;
+        let undefined = picture.undefined;
+        let blank =
+            is_blank.then(|| Blank::find(self.document, model.region(), undefined, searched));
+        Rendering {
+            revision: job.revision,
+            request: Arc::clone(&job.request),
+            document: Arc::clone(self.document),
+            model: Arc::clone(model),
+            searched,
+            seat,
+            camera,
+            blank,
+            picture,
+            coarse,
+            parse,
+            latency: job.requested.elapsed(),
+        }
+    }
+}
+
+/// A request being worked on.
+pub(super) struct Job {
+    pub request: Arc<Request>,
+    revision: u64,
+    requested: Instant,
+}
+
+impl Shared {
+    /// Whether a request is still the latest.
+    pub fn wanted(&self, job: &Job) -> bool {
+        let state = self.lock();
+        !state.stop && state.revision == job.revision
+    }
+}
+
+impl Worker {
+    pub fn new(shared: Arc<Shared>) -> Self {
+        let (read, built, search, framed, finished) = (None, None, None, None, None);
+        let (pace, formulas) = (Pace::default(), 0);
+        Self { shared, read, built, search, framed, formulas, pace, finished }
+    }
+
+    pub fn run(mut self) {
+        let mut done = 0;
+        while let Some(job) = self.next(done) {
+            done = job.revision;
+            let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
+            let served = served.unwrap_or_else(|_| {
+                // Whatever was half made is not to be trusted.
+                self = Self::new(Arc::clone(&self.shared));
+                Err(Reason::Bug)
+            });
+            if let Err(reason) = served {
+                let is_text = matches!(reason, Reason::Text(_));
+                self.report(&job, reason);
+                if is_text {
+                    self.go_on(&job);
+                }
+            }
+            let mut state = self.shared.lock();
+            if state.revision == done {
+                state.snapshot.settled = done;
+            }
+            self.shared.changed.notify_all();
+        }
+    }
+
+    /// Shows what is wrong with a request.
+    fn report(&self, job: &Job, reason: Reason) {
+        let request = Arc::clone(&job.request);
+        let fault = Fault { revision: job.revision, request, reason };
+        self.shared.lock().snapshot.fault = Some(Arc::new(fault));
+        self.shared.changed.notify_all();
+    }
+
+    /// Where the text cannot be read, that which is shown is seen as asked for, and to the end.
+    fn go_on(&mut self, job: &Job) {
+        let Some(Built { request: shown, .. }) = &self.built else { return };
+        let Request { source, text, overrides, time, .. } = (**shown).clone();
+        let request = Request { source, text, overrides, time, ..(*job.request).clone() };
+        let job = Job { request: Arc::new(request), ..*job };
+        if self.finished.as_ref() == Some(&job.request) {
+            return;
+        }
+        let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
+        // What is wrong with the text is more to the point.
+        if served.is_err() {
+            *self = Self::new(Arc::clone(&self.shared));
+        }
+    }
+
+    /// Waits for a request after the one with this number; `None` at the end.
+    fn next(&self, done: u64) -> Option<Job> {
+        let waiting = |state: &mut State| !state.stop && state.revision == done;
+        let state = self.shared.changed.wait_while(self.shared.lock(), waiting);
+        let state = state.unwrap_or_else(PoisonError::into_inner);
+        let State { request, revision, requested, .. } = &*state;
+        let job = Job { request: Arc::clone(request), revision: *revision, requested: *requested };
+        (!state.stop).then_some(job)
+    }
+
+    /// Makes the pictures of one request, or leaves off when there is a newer one.
+    fn serve(&mut self, job: &Job) -> Result<(), Reason> {
+        let started = Instant::now();
+        let document = self.document(&job.request).map_err(Reason::Text)?;
+        let parse = started.elapsed();
+        if !self.shared.wanted(job) {
+            return Ok(());
+        }
+        let Some(made) = self.model(job, &document)? else { return Ok(()) };
+        let shot = Shot { job, document: &document, made: &made, parse };
+        let Some(camera) = self.camera(&shot)? else { return Ok(()) };
+        let full = &job.request.settings;
+        if let Some(seen) = self.seen_alike(&made.model, &camera, full) {
+            return self.relight(job, &seen);
+        }
+        let size = full.width * full.height;
+        let mut scale = self.pace.first(size);
+        loop {
+            let is_full = scale <= 1.0;
+            let settings = coarser(full, scale).plain();
+            let started = Instant::now();
+            // A coarse picture is worth finishing while only the camera moves: it is what is seen
+            // of the movement.
+            let advance =
+                |_| if is_full { self.shared.wanted(job) } else { self.wanted_coarsely(job) };
+            let picture = made.model.trace(&camera, &settings, &advance)?;
+            if !advance(0) {
+                return Ok(());
+            }
+            self.pace.learn(settings.width * settings.height, is_full, started.elapsed());
+            let is_settled = is_full && picture.left_open() == 0;
+            let rendering = Arc::new(shot.rendering(camera, picture, !is_settled));
+            self.publish(Arc::clone(&rendering));
+            if is_full {
+                return self.finish(&shot, rendering);
+            }
+            scale = self.pace.next(scale, size);
+        }
+    }
+
+    /// The full picture once more, with what it left open, and then in the light that was asked
+    /// for.
+    fn finish(&mut self, shot: &Shot<'_>, mut seen: Arc<Rendering>) -> Result<(), Reason> {
+        let (job, full) = (shot.job, &shot.job.request.settings);
+        let plain = full.plain();
+        if seen.coarse {
+            let advance = |_| self.shared.wanted(job);
+            let model = &shot.made.model;
+            let picture = model.settle(&seen.picture, &seen.camera, &plain, &advance)?;
+            let Some(picture) = picture.filter(|_| advance(0)) else { return Ok(()) };
+            seen = Arc::new(shot.rendering(seen.camera, picture, false));
+            self.publish(Arc::clone(&seen));
+        }
+        if *full != plain {
+            return self.relight(job, &seen);
+        }
+        self.finished = Some(Arc::clone(&job.request));
+        Ok(())
+    }
+
+    /// The full picture that is shown, if it differs from what is asked for in nothing but its
+    /// light.
+    fn seen_alike(
+        &self,
+        model: &Arc<Model>,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Option<Arc<Rendering>> {
+        let seen = self.shared.lock().snapshot.rendering.clone()?;
+        let is_alike = !seen.coarse
+            && Arc::ptr_eq(&seen.model, model)
+            && seen.camera == *camera
+            && seen.request.settings.lit_as(settings) == *settings;
+        is_alike.then_some(seen)
+    }
+
+    /// The full picture as it was asked for, once the plain one is shown and nothing newer is
+    /// wanted.
+    fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), Reason> {
+        let (settings, advance) = (&job.request.settings, |_| self.shared.wanted(job));
+        if !advance(0) {
+            return Ok(());
+        }
+        let Rendering { model, camera, .. } = plain;
+        let picture = model.relight(&plain.picture, camera, settings, &advance)?;
+        if advance(0) {
+            let (document, model) = (Arc::clone(&plain.document), Arc::clone(model));
+            let (request, revision) = (Arc::clone(&job.request), job.revision);
+            let latency = job.requested.elapsed();
+            let lit = Rendering { revision, request, document, model, picture, latency, ..*plain };
+            self.publish(Arc::new(lit));
+            self.finished = Some(Arc::clone(&job.request));
+        }
+        Ok(())
+    }
+
+    pub fn publish(&self, rendering: Arc<Rendering>) {
+        let mut state = self.shared.lock();
+        let before = state.snapshot.rendering.replace(rendering);
+        let revision = state.snapshot.rendering.as_ref().map(|rendering| rendering.revision);
+        // What is wrong with this very request, whose text is not the one that is seen, stays.
+        state.snapshot.fault.take_if(|fault| Some(fault.revision) != revision);
+        self.shared.changed.notify_all();
+        drop(state);
+        // The last user of a model frees its code; that need not be done under the lock.
+        if let Some(before) = before.and_then(Arc::into_inner) {
+            before.picture.hand_back();
+        }
+    }
+
+    /// Waits for so long, or until something else is asked for.
+    pub fn rest(&self, job: &Job, time: Duration) {
+        let waiting = |state: &mut State| !state.stop && state.revision == job.revision;
+        let state = self.shared.lock();
+        // Whether the time is over or not, what comes next asks again what is wanted.
+        drop(self.shared.changed.wait_timeout_while(state, time, waiting));
+    }
+
+    fn wanted_coarsely(&self, job: &Job) -> bool {
+        let state = self.shared.lock();
+        !state.stop
+            && (state.revision == job.revision || same_document(&state.request, &job.request))
+    }
+
+    fn document(&mut self, request: &Arc<Request>) -> Result<Arc<Document>, Errors> {
+        if let Some((old, document)) = &self.read
+            && same_document(old, request)
+        {
+            return Ok(Arc::clone(document));
+        }
+        let document = Arc::new(request.read()?);
+        self.read = Some((Arc::clone(request), Arc::clone(&document)));
+        Ok(document)
+    }
+
+    /// The surfaces compiled, or `None` if there is a newer request before that is done.
+    fn model(&mut self, job: &Job, document: &Arc<Document>) -> Result<Option<Made>, SceneError> {
+        let request = &job.request;
+        let last = self.built.take();
+        let old = last.as_ref().filter(|built| {
+            built.request.domain == request.domain
+                && built.request.settings.normals == request.settings.normals
+                && built.request.settings.precision == request.settings.precision
+        });
+        let same = old.filter(|built| {
+            Arc::ptr_eq(&built.document, document) && built.request.clip == request.clip
+        });
+        let made = match same {
+            Some(built) => Ok(Some(built.made.clone())),
+            None => self.made(job, document, old),
+        };
+        self.built = match &made {
+            Ok(Some(made)) => Some(Built {
+                request: Arc::clone(request),
+                document: Arc::clone(document),
+                made: made.clone(),
+            }),
+            Ok(None) | Err(_) => last,
+        };
+        made
+    }
+
+    /// The same where another document or another clip is asked for.
+    fn made(
+        &mut self,
+        job: &Job,
+        document: &Arc<Document>,
+        old: Option<&Built>,
+    ) -> Result<Option<Made>, SceneError> {
+        let Request { domain, clip, settings, .. } = &*job.request;
+        // Code holds for other values of parameters too, in the same domain.
+        let same = old.filter(|built| {
+            built.document.domain == document.domain
+                && (built.made.searched.is_none() || view::same_search(&built.document, document))
+        });
+        if let Some(Built { made, .. }) = same {
+            let clip = clip.or(view::typed_clip(document));
+            let region = rooms::clipped(made.model.region(), clip)?;
+            if let Some(model) = made.model.rebound(document, &region) {
+                return Ok(Some(Made { model: Arc::new(model?), ..*made }));
+            }
+        }
+        let Self { shared, search, .. } = self;
+        let wanted = || shared.wanted(job);
+        let found = view::region_while(search, document, *domain, Some(*clip), &wanted)?;
+        let Some((found, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
+        let old = old.map(|built| &built.made);
+        let known = old.filter(|made| made.model.program().serves(document));
+        let formula = known.map(|made| made.formula);
+        let old = old.filter(|made| made.searched.is_some() && searched.is_some());
+        // The same formula, so that it is seen to grow or to shrink.
+        let moved = old.filter(|_| formula.is_some());
+        let region = moved.map_or(Ok(found), |made| rooms::for_next(made.model.region(), &found));
+        let region = region?;
+        let rebound = moved.and_then(|made| made.model.rebound(document, &region));
+        let model = if let Some(model) = rebound {
+            Some(model?)
+        } else {
+            let reach = match searched {
+                Some(_) => rooms::reach(&region, document, *domain, search, &wanted),
+                None => region,
+            };
+            Model::new_while(document, &region, &reach, settings, &wanted)?
+        };
+        let Some(model) = model else { return Ok(None) };
+        if !model.is_rebound() {
+            self.pace = Pace::default();
+        }
+        let seat = moved.map_or(region, |made| made.seat);
+        let formula = formula.unwrap_or_else(|| {
+            self.formulas += 1;
+            self.formulas
+        });
+        Ok(Some(Made { model: Arc::new(model), searched, seat, formula }))
+    }
+}
+
+/// The same picture with so many times fewer columns and rows, and slabs coarser to match. What is
+/// hard to decide is left to the picture after it.
+pub(super) fn coarser(full: &Settings, scale: f64) -> Settings {
+    let depth = full.max_depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
+    let fewer = |size: usize| ((size as f64 / scale).ceil() as usize).clamp(1, size);
+    Settings {
+        width: fewer(full.width),
+        height: fewer(full.height),
+        max_depth: depth.min(full.max_depth),
+        is_preview: full.method.proves == Proves::HitsAndMisses,
+        ..full.clone()
+    }
+}

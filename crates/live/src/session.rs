@@ -1,0 +1,519 @@
+//! One document and its picture, as all who type, drag and look share them. Knows no commands.
+
+use super::draft::with_value;
+use super::orbit::Orbit;
+use super::pipeline::{Axes, Pipeline, Rendering, Request, Snapshot, same_document};
+use super::reply::Refusal;
+use super::source::DocumentSource;
+use super::undo::{Dragged, Gesture, Said, Undo};
+use super::values::right_side;
+use std::mem;
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use zeroset_render::picture::Settings;
+use zeroset_scene::view::CameraChoice;
+use zeroset_shade::UndecidedStyle;
+use zeroset_syntax::{Limits, parse};
+
+/// A document that is typed and turned, and its picture.
+///
+/// All methods may be called from any thread. The lock is held for moments only: what takes longer,
+/// as reading and simplifying, is done without it, and what moves values or the view waits for none
+/// of that.
+pub struct Live {
+    state: Mutex<State>,
+    pipeline: Pipeline,
+}
+
+/// Moves a value.
+type Move = Box<dyn FnOnce(&Live) + Send>;
+
+#[derive(Default)]
+pub(super) struct State {
+    /// What is asked for, with the document as entered.
+    pub request: Request,
+    /// The text last asked for, with what is being typed.
+    pub shown: Arc<str>,
+    /// The names that are being defined by what is typed.
+    pub typed: Vec<String>,
+    /// The last text that could be read, from which typing goes on when a watched file no longer
+    /// can.
+    pub readable: Arc<str>,
+    /// The text as it was loaded or saved last.
+    kept: Arc<str>,
+    /// The values that were dragged since the document gave them.
+    pub dragged: Vec<Dragged>,
+    pub undo: Undo,
+    /// So many edits have right of way: values that are moved wait for them.
+    first: usize,
+    /// What moves those values, the latest of each gesture.
+    waiting: Vec<(Gesture, Move)>,
+    revision: u64,
+    /// The latest request when there was nothing to show: what it led to is not seen any more.
+    cleared: u64,
+}
+
+impl State {
+    pub fn said(&self) -> Said {
+        let Self { request, readable, dragged, .. } = self;
+        Said { request: request.clone(), readable: Arc::clone(readable), dragged: dragged.clone() }
+    }
+
+    /// Whether the document is still the one of which this was said.
+    fn keeps_document(&self, said: &Said) -> bool {
+        same_document(&self.request, &said.request)
+            && self.readable == said.readable
+            && self.dragged == said.dragged
+    }
+}
+
+impl Said {
+    /// The values that are dragged ones in another text: where a definition is no longer what
+    /// dragging left of it, its value is none.
+    pub fn dragged_in(&self, text: &str) -> Vec<Dragged> {
+        let side = |text, one: &Dragged| right_side(text, &one.name);
+        let kept =
+            self.dragged.iter().filter(|one| side(&self.request.text, one) == side(text, one));
+        kept.cloned().collect()
+    }
+}
+
+/// The right of way of an edit, at whose end values move on.
+struct First<'a>(&'a Live);
+
+impl<'a> First<'a> {
+    fn before_values(live: &'a Live) -> Self {
+        live.lock().first += 1;
+        Self(live)
+    }
+}
+
+impl Drop for First<'_> {
+    fn drop(&mut self) {
+        loop {
+            let mut state = self.0.lock();
+            // What moves meanwhile waits, too, so that the latest is the last.
+            if state.first > 1 || state.waiting.is_empty() {
+                state.first -= 1;
+                return;
+            }
+            let (_, go_on) = state.waiting.remove(0);
+            drop(state);
+            go_on(self.0);
+        }
+    }
+}
+
+impl Live {
+    /// Starts to make pictures of a document, whose text is empty if there is none yet.
+    pub fn new(request: Request) -> Self {
+        let text = || Arc::clone(&request.text);
+        let state = State {
+            shown: text(),
+            readable: text(),
+            kept: text(),
+            request: request.clone(),
+            ..State::default()
+        };
+        let live = Self { state: Mutex::new(state), pipeline: Pipeline::new(request) };
+        live.refresh();
+        live
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
+        // Every write leaves the state whole, so a panic elsewhere does not spoil it.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What can be seen now: nothing while the document is empty.
+    pub fn snapshot(&self) -> Snapshot {
+        let cleared = self.lock().cleared;
+        let Snapshot { rendering, fault, settled } = self.pipeline.snapshot();
+        Snapshot {
+            rendering: rendering.filter(|seen| seen.revision > cleared),
+            fault: fault.filter(|fault| fault.revision > cleared),
+            settled,
+        }
+    }
+
+    /// Waits until the fine picture of everything asked for so far, or what is wrong with it, is
+    /// there, and tells whether it came to that in time.
+    pub fn wait(&self, timeout: Duration) -> bool {
+        let revision = self.lock().revision;
+        self.pipeline.wait(timeout, |seen, _| seen.settled >= revision)
+    }
+
+    /// Waits for the fine picture of the request with this number. `None` if it does not come in
+    /// time, if something is wrong with it, or once something else is asked for.
+    pub fn finished(&self, revision: u64, timeout: Duration) -> Option<Arc<Rendering>> {
+        self.pipeline.wait(timeout, |seen, latest| seen.settled >= revision || latest > revision);
+        let Snapshot { rendering, fault, .. } = self.snapshot();
+        let is_wrong = fault.is_some_and(|fault| fault.revision == revision);
+        rendering.filter(|seen| seen.revision == revision && !seen.coarse && !is_wrong)
+    }
+
+    /// Waits until something newer than the picture or fault with this number can be seen, and
+    /// tells whether it came to that in time.
+    pub fn wait_for_news(&self, timeout: Duration, known: u64) -> bool {
+        self.pipeline.wait(timeout, |seen, _| {
+            let rendering = seen.rendering.as_ref().map_or(0, |rendering| rendering.revision);
+            rendering.max(seen.fault.as_ref().map_or(0, |fault| fault.revision)) > known
+        })
+    }
+
+    /// Waits until a picture of everything asked for so far has all of its pixels, though some of
+    /// them may still be open, and tells whether it came to that in time.
+    pub fn wait_for_full(&self, timeout: Duration) -> bool {
+        let revision = self.lock().revision;
+        self.pipeline.wait(timeout, |seen, _| {
+            let seen = seen.rendering.as_ref();
+            seen.is_some_and(|seen| seen.revision >= revision && seen.is_full())
+        })
+    }
+
+    /// Says that a hand or the clock moves values, until it no longer does: a view that nobody
+    /// chose stays meanwhile, and then glides to where what is seen fits.
+    pub fn set_moving(&self, moving: bool) {
+        if self.pipeline.set_moving(moving) {
+            self.refresh();
+        }
+    }
+
+    /// Shows axes, or no longer.
+    pub fn set_axes(&self, axes: Axes) {
+        self.change(|request| request.axes = axes);
+    }
+
+    /// Whether all pictures that were asked for are there.
+    pub fn is_settled(&self) -> bool {
+        let state = self.lock();
+        self.pipeline.snapshot().settled == state.revision
+    }
+
+    /// Number of the latest request for a picture.
+    pub fn revision(&self) -> u64 {
+        self.lock().revision
+    }
+
+    /// What the picture is to show when nothing more is typed.
+    pub fn request(&self) -> Request {
+        self.lock().request.clone()
+    }
+
+    /// The document as entered so far.
+    pub fn text(&self) -> String {
+        self.lock().request.text.to_string()
+    }
+
+    /// How pictures are made at present.
+    pub fn settings(&self) -> Settings {
+        self.lock().request.settings.clone()
+    }
+
+    /// Does `work`, which may take long, without the lock, and again as long as somebody changes
+    /// the document meanwhile; what it results in is then applied. Values may move all the time:
+    /// after the second try they wait for this.
+    pub(super) fn change_after<W, R>(
+        &self,
+        work: impl Fn(&Said) -> Result<W, Refusal>,
+        apply: impl FnOnce(&mut State, W) -> R,
+    ) -> Result<R, Refusal> {
+        let mut tries = 0;
+        let mut _first = None;
+        loop {
+            let said = self.lock().said();
+            let result = work(&said)?;
+            let mut state = self.lock();
+            if state.keeps_document(&said) {
+                return Ok(apply(&mut state, result));
+            }
+            drop(state);
+            tries += 1;
+            if tries == 2 {
+                _first = Some(First::before_values(self));
+            }
+        }
+    }
+
+    /// Moves a value, or leaves that to the edit for which values wait.
+    pub(super) fn move_value<R: Default>(
+        &self,
+        gesture: Gesture,
+        go_on: impl FnOnce(&Self, Gesture) -> R + Send + 'static,
+    ) -> R {
+        let mut state = self.lock();
+        if state.first == 0 {
+            drop(state);
+            return go_on(self, gesture);
+        }
+        state.waiting.retain(|(other, _)| *other != gesture);
+        let later = gesture.clone();
+        state.waiting.push((gesture, Box::new(move |live| drop(go_on(live, later)))));
+        R::default()
+    }
+
+    /// Takes `text` for the document. If `again`, the text is the same document in a newer version:
+    /// then the view stays, and so does a value that was dragged unless the text gives it another
+    /// than before.
+    pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
+        let is_readable = parse(text, &Limits::default()).is_ok();
+        let given: Arc<str> = text.into();
+        let merged = |said: &Said| {
+            let mut dragged = said.dragged.clone();
+            if !(again && is_readable) {
+                return Ok((Some(Arc::clone(&given)), dragged));
+            }
+            dragged.retain(|one| {
+                right_side(text, &one.name).map_or(String::new(), |(_, side)| side) == one.side
+            });
+            // As after saving.
+            let is_same = text.trim_end() == said.request.text.trim_end();
+            let text = || with_dragged(text, &said.readable, &dragged).into();
+            Ok(((!is_same).then(text), dragged))
+        };
+        let _never_refused = self.change_after(merged, |state, (text, dragged)| {
+            let before = state.said();
+            state.kept = Arc::clone(&given);
+            state.dragged = dragged;
+            let Some(text) = text else { return };
+            if is_readable || !again {
+                state.readable = Arc::clone(&text);
+            }
+            state.typed.clear();
+            let request = &mut state.request;
+            request.source = source;
+            request.text = Arc::clone(&text);
+            if !again {
+                *request = Request {
+                    source: mem::take(&mut request.source),
+                    text: Arc::clone(&text),
+                    clip: request.clip,
+                    axes: request.axes,
+                    settings: request.settings.clone(),
+                    ..Request::default()
+                };
+                state.dragged.clear();
+            }
+            state.shown = text;
+            self.say(state, before, None);
+        });
+    }
+
+    /// Takes the whole document away, and what was said of its domain and view.
+    pub fn clear(&self) {
+        self.load(DocumentSource::Typed, "", false);
+    }
+
+    /// Notes that this file keeps `text`, which was the document's.
+    pub fn saved(&self, path: &Path, text: &str) {
+        let mut state = self.lock();
+        state.request.source = DocumentSource::File(path.to_owned());
+        state.kept = text.into();
+    }
+
+    /// Whether the document differs from what was loaded or saved last.
+    pub fn is_changed(&self) -> bool {
+        let state = self.lock();
+        state.kept.trim_end() != state.request.text.trim_end()
+    }
+
+    /// Asks for pictures of this size, in pixels; nothing below 1 is taken.
+    pub fn resize(&self, width: usize, height: usize) {
+        let (width, height) = (width.max(1), height.max(1));
+        let settings = self.settings();
+        if (settings.width, settings.height) != (width, height) {
+            self.change(|request| {
+                (request.settings.width, request.settings.height) = (width, height);
+            });
+        }
+    }
+
+    /// Turns, moves or zooms the view; nothing happens before there is a picture.
+    pub fn turn(&self, turn: impl FnOnce(&mut Orbit)) {
+        let Some(seen) = self.snapshot().rendering else { return };
+        self.change_by(Some(Gesture::View), |request| {
+            // The orbit last asked for, not the one last seen: it may be ahead of the pictures.
+            let orbit =
+                request.orbit.get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.seat));
+            turn(orbit);
+        });
+    }
+
+    /// Shows the whole domain's box from the same side; nothing happens before there is a picture.
+    pub fn fit(&self) {
+        let Some(seen) = self.snapshot().rendering else { return };
+        let Settings { width, height, .. } = self.settings();
+        self.turn(|orbit| orbit.fit(seen.model.region(), &seen.seat, width, height));
+    }
+
+    /// Looks again from where the document says.
+    pub fn reset_view(&self) {
+        self.change(|request| {
+            request.orbit = None;
+            request.choice = CameraChoice::default();
+        });
+    }
+
+    /// Marks undecided pixels, or no longer.
+    pub fn toggle_undecided(&self) {
+        self.change(|request| {
+            request.settings.undecided = match request.settings.undecided {
+                UndecidedStyle::Shade | UndecidedStyle::Miss => UndecidedStyle::Hatch,
+                UndecidedStyle::Hatch | UndecidedStyle::Tint => UndecidedStyle::Shade,
+            };
+        });
+    }
+
+    /// Asks for the same picture once more; whoever waits for an earlier one does so in vain.
+    pub fn refresh(&self) {
+        self.change(|_| {});
+    }
+
+    /// Changes what is asked for, but not the text.
+    pub(super) fn change(&self, change: impl FnOnce(&mut Request)) {
+        self.change_by(None, change);
+    }
+
+    /// The same as a part of a gesture.
+    pub(super) fn change_by(&self, gesture: Option<Gesture>, change: impl FnOnce(&mut Request)) {
+        let mut state = self.lock();
+        let before = state.said();
+        change(&mut state.request);
+        self.say(&mut state, before, gesture);
+    }
+
+    /// Takes back the last step: what was entered, set, turned or dragged. Tells whether there was
+    /// one.
+    pub fn undo(&self) -> bool {
+        self.step(Undo::back)
+    }
+
+    /// Does again what was last taken back, if there is such a thing, and tells whether there is.
+    pub fn redo(&self) -> bool {
+        self.step(Undo::forth)
+    }
+
+    fn step(&self, step: impl FnOnce(&mut Undo, &Said) -> Option<Said>) -> bool {
+        let mut state = self.lock();
+        let now = state.said();
+        let Some(said) = step(&mut state.undo, &now) else { return false };
+        let text = Arc::clone(&said.request.text);
+        (state.request, state.readable, state.dragged) =
+            (said.request, said.readable, said.dragged);
+        state.typed.clear();
+        self.show(&mut state, text);
+        true
+    }
+
+    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step
+    /// of [`Live::undo`].
+    pub fn hold(&self, held: bool) {
+        self.lock().undo.hold(held);
+    }
+
+    /// Asks for a picture of what is said now, and keeps what was said before.
+    pub(super) fn say(&self, state: &mut State, before: Said, gesture: Option<Gesture>) {
+        let now = state.said();
+        state.undo.note(before, &now, gesture);
+        let shown = Arc::clone(&state.shown);
+        self.show(state, shown);
+    }
+
+    pub(super) fn show(&self, state: &mut State, shown: Arc<str>) {
+        state.shown = shown;
+        if state.shown.trim().is_empty() {
+            state.cleared = state.revision;
+            return;
+        }
+        let mut request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };
+        request.forget_given(&state.typed);
+        // A mistake in what is typed is no mistake of the file.
+        if state.shown != state.request.text {
+            request.source = DocumentSource::Typed;
+        }
+        state.revision = self.pipeline.request(request);
+    }
+}
+
+/// `text` with values that were dragged as they are in `present`.
+fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {
+    dragged.iter().fold(text.to_owned(), |text, one| {
+        let moved = || {
+            let (value, side) = right_side(present, &one.name)?;
+            let (_, range) = side.split_once(" in ")?;
+            with_value(&text, &one.name, &value, range)
+        };
+        moved().unwrap_or(text)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::slider::Slider;
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::thread;
+    use std::time::Instant;
+
+    const LIMIT: Duration = Duration::from_mins(1);
+
+    const TEXT: &str = "domain 2\nr = 0 in [0, 9]\nx^2+y^2+z^2 = r";
+
+    /// A ball, and the slider of its size.
+    fn ball() -> (Live, Slider) {
+        let settings = Settings { width: 8, height: 8, ..Settings::default() };
+        let live = Live::new(Request { text: TEXT.into(), settings, ..Request::default() });
+        assert!(live.wait(LIMIT));
+        let slider = live.snapshot().rendering.expect("a picture").sliders().remove(0);
+        (live, slider)
+    }
+
+    /// Waits as long as nobody should have to.
+    fn soon(done: impl Fn() -> bool) {
+        let started = Instant::now();
+        while !done() {
+            assert!(started.elapsed() < LIMIT, "it waits");
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    #[test]
+    fn a_value_that_moves_all_the_time_waits_for_no_edit_nor_keeps_it_from_its_end() {
+        let (live, slider) = ball();
+        let live = Arc::new(live);
+        let tries = AtomicUsize::new(0);
+        let work = |said: &Said| {
+            let value = tries.fetch_add(1, Ordering::Relaxed) as f64 + 1.0;
+            // As the window's loop does, which never waits.
+            let (live, slider) = (Arc::clone(&live), slider.clone());
+            let moves = thread::spawn(move || {
+                live.drag(&slider, value + 0.5);
+                live.drag(&slider, value);
+                live.turn(|orbit| orbit.turn(1.0, 1.0, 8));
+            });
+            soon(|| moves.is_finished());
+            Ok(format!("{}\nz = 0", said.request.text))
+        };
+        let changed = live.change_after(work, |state, text| state.request.text = text.into());
+        assert!(changed.is_ok());
+        // Twice too late; then the values wait, and the last of them comes after it.
+        assert_eq!(tries.into_inner(), 3);
+        assert_eq!(live.text(), TEXT.replace("r = 0", "r = 3") + "\nz = 0");
+        live.drag(&slider, 4.0);
+        assert!(live.text().contains("r = 4"));
+    }
+
+    #[test]
+    fn an_edit_that_is_refused_late_leaves_no_value_waiting() {
+        let (live, slider) = ball();
+        let tries = AtomicUsize::new(0);
+        let work = |_: &Said| {
+            let number = tries.fetch_add(1, Ordering::Relaxed) + 1;
+            live.drag(&slider, number as f64);
+            if number < 3 { Ok(()) } else { Err(Refusal::Command("no".to_owned())) }
+        };
+        assert!(live.change_after(work, |_, ()| ()).is_err());
+        assert!(live.text().contains("r = 3"));
+    }
+}

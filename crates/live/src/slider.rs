@@ -1,0 +1,208 @@
+//! Values that are moved by hand or by the clock: which there are, how far they go, and what moving
+//! one says. Knows no window and no mouse.
+
+use super::draft::with_value;
+use super::edit::base;
+use super::pipeline::Rendering;
+use super::session::Live;
+use super::undo::{Dragged, Gesture, Said};
+use super::values::{right_side, written};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use zeroset_scene::view::{self, nearest};
+use zeroset_syntax::{Parameter, ParameterKind};
+
+/// A value that can be moved, as a picture shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slider {
+    /// Its name in the document.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// The lower end of its range.
+    pub low: f64,
+    /// The upper end of its range, above the lower one.
+    pub high: f64,
+    /// Whether it is the time, which the clock moves too.
+    pub is_time: bool,
+}
+
+impl Slider {
+    fn of(parameter: &Parameter) -> Self {
+        let value = nearest(&parameter.value);
+        let is_time = parameter.kind == ParameterKind::Time;
+        let (low, high) = match &parameter.range {
+            Some((low, high)) => (nearest(low), nearest(high)),
+            None if is_time => (0.0, TAU),
+            None => room(value),
+        };
+        // A value from the command line may lie beyond.
+        let (low, high) = (low.min(value), high.max(value));
+        Self { name: parameter.name.clone(), value, low, high, is_time }
+    }
+
+    /// Whether there is a way from one end to the other: of a range beyond all floats, or too small
+    /// for them, there is none.
+    fn is_usable(&self) -> bool {
+        let width = self.high - self.low;
+        width > 0.0 && width.is_finite()
+    }
+
+    /// The value, or the nearest within the range; where it is at present for a NaN.
+    fn within(&self, value: f64) -> f64 {
+        let value = if value.is_nan() { self.value } else { value };
+        value.max(self.low).min(self.high)
+    }
+
+    /// A value within the range with no more digits than it takes to tell it from one that is
+    /// `step` away.
+    pub fn rounded(&self, value: f64, step: f64) -> f64 {
+        let value = self.within(value);
+        let digits = self.digits(step);
+        let text = if digits > 0 {
+            format!("{value:.places$}", places = digits as usize)
+        } else {
+            let unit = 10_f64.powi(-digits);
+            ((value / unit).round() * unit).to_string()
+        };
+        // What is written has been read before.
+        self.within(text.parse().unwrap_or(value))
+    }
+
+    /// Digits after the point, or powers of ten before it if negative, that tell values `step`
+    /// apart.
+    fn digits(&self, step: f64) -> i32 {
+        let step = step.max((self.high - self.low) * 1e-12).max(f64::MIN_POSITIVE);
+        (-step.log10().floor()).clamp(-300.0, 17.0) as i32
+    }
+
+    /// The value as text, with digits as in [`Slider::rounded`].
+    pub fn shown(&self, step: f64) -> String {
+        let value = self.value;
+        let is_plain = value == 0.0 || (1e-4..1e6).contains(&value.abs());
+        if !is_plain {
+            return format!("{value:.3e}");
+        }
+        format!("{value:.places$}", places = self.digits(step).clamp(0, 9) as usize)
+    }
+}
+
+/// How far a value goes where nobody says so: to twice what it is, from 0.
+fn room(value: f64) -> (f64, f64) {
+    if value == 0.0 {
+        (-1.0, 1.0)
+    } else {
+        let far = (2.0 * value).clamp(f64::MIN, f64::MAX);
+        (far.min(0.0), far.max(0.0))
+    }
+}
+
+impl Rendering {
+    /// The values that can be moved, in the order of the document; the time among them if what is
+    /// drawn depends on it.
+    pub fn sliders(&self) -> Vec<Slider> {
+        let document = &self.document;
+        let moves =
+            |one: &&Parameter| one.kind == ParameterKind::Slider || view::depends_on_time(document);
+        document.parameters.iter().filter(moves).map(Slider::of).filter(Slider::is_usable).collect()
+    }
+}
+
+impl Live {
+    /// Gives a name a value within its slider's range, as a hand that drags it does, and returns
+    /// the number of the latest request for a picture. The text says so at once, or after an edit
+    /// that values have overtaken too often; and, if it gave no range, that of the slider, so that
+    /// code made for it serves for all that follow.
+    ///
+    /// Many calls are one step of [`Live::undo`].
+    pub fn drag(&self, slider: &Slider, value: f64) -> u64 {
+        self.put(slider, &written(slider.within(value)), true)
+    }
+
+    /// The same as the clock does it: no step of its own.
+    pub fn pass(&self, slider: &Slider, value: f64) -> u64 {
+        self.put(slider, &written(slider.within(value)), false)
+    }
+
+    /// Gives a name back the value that the document gave it before it was dragged, and tells
+    /// whether it was dragged at all.
+    pub fn restore(&self, slider: &Slider) -> bool {
+        let before = |one: &Dragged| (one.name == slider.name).then(|| one.value.clone());
+        let Some(value) = self.lock().dragged.iter().find_map(before) else { return false };
+        self.put(slider, &value, true);
+        true
+    }
+
+    fn put(&self, slider: &Slider, value: &str, is_step: bool) -> u64 {
+        let (slider, value) = (slider.clone(), value.to_owned());
+        self.move_value(Gesture::Value(slider.name.clone()), move |live, gesture| {
+            live.put_now(&slider, &value, is_step, gesture);
+        });
+        self.revision()
+    }
+
+    fn put_now(&self, slider: &Slider, value: &str, is_step: bool, gesture: Gesture) {
+        let Slider { name, low, high, .. } = slider;
+        let range = match (slider.is_time, *low, *high) {
+            (true, 0.0, TAU) => "[0, 2pi]".to_owned(),
+            (_, low, high) => format!("[{}, {}]", written(low), written(high)),
+        };
+        let moved = |Said { request, readable, .. }: &Said| {
+            let base = base(request, readable, "");
+            let typed = right_side(&request.text, name);
+            Ok(with_value(&base, name, value, &range).map(|new| (new, typed)))
+        };
+        let _never_refused = self.change_after(moved, |state, moved| {
+            let Some((text, typed)) = moved else { return };
+            let text: Arc<str> = text.into();
+            let before = is_step.then(|| state.said());
+            if state.dragged.iter().all(|other| other.name != *name) {
+                let given = state.request.overrides.iter().find(|(other, _)| other == name);
+                let time = state.request.time.filter(|_| slider.is_time);
+                let (typed, side) = typed.unwrap_or_else(|| (written(slider.value), String::new()));
+                let value = given.map(|(_, value)| value.clone()).or(time.map(written));
+                let value = value.unwrap_or(typed);
+                state.dragged.push(Dragged { name: name.clone(), value, side });
+            }
+            let is_typed = state.shown != state.request.text;
+            let shown = is_typed.then(|| with_value(&state.shown, name, value, &range)).flatten();
+            state.shown = shown.map_or_else(|| Arc::clone(&text), Arc::from);
+            state.request.text = Arc::clone(&text);
+            state.readable = text;
+            state.request.forget_given(std::slice::from_ref(name));
+            let before = before.unwrap_or_else(|| state.said());
+            self.say(state, before, Some(gesture));
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slider(low: f64, high: f64) -> Slider {
+        Slider { name: "r".into(), value: low, low, high, is_time: false }
+    }
+
+    #[test]
+    fn values_have_the_digits_that_pixels_can_tell_apart() {
+        let five = slider(0.0, 5.0);
+        assert_eq!(five.rounded(1.234_567, 0.04), 1.23);
+        assert_eq!(five.rounded(1.234_567, 0.004), 1.235);
+        assert_eq!(five.rounded(9.0, 0.04), 5.0);
+        assert_eq!(slider(0.0, 50_000.0).rounded(12_345.0, 400.0), 12_300.0);
+        assert_eq!(slider(0.0, 1.0 / 3.0).rounded(0.333_33, 0.002), 0.333);
+        assert_eq!(Slider { value: 1.5, ..five.clone() }.shown(0.04), "1.50");
+        assert_eq!(five.rounded(f64::NAN, 0.04), 0.0);
+        assert_eq!(five.rounded(f64::INFINITY, f64::NAN), 5.0);
+        assert_eq!(Slider { value: 2e-9, ..five }.shown(1e-10), "2.000e-9");
+        assert!(slider(0.0, 5.0).is_usable() && !slider(1.0, 1.0).is_usable());
+        assert!(!slider(-f64::MAX, f64::MAX).is_usable());
+    }
+
+    #[test]
+    fn a_value_without_a_range_has_room_on_both_sides() {
+        assert_eq!([room(2.0), room(-0.5), room(0.0)], [(0.0, 4.0), (-1.0, 0.0), (-1.0, 1.0)]);
+        assert!(room(f64::MAX).1.is_finite());
+    }
+}

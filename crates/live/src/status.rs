@@ -1,0 +1,241 @@
+//! What a picture shows and what it took, in words and as the command that reproduces it.
+
+use super::pipeline::{Rendering, Snapshot};
+use glam::DVec3;
+use std::fmt::Write as _;
+use std::time::Duration;
+use zeroset_interval::Interval;
+use zeroset_render::names::Named;
+use zeroset_render::picture::Settings;
+use zeroset_scene::coordinate::coordinate;
+use zeroset_scene::view::{self, ClipChoice, DomainChoice};
+use zeroset_shade::UndecidedStyle;
+use zeroset_trace::{MethodOption, Projection};
+
+/// What is said of a function that may be 0 everywhere.
+pub const FLAT: &str =
+    "a function could not be distinguished from 0 at any sampled point: it may be 0 everywhere";
+
+/// Several lines on what can be seen.
+pub(super) fn describe(snapshot: &Snapshot) -> String {
+    let mut text = String::new();
+    if let Some(fault) = &snapshot.fault {
+        let _ = writeln!(text, "error       {}", fault.message());
+    }
+    let Some(rendering) = &snapshot.rendering else {
+        return text + "there is no picture yet";
+    };
+    for surface in &rendering.document.surfaces {
+        let _ = writeln!(text, "surface     {}", surface.echo);
+    }
+    let (region, statistics) = (rendering.model.region(), &rendering.picture.statistics);
+    let [x, y, z] = view::bounds(region).map(|ends| [ends.lo, ends.hi].map(coordinate).join(".."));
+    let found = rendering.searched.map_or("", |found| found.finding.describe());
+    let _ = writeln!(text, "domain      x {x}, y {y}, z {z}  {found}");
+    let settings = &rendering.request.settings;
+    let options = options(settings, |option| match option {
+        MethodOption::Depth => Some(format!(", depth {}", settings.max_depth)),
+        MethodOption::Precision => Some(format!(", {}", settings.precision)),
+        MethodOption::Tolerance => Some(format!(", hits within {} pixels", settings.tolerance)),
+        MethodOption::Steps => Some(format!(", {} steps", settings.steps)),
+        MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
+            left_out(settings, option, ", ")
+        }
+    });
+    let _ = writeln!(text, "method      {}{options}", settings.method.name);
+    let pixels = statistics.pixels;
+    let _ = writeln!(
+        text,
+        "pixels      {}x{}: {} misses, {} hits, {} undecided{}",
+        rendering.picture.buffer.width,
+        rendering.picture.buffer.height,
+        pixels.miss,
+        pixels.hit,
+        pixels.undecided,
+        if rendering.coarse { " (coarse)" } else { "" },
+    );
+    if let Some(why) = rendering.picture.why_undecided() {
+        let _ = writeln!(text, "undecided   {why}");
+    }
+    if let Some(why) = rendering.why_blank() {
+        let _ = writeln!(text, "note        {why}");
+    }
+    for remark in &rendering.picture.remarks {
+        let _ = writeln!(text, "note        {remark}");
+    }
+    if rendering.picture.flat {
+        let _ = writeln!(text, "note        {FLAT}");
+    }
+    let times = &statistics.times;
+    let made = if rendering.model.is_rebound() {
+        "not compiled again".to_owned()
+    } else {
+        format!("simplify {}, compile {}", ms(times.simplify), ms(times.compile))
+    };
+    let _ = write!(
+        text,
+        "time        read {}, {made}, trace {}, shade {}, look {}",
+        ms(rendering.parse),
+        ms(times.trace),
+        ms(times.shade),
+        ms(times.occlude + times.antialias)
+    );
+    text
+}
+
+/// What is said of those options that the method reads.
+fn options(settings: &Settings, say: impl Fn(MethodOption) -> Option<String>) -> String {
+    let all = [
+        MethodOption::Depth,
+        MethodOption::Steps,
+        MethodOption::Precision,
+        MethodOption::Tolerance,
+        MethodOption::NoContract,
+        MethodOption::NoTiles,
+        MethodOption::NoIntervals,
+    ];
+    let read = all.into_iter().filter(|option| settings.method.reads.contains(option));
+    read.filter_map(say).collect()
+}
+
+/// The name of an option that leaves out an idea, after `before`, if it is set.
+fn left_out(settings: &Settings, option: MethodOption, before: &str) -> Option<String> {
+    let is_set = settings.ideas.left_out().any(|set| set == option);
+    is_set.then(|| format!("{before}{}", option.name()))
+}
+
+/// A time in milliseconds, to two digits or so.
+pub(super) fn ms(time: Duration) -> String {
+    let ms = time.as_secs_f64() * 1e3;
+    if ms < 10.0 { format!("{ms:.1} ms") } else { format!("{ms:.0} ms") }
+}
+
+impl Rendering {
+    /// Why nothing is seen and the command that shows something, if nothing is seen.
+    pub fn why_blank(&self) -> Option<String> {
+        Some(self.blank?.describe(&|ends| format!(":domain {ends}")))
+    }
+
+    /// One short line: why nothing is seen, or time, size, method and the options that it reads,
+    /// undecided pixels, compile time.
+    pub fn summary(&self) -> String {
+        if let Some(why) = self.why_blank() {
+            return why;
+        }
+        let statistics = &self.picture.statistics;
+        let (width, height) = (self.picture.buffer.width, self.picture.buffer.height);
+        let undecided = statistics.pixels.undecided;
+        let times = &statistics.times;
+        let made = if self.model.is_rebound() {
+            "not compiled again".to_owned()
+        } else {
+            format!("compiled in {}", ms(times.simplify + times.compile))
+        };
+        let settings = &self.request.settings;
+        let options = options(settings, |option| match option {
+            MethodOption::Depth => Some(format!(" {}", settings.max_depth)),
+            MethodOption::Precision => Some(format!(" {}", settings.precision)),
+            MethodOption::Tolerance => (settings.tolerance != Settings::default().tolerance)
+                .then(|| format!(" {} px", settings.tolerance)),
+            MethodOption::Steps => Some(format!(" {}", settings.steps)),
+            MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
+                left_out(settings, option, " ")
+            }
+        });
+        format!(
+            "{} · {width}x{height} · {}{options} · {undecided} undecided · {made}{}",
+            ms(times.trace + times.shade),
+            self.picture.method.name,
+            if self.picture.flat { " · 0 everywhere?" } else { "" },
+        )
+    }
+
+    /// The command that reproduces this picture at full size, as `output`.
+    pub fn command(&self, output: &str) -> String {
+        let request = &self.request;
+        let settings = &request.settings;
+        let point = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
+        let mut command = format!("zeroset render {}", quote(&request.text));
+        for (name, value) in &request.overrides {
+            let _ = write!(command, " -D {}", quote(&format!("{name}={value}")));
+        }
+        if let Some(time) = request.time {
+            let _ = write!(command, " --time {time}");
+        }
+        match request.domain {
+            // What was found may depend on what was shown before.
+            DomainChoice::Document | DomainChoice::Auto if self.searched.is_some() => {
+                let [x, y, z] = view::bounds(self.model.region())
+                    .map(|Interval { lo, hi }| [lo, hi].map(coordinate).join(","));
+                let _ = write!(command, " --domain {x},{y},{z}");
+                if self.model.region().ball().is_some() {
+                    command.push_str(" --clip-to ball");
+                }
+            }
+            DomainChoice::Document => {}
+            DomainChoice::Auto => command.push_str(" --domain auto"),
+            DomainChoice::Bounds(bounds) => {
+                let bounds: Vec<String> = bounds.into_iter().map(coordinate).collect();
+                let _ = write!(command, " --domain {}", bounds.join(","));
+            }
+        }
+        match request.clip {
+            ClipChoice::Document => {}
+            ClipChoice::Off => command.push_str(" --clip off"),
+            ClipChoice::Plane(clip) => {
+                let _ = write!(command, " --clip {},{}", point(clip.normal), clip.offset);
+            }
+        }
+        let camera = &self.camera;
+        let _ = write!(
+            command,
+            " --eye {} --target {} --up {}",
+            point(camera.eye()),
+            point(camera.target()),
+            point(camera.up())
+        );
+        let _ = match camera.projection() {
+            Projection::Perspective { fov } => write!(command, " --fov {fov}"),
+            Projection::Orthographic { height } => write!(command, " --ortho {height}"),
+        };
+        let _ = write!(command, " --size {}x{}", settings.width, settings.height);
+        let usual = Settings::default();
+        if settings.method != usual.method {
+            let _ = write!(command, " --method {}", settings.method.name);
+        }
+        command += &options(settings, |option| match option {
+            MethodOption::Depth => Some(format!(" --max-depth {}", settings.max_depth)),
+            MethodOption::Precision => (settings.precision != usual.precision)
+                .then(|| format!(" --precision {}", settings.precision)),
+            MethodOption::Tolerance => (settings.tolerance != usual.tolerance)
+                .then(|| format!(" --tolerance {}", settings.tolerance)),
+            MethodOption::Steps => {
+                (settings.steps != usual.steps).then(|| format!(" --steps {}", settings.steps))
+            }
+            MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
+                left_out(settings, option, " --")
+            }
+        });
+        if settings.undecided != UndecidedStyle::Shade {
+            let _ = write!(command, " --undecided {}", settings.undecided.name());
+        }
+        if let Some(look) = settings.look {
+            let _ = write!(command, " --look {}", look.name);
+        }
+        if settings.shadow_depth.is_some() {
+            command.push_str(" --shadows");
+        }
+        let _ = write!(command, " -o {}", quote(output));
+        command
+    }
+}
+
+/// `text` as one word of a POSIX shell.
+pub fn quote(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', "'\\''"))
+    }
+}

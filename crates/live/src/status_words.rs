@@ -1,0 +1,153 @@
+//! What a picture shows in one line of plain words, and what these words mean.
+
+use super::coming;
+use super::pipeline::Rendering;
+use super::status::ms;
+use zeroset_render::picture::Settings;
+use zeroset_trace::{METHODS, Proves, UndecidedReason};
+
+/// Stands for the first method that proves hits and misses.
+const PROVER: &str = "{prover}";
+
+/// Words of the window's status line and what they say.
+const WORDS: [(&str, &str); 12] = [
+    ("every pixel proven", "each pixel's ray is proven to meet the surface, or to miss it"),
+    (
+        "3 pixels undecided",
+        "for these neither is proven; what is most likely is drawn, and U marks them",
+    ),
+    ("touching", "f comes as close to 0 there as can be computed, and no change of sign is proven"),
+    ("perhaps undefined", "f may have no value there, as beyond the edge of sqrt(x)"),
+    ("perhaps a jump", "f may jump past 0 there without meeting it, as floor(x) does"),
+    ("out of time", "the budget for a ray was spent"),
+    ("too steep", "no bound of f's slope is known there, which this method needs"),
+    (
+        "only misses proven",
+        "this method draws what it cannot prove: the method {prover} proves both",
+    ),
+    (
+        "nothing proven",
+        "this method samples and may miss thin parts: the method {prover} proves all",
+    ),
+    ("200x150 of 800x600 so far", "a coarse picture; the full one is being made"),
+    (
+        "90 pixels to be decided",
+        "everything is drawn; the proof for these pixels takes longer, and is under way",
+    ),
+    ("24 ms", "the time to find the surface and to color it"),
+];
+
+/// What a person asks who reads the status line, or comes from another program.
+pub fn status_words() -> String {
+    format!("{}\n\nComing from another program\n{}", explained(), coming::listed())
+}
+
+/// The words and what they say.
+pub(super) fn explained() -> String {
+    let mut provers = METHODS.iter().filter(|method| method.proves == Proves::HitsAndMisses);
+    let prover = provers.next().map_or("", |method| method.name);
+    let line = |(word, says): &(&str, &str)| format!("{word}\n  {says}").replace(PROVER, prover);
+    let lines: Vec<String> = WORDS.iter().map(line).collect();
+    format!("What the status line says\n{}", lines.join("\n"))
+}
+
+/// What is said of so many pixels, after "undecided".
+fn why(reason: UndecidedReason) -> &'static str {
+    match reason {
+        UndecidedReason::None => "no reason known",
+        UndecidedReason::Touching => "touching",
+        UndecidedReason::Undefined => "perhaps undefined",
+        UndecidedReason::Discontinuous => "perhaps a jump",
+        UndecidedReason::Budget => "out of time",
+        UndecidedReason::Unproven => "not proven",
+        UndecidedReason::Steep => "too steep",
+    }
+}
+
+impl Rendering {
+    /// One short line in plain words: why nothing is seen, or how far the picture is, what of it is
+    /// proven, how long it took, its size, and the method if it is not the usual one.
+    pub fn in_words(&self) -> String {
+        if let Some(why) = self.why_blank() {
+            return why;
+        }
+        let (buffer, full) = (&self.picture.buffer, &self.request.settings);
+        let statistics = &self.picture.statistics;
+        let size = format!("{}x{}", buffer.width, buffer.height);
+        let mut parts = Vec::new();
+        if !self.is_full() {
+            parts.push(format!("{size} of {}x{} so far", full.width, full.height));
+        } else if self.coarse {
+            let open = self.picture.left_open();
+            parts.push(format!("{open} pixel{} to be decided", if open == 1 { "" } else { "s" }));
+        } else {
+            parts.push(self.proven());
+            parts.push(ms(statistics.times.trace + statistics.times.shade));
+            parts.push(size);
+        }
+        if self.picture.flat {
+            parts.insert(0, "f may be 0 everywhere".to_owned());
+        }
+        if full.method != Settings::default().method {
+            parts.push(format!("method {}", full.method.name));
+        }
+        parts.join(" · ")
+    }
+
+    /// What of the picture is proven.
+    fn proven(&self) -> String {
+        let reasons = UndecidedReason::ALL.into_iter().zip(self.picture.buffer.reasons());
+        let open: Vec<(UndecidedReason, usize)> = reasons.filter(|(_, count)| *count > 0).collect();
+        let count = self.picture.statistics.pixels.undecided;
+        let plural = if count == 1 { "" } else { "s" };
+        match (&open[..], self.picture.method.proves) {
+            ([], _) => "every pixel proven".to_owned(),
+            ([(UndecidedReason::Unproven, _)], Proves::Nothing) => "nothing proven".to_owned(),
+            ([(UndecidedReason::Unproven, _)], Proves::Misses) => "only misses proven".to_owned(),
+            ([(reason, _)], _) => format!("{count} pixel{plural} undecided: {}", why(*reason)),
+            (several, _) => {
+                let part = |(reason, count): &(UndecidedReason, usize)| {
+                    format!("{count} {}", why(*reason))
+                };
+                let parts: Vec<String> = several.iter().map(part).collect();
+                format!("{count} pixels undecided: {}", parts.join(", "))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Live, Request};
+    use std::time::Duration;
+
+    fn said(text: &str, method: &str) -> String {
+        let settings = Settings { width: 40, height: 30, ..Settings::default() };
+        let live = Live::new(Request { text: text.into(), settings, ..Request::default() });
+        live.enter(&format!(":method {method}")).expect("a method");
+        assert!(live.wait(Duration::from_mins(1)));
+        live.snapshot().rendering.expect("a picture").in_words()
+    }
+
+    #[test]
+    fn a_picture_is_told_in_words_that_are_explained() {
+        for (text, method, expected) in [
+            ("x^2+y^2+z^2 = 1", "affine", "every pixel proven"),
+            ("x^2+y^2+z^2 = 1", "knoll", "only misses proven"),
+            ("x^2+y^2+z^2 = 1", "march", "nothing proven"),
+            ("x^2+y^2+z^2 = 1\nmax(x+y, -x-y) = 0", "affine", "undecided: touching"),
+        ] {
+            let said = said(text, method);
+            assert!(said.contains(expected), "{text} by {method}: {said}");
+            assert!(said.contains(" ms · 40x30"), "{said}");
+        }
+        let all = explained();
+        assert!(all.contains("the method affine proves both") && !all.contains('{'), "{all}");
+        for reason in UndecidedReason::ALL.into_iter().filter(|one| *one != UndecidedReason::None) {
+            assert!(all.contains(why(reason)) || reason == UndecidedReason::Unproven, "{reason:?}");
+        }
+        let hidden = said("hidden\nx^2+y^2+z^2 = 1", "affine");
+        assert_eq!(hidden, "nothing is seen: every surface is hidden");
+    }
+}

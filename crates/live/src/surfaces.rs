@@ -1,0 +1,379 @@
+//! Which surfaces of a document are seen, how, and in what order: each change is one of its text.
+//! Knows lines about surfaces and where they stand, but no window.
+
+use super::draft::without_drawing;
+use super::edit::{Edit, base, nothing_drawn};
+use super::pipeline::{Rendering, Request};
+use super::reply::{Refusal, Reply, refused};
+use super::session::Live;
+use super::undo::Gesture;
+use std::ops::Range;
+use zeroset_shade::{LinearRgb, SurfaceColors};
+use zeroset_style::ColorMap;
+use zeroset_syntax::{Document, Options, SurfaceColor};
+
+/// Words of lines that hold for the drawings below them.
+const WORDS: [&str; 3] = ["color", "opacity", "hidden"];
+
+/// Colors by which a surface is told in a list: so many where it has those of a map.
+const SWATCH: usize = 6;
+
+/// A surface as a list shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Listed {
+    /// How its formula was read.
+    pub echo: String,
+    /// Its colors from left to right, as sRGB bytes.
+    pub colors: Vec<[u8; 3]>,
+    /// How much of the light from behind it stops, within [0, 1].
+    pub opacity: f64,
+    /// Whether it is left out of pictures.
+    pub hidden: bool,
+}
+
+impl Rendering {
+    /// The surfaces of the document, in its order.
+    pub fn surfaces(&self) -> Vec<Listed> {
+        let surfaces = self.document.surfaces.iter().enumerate();
+        let listed = |(number, surface): (usize, &zeroset_syntax::Surface)| {
+            let own = || {
+                // Either side may be the one that is seen.
+                let SurfaceColors { positive, negative, .. } = SurfaceColors::default_for(number);
+                vec![positive.to_srgb(), negative.to_srgb()]
+            };
+            let colors = match &surface.color {
+                Some(SurfaceColor::Plain(color)) => vec![LinearRgb::from_srgb(color.rgb).to_srgb()],
+                Some(SurfaceColor::Mapped(mapped)) => {
+                    let share = |n: usize| n as f64 / (SWATCH - 1) as f64;
+                    let map = ColorMap::named(mapped.map);
+                    map.map_or_else(own, |map| (0..SWATCH).map(|n| map.bytes(share(n))).collect())
+                }
+                None => own(),
+            };
+            let (echo, opacity, hidden) = (surface.echo.clone(), surface.opacity, surface.hidden);
+            Listed { echo, colors, opacity, hidden }
+        };
+        surfaces.map(listed).collect()
+    }
+}
+
+/// What a text says of one drawing where that stands.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawn {
+    /// Its formula.
+    body: String,
+    /// What stands behind `color`, but for an opacity.
+    color: String,
+    opacity: f64,
+    hidden: bool,
+}
+
+/// What is said of a drawing if nothing is.
+const USUAL: (&str, f64, bool) = ("auto", 1.0, false);
+
+impl Drawn {
+    fn all(text: &str, document: &Document) -> Vec<Self> {
+        let surfaces = document.surfaces.iter().enumerate();
+        let one = |(number, surface): (usize, &zeroset_syntax::Surface)| {
+            let line = document.line_for("color", number);
+            let color = line.map_or(USUAL.0, |line| {
+                let end = line.share.map_or(line.span.end, |share| share.start);
+                let whole = text[line.span.start..end].trim();
+                whole.split_once(char::is_whitespace).map_or(USUAL.0, |(_, color)| color.trim())
+            });
+            Self {
+                body: text[surface.span.range()].to_owned(),
+                color: color.to_owned(),
+                opacity: surface.opacity,
+                hidden: surface.hidden,
+            }
+        };
+        surfaces.map(one).collect()
+    }
+
+    /// Lines for what `words` say of this drawing and not of the one before.
+    fn lines(&self, before: Option<&Self>, words: &[&str]) -> Vec<String> {
+        let (color, opacity, hidden) =
+            before.map_or(USUAL, |one| (one.color.as_str(), one.opacity, one.hidden));
+        let mut lines = Vec::new();
+        if words.contains(&"color") && self.color != color {
+            lines.push(format!("color {}", self.color));
+        }
+        if words.contains(&"opacity") && self.opacity != opacity {
+            lines.push(format!("opacity {}%", percent(self.opacity)));
+        }
+        if words.contains(&"hidden") && self.hidden != hidden {
+            lines.push(if self.hidden { "hidden" } else { "hidden off" }.to_owned());
+        }
+        lines
+    }
+}
+
+/// A share in hundredths, with no more digits than it takes.
+fn percent(share: f64) -> f64 {
+    (share * 1e4).round() / 1e2
+}
+
+/// The text in which `change` was made to what is said of its drawings, and the document as read;
+/// the lines with these words are written anew. `None` where that cannot be said by such lines, as
+/// in a program.
+fn changed(
+    text: &str,
+    options: &Options<'_>,
+    words: &[&str],
+    change: impl FnOnce(&mut Vec<Drawn>),
+) -> Option<(String, Document)> {
+    let document = zeroset_syntax::read(text, options).ok()?;
+    let slots: Vec<Range<usize>> =
+        document.surfaces.iter().map(|surface| surface.span.range()).collect();
+    let mut drawn = Drawn::all(text, &document);
+    change(&mut drawn);
+    let mut edits: Vec<(Range<usize>, String)> = Vec::new();
+    for line in document.lines.iter().filter(|line| WORDS.contains(&line.word)) {
+        if words.contains(&line.word) {
+            edits.push((whole(text, &line.span.range()), String::new()));
+        } else if let Some(share) = line.share.filter(|_| words.contains(&"opacity")) {
+            let start = text[..share.start].trim_end().len();
+            edits.push((start..share.end, String::new()));
+        }
+    }
+    for (number, (slot, one)) in slots.iter().zip(&drawn).enumerate() {
+        let before = number.checked_sub(1).map(|before| &drawn[before]);
+        let head = text[..slot.start].trim_end_matches([' ', '\t']);
+        let end = if slot.start == 0 || head.ends_with('\n') { "\n" } else { "; " };
+        let mut pieces = one.lines(before, words);
+        // Within a statement of a program there is no place for a line.
+        let is_alone = head.is_empty() || head.ends_with(['\n', ';']);
+        if !is_alone && !pieces.is_empty() {
+            return None;
+        }
+        pieces.push(one.body.clone());
+        edits.push((slot.clone(), pieces.join(end)));
+    }
+    edits.sort_by_key(|(range, _)| range.start);
+    let mut new = text.to_owned();
+    let mut end = text.len();
+    for (range, with) in edits.into_iter().rev() {
+        // Where one is within another nothing is known of the text.
+        if range.end > end || range.start > range.end {
+            return None;
+        }
+        end = range.start;
+        new.replace_range(range, &with);
+    }
+    let is_said = |said: &Document| {
+        let alike = |(one, other): (&Drawn, &Drawn)| {
+            one.body == other.body
+                && one.color == other.color
+                && one.hidden == other.hidden
+                && percent(one.opacity) == percent(other.opacity)
+        };
+        let now = Drawn::all(&new, said);
+        now.len() == drawn.len() && now.iter().zip(&drawn).all(alike)
+    };
+    let said = zeroset_syntax::read(&new, options).ok().filter(is_said)?;
+    Some((new, said))
+}
+
+/// A line about the picture with what ends it, unless a comment stands behind it.
+fn whole(text: &str, line: &Range<usize>) -> Range<usize> {
+    let rest = &text[line.end..];
+    let blank = rest.len() - rest.trim_start_matches([' ', '\t']).len();
+    let ends = rest[blank..].starts_with(['\n', ';']);
+    line.start..line.end + blank + usize::from(ends)
+}
+
+impl Live {
+    /// Leaves the surface with this number, counted from 1, out of the picture, or shows it.
+    ///
+    /// # Errors
+    /// If there is no such surface, or its text cannot say so.
+    pub fn hide(&self, number: usize, hidden: bool) -> Result<(), Refusal> {
+        self.restyle(number, &["hidden"], None, |drawn| drawn[number - 1].hidden = hidden)
+    }
+
+    /// Shows all surfaces.
+    ///
+    /// # Errors
+    /// If the text cannot say so.
+    pub(super) fn show_all(&self) -> Result<(), Refusal> {
+        self.restyle(1, &["hidden"], None, |drawn| {
+            for one in drawn {
+                one.hidden = false;
+            }
+        })
+    }
+
+    /// Says how much of the light from behind a surface stops, within [0, 1]; its number is counted
+    /// from 1. Many calls are one step of [`Live::undo`].
+    ///
+    /// # Errors
+    /// If there is no such surface, or its text cannot say so.
+    pub fn set_opacity(&self, number: usize, opacity: f64) -> Result<(), Refusal> {
+        let gesture = Gesture::Value(format!("opacity {number}"));
+        let set = self.move_value(gesture, move |live, gesture| {
+            Some(live.restyle(number, &["opacity"], Some(gesture), |drawn| {
+                drawn[number - 1].opacity = opacity.clamp(0.0, 1.0);
+            }))
+        });
+        // What is left to an edit is not refused.
+        set.unwrap_or(Ok(()))
+    }
+
+    /// Gives a surface another place among the others; both are counted from 1.
+    ///
+    /// # Errors
+    /// If there are not so many surfaces, or the text cannot say so.
+    pub fn move_surface(&self, from: usize, to: usize) -> Result<(), Refusal> {
+        self.restyle(from.max(to), &WORDS, None, |drawn| {
+            let one = drawn.remove(from - 1);
+            drawn.insert(to - 1, one);
+        })
+    }
+
+    /// Takes away the drawing with this number, counted from 1.
+    pub(super) fn delete(&self, number: usize) -> Result<Reply, Refusal> {
+        let document = self.edit(None, |request, readable| {
+            let text = without(&base(request, readable, ""), &request.options(), number)
+                .map_err(|count| no_surface(number, count))?;
+            Edit::checked(request, text, Vec::new())
+        })?;
+        Ok(document.map_or_else(nothing_drawn, |_| Reply::Done))
+    }
+
+    fn restyle(
+        &self,
+        number: usize,
+        words: &[&str],
+        gesture: Option<Gesture>,
+        change: impl Fn(&mut Vec<Drawn>),
+    ) -> Result<(), Refusal> {
+        let work = |request: &Request, readable: &str| {
+            let base = base(request, readable, "");
+            let options = request.options();
+            let count = zeroset_syntax::read(&base, &options).map_or(0, |now| now.surfaces.len());
+            if !(1..=count).contains(&number) {
+                return Err(no_surface(number, count));
+            }
+            let Some((text, document)) = changed(&base, &options, words, &change) else {
+                let words = words.join("`, `");
+                return refused(format!(
+                    "this text has no place for that: write `{words}` lines yourself"
+                ));
+            };
+            // Formulas are as they were, and need not be looked at again.
+            Ok(Edit::unchecked(text, document))
+        };
+        self.edit(gesture, work).map(drop)
+    }
+}
+
+/// The text without a drawing, in which others look as they did.
+pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Result<String, usize> {
+    let plain = without_drawing(text, number)?;
+    let look = |text: &str| {
+        let document = zeroset_syntax::read(text, options).ok()?;
+        let styles = Drawn::all(text, &document);
+        Some(styles.into_iter().map(|one| (one.color, one.opacity, one.hidden)).collect::<Vec<_>>())
+    };
+    let mut wanted = look(text).unwrap_or_default();
+    if wanted.len() >= number {
+        wanted.remove(number - 1);
+    }
+    if look(&plain).is_none_or(|now| now == wanted) {
+        return Ok(plain);
+    }
+    // A line that stood above the last drawing would be taken for one behind those that are left:
+    // the one that goes is made the last, with no line of its own.
+    let last = changed(text, options, &WORDS, |drawn| {
+        let one = drawn.remove(number - 1);
+        let like = drawn.last().unwrap_or(&one).clone();
+        drawn.push(Drawn { body: one.body, ..like });
+    });
+    let moved = last.and_then(|(text, _)| without_drawing(&text, wanted.len() + 1).ok());
+    Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
+}
+
+/// That there is no surface with this number, where there are so many.
+pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
+    Refusal::Command(match count {
+        0 => "nothing is drawn".to_owned(),
+        1 => format!("there is no surface {number}; there is only surface 1"),
+        _ => format!("there is no surface {number}; they are numbered 1 to {count}"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn edited(text: &str, words: &[&str], change: impl FnOnce(&mut Vec<Drawn>)) -> Option<String> {
+        changed(text, &Options::default(), words, change).map(|(text, _)| text)
+    }
+
+    fn hidden(text: &str, number: usize, hidden: bool) -> String {
+        edited(text, &["hidden"], |drawn| drawn[number].hidden = hidden).expect(text)
+    }
+
+    #[test]
+    fn a_surface_is_hidden_and_shown_by_lines_of_its_own() {
+        for (text, number, expected) in [
+            ("x = 1", 0, "hidden\nx = 1"),
+            ("x = 1\ny = 1\nz = 1", 1, "x = 1\nhidden\ny = 1\nhidden off\nz = 1"),
+            ("# A\nx = 1; y = 1 # two", 1, "# A\nx = 1; hidden; y = 1 # two"),
+            ("hidden # why\nx = 1\nhidden off\ny = 1", 1, "# why\nhidden\nx = 1\ny = 1"),
+        ] {
+            let new = hidden(text, number, true);
+            assert_eq!(new, expected, "{text}");
+            let shown = hidden(&new, number, false);
+            let document = zeroset_syntax::read(&shown, &Options::default()).expect("reads");
+            assert!(!document.surfaces[number].hidden, "{shown}");
+        }
+        let text = "x = 1\n y = 1 {x < 1}\nz = 1";
+        assert_eq!(hidden(&hidden(text, 1, true), 1, false), text);
+    }
+
+    #[test]
+    fn an_opacity_is_said_once_and_colors_stay() {
+        let set = |text: &str, number: usize, opacity: f64| {
+            edited(text, &["opacity"], |drawn| drawn[number].opacity = opacity)
+        };
+        assert_eq!(
+            set("color red 50%\nx = 1\ny = 1", 1, 0.25).as_deref(),
+            Some("color red\nopacity 50%\nx = 1\nopacity 25%\ny = 1")
+        );
+        assert_eq!(
+            set("color #102030 50% # deep\nx = 1", 0, 1.0).as_deref(),
+            Some("color #102030 # deep\nx = 1")
+        );
+        assert_eq!(
+            set("color viridis(z, -1, 1)\nopacity 0.5\nx = 1", 0, 0.123_456).as_deref(),
+            Some("color viridis(z, -1, 1)\nopacity 12.35%\nx = 1")
+        );
+        // What is drawn here stands in no line of its own.
+        assert_eq!(set("float d = length(p) - 1.;", 0, 0.5), None);
+    }
+
+    #[test]
+    fn what_is_moved_keeps_its_looks() {
+        let text = "x = 1 # first\ncolor red 50%\ny = 1\nhidden\nz = 1";
+        let moved = edited(text, &WORDS, |drawn| drawn.rotate_left(1)).expect("moved");
+        assert_eq!(
+            moved,
+            "color red\nopacity 50%\ny = 1 # first\nhidden\nz = 1\ncolor auto\nopacity 100%\n\
+             hidden off\nx = 1"
+        );
+    }
+
+    #[test]
+    fn what_is_left_looks_as_it_did() {
+        let take = |text: &str, number| without(text, &Options::default(), number);
+        assert_eq!(take("x = 1\ncolor red\ny = 1", 2).as_deref(), Ok("x = 1"));
+        assert_eq!(
+            take("color red\nx = 1\ncolor blue\ny = 1\nhidden\nz = 1", 3).as_deref(),
+            Ok("color red\nx = 1\ncolor blue\ny = 1")
+        );
+        assert_eq!(take("color red\nx = 1\ny = 1", 1).as_deref(), Ok("color red\ny = 1"));
+        assert_eq!(take("x = 1", 2), Err(1));
+    }
+}

@@ -1,0 +1,97 @@
+//! Where a document's text defines a value, and how values are written. Knows definitions and their
+//! ranges, but nothing of pictures.
+
+use std::ops::Range;
+use zeroset_scene::view::number;
+use zeroset_syntax::ast::Statement;
+use zeroset_syntax::{Limits, parse};
+
+/// The time's name.
+pub(super) const TIME: &str = "t";
+
+/// Where the definition of one value stands in a text, in bytes.
+pub(super) struct Place {
+    /// The value itself.
+    pub body: Range<usize>,
+    /// The lower and the upper end of its range.
+    pub range: Option<(Range<usize>, Range<usize>)>,
+}
+
+/// Where `name` is defined as a value; the last definition counts.
+pub(super) fn place(text: &str, name: &str) -> Option<Place> {
+    let statements = parse(text, &Limits::default()).ok()?;
+    statements.iter().rev().find_map(|one| match one {
+        Statement::Define(definition)
+            if definition.name.text == name && definition.parameters.is_none() =>
+        {
+            let body = definition.body.span.range();
+            let range = definition.range.as_ref();
+            let range = range.map(|(low, high)| (low.span.range(), high.span.range()));
+            // What reading adds stands nowhere.
+            (!body.is_empty() && body.end <= text.len()).then_some(Place { body, range })
+        }
+        Statement::Define(_) | Statement::Draw { .. } => None,
+    })
+}
+
+/// The name that a statement defines, if it does.
+pub(super) fn name(statement: &Statement) -> Option<&str> {
+    match statement {
+        Statement::Define(definition) => Some(&definition.name.text),
+        Statement::Draw { .. } => None,
+    }
+}
+
+/// The names that a line defines.
+pub(super) fn defined(line: &str) -> Vec<String> {
+    let statements = parse(line, &Limits::default()).unwrap_or_default();
+    statements.iter().filter_map(name).map(str::to_owned).collect()
+}
+
+/// A value and the whole right side of its definition, range included, as they were typed.
+pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
+    let Place { body, range } = place(text, name)?;
+    let value = text.get(body.clone())?.to_owned();
+    let side = match range {
+        Some((low, high)) => format!("{value} in [{}, {}]", text.get(low)?, text.get(high)?),
+        None => value.clone(),
+    };
+    Some((value, side))
+}
+
+/// What is to follow `line`, a definition of `name`, so that the range which `text` gives it stays:
+/// extended where the new value lies beyond; `None` if the line has a range or is no number.
+pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
+    let (low, high) = place(text, name)?.range?;
+    let Place { body, range: None } = place(line, name)? else { return None };
+    let (value, low, high) = (line.get(body)?, text.get(low)?, text.get(high)?);
+    let (least, most, at) = (number(low)?, number(high)?, number(value)?);
+    let low = if at < least { value } else { low };
+    let high = if at > most { value } else { high };
+    Some(format!(" in [{low}, {high}]"))
+}
+
+/// A number as it is typed, no longer than it need be.
+pub(super) fn written(value: f64) -> String {
+    let size = value.abs();
+    // Zero has no sign.
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-6..1e15).contains(&size) {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_so_that_they_are_read() {
+        for value in [0.0, -0.0, 1.5, -2.25e-9, 3e18, 1e-6, 0.1 + 0.2] {
+            assert_eq!(number(&written(value)), Some(value), "{value}");
+        }
+    }
+}

@@ -1,0 +1,362 @@
+//! The camera that nobody chose: as near as what is visible allows, from a side on which flat
+//! things are not seen edge-on.
+//!
+//! What is visible is found by a small picture of the whole domain. Whatever lies behind it lies
+//! within its outline, too, so the outline is all that has to fit. Nothing here is a proof, nor
+//! depends on the picture's method or on threads.
+
+use crate::model::Model;
+use crate::picture::Settings;
+use glam::{DQuat, DVec3};
+use zeroset_scene::view::{self, CameraChoice, SceneError};
+use zeroset_space::Region;
+use zeroset_style::StandardView;
+use zeroset_syntax::Document;
+use zeroset_trace::{Camera, CameraError, Projection};
+
+/// Rows and columns of the small picture.
+const SIDE: usize = 64;
+
+/// What is visible takes this share of the picture's shorter side.
+const FILLED: f64 = 0.86;
+
+/// The domain's box takes this share of one of its sides where there are numbers beside it.
+const FILLED_BY_DOMAIN: f64 = 0.8;
+
+/// A painted pixel of the small picture stands for what lies so many pixels around its centre.
+const REACH: f64 = 0.75;
+
+/// With fewer painted pixels than these too little is known, and the whole domain is shown.
+const LEAST: usize = 8;
+
+/// What is thinner than this share of its width is flat, and shown from where the sine between it
+/// and the view is at least so much.
+const THIN: f64 = 0.15;
+const LEAST_SINE: f64 = 0.5;
+
+/// From so many sides is looked at what an eye goes around, and so many positions on its way are
+/// then thought of.
+const ROUND_SIDES: usize = 4;
+const ROUND_STEPS: usize = 24;
+
+/// Sides from which flat things are shown, in order: higher than the usual one, and then from its
+/// right and left.
+const SIDES: [DVec3; 5] = [
+    DVec3::new(2.0, -3.0, 2.6),
+    DVec3::new(3.0, 2.0, 2.6),
+    DVec3::new(-2.0, -3.0, 2.6),
+    DVec3::new(2.0, -3.0, 6.0),
+    DVec3::new(-3.0, 2.0, 2.6),
+];
+
+/// The camera for pictures of `model`, which was made of `document`: what is chosen by `choice` or
+/// by the document stays as it is; where neither gives another side than the usual one, an eye, a
+/// target, a field of view or a height, what is visible is fitted into a picture of the settings'
+/// size. `None` if that was no longer `wanted`.
+///
+/// # Errors
+/// If eye and target coincide, the upward direction is useless, or a number is out of range.
+pub fn camera_while(
+    model: &Model,
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Camera>, SceneError> {
+    camera_over(&[model], document, choice, settings, model.region(), false, wanted)
+}
+
+/// One camera for pictures of several models over the same region, as [`camera_while`] chooses it
+/// for one. If it is to turn around its target, what is visible from other sides fits, too.
+///
+/// # Errors
+/// As [`camera_while`].
+pub fn camera_over(
+    models: &[&Model],
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+    region: &Region,
+    is_turned: bool,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Camera>, SceneError> {
+    let (usual, view) = usual(document, region, choice, settings)?;
+    let Some(view) = view else { return Ok(Some(usual)) };
+    let back = (usual.eye() - usual.target()).normalize();
+    let look = |back: DVec3| view.seen(models, back, region, settings, wanted);
+    if is_turned {
+        return view.fitted_around(back, &usual, region, &look);
+    }
+    let is_upright =
+        choice.up.is_none() && document.view.as_ref().is_none_or(|view| view.up.is_none());
+    let Some(mut seen) = look(back)? else { return Ok(None) };
+    let mut side = back;
+    if is_upright
+        && let Some(normal) = flat(&seen)
+        && normal.dot(back).abs() < LEAST_SINE
+    {
+        let sides = SIDES.map(DVec3::normalize);
+        let steep = |side: &&DVec3| normal.dot(**side).abs() >= LEAST_SINE;
+        side = *sides.iter().find(steep).unwrap_or(&sides[0]);
+        let Some(spots) = look(side)? else { return Ok(None) };
+        seen = spots;
+    }
+    let fitted = if seen.len() < LEAST {
+        view.fitted(side, &corners(region), FILLED)
+    } else {
+        view.fitted(side, &seen, FILLED)
+    };
+    // Where floats leave no room, the usual view is as good as any.
+    Ok(Some(fitted.unwrap_or(usual)))
+}
+
+/// As [`camera_while`], to the end, or to that of a part of the settings' budget of time: then it
+/// is the view of the whole domain.
+///
+/// # Errors
+/// As [`camera_while`].
+pub fn camera(
+    model: &Model,
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+) -> Result<Camera, SceneError> {
+    match camera_while(model, document, choice, settings, &settings.has_time_to_choose())? {
+        Some(camera) => Ok(camera),
+        None => whole(model.region(), document, choice, settings),
+    }
+}
+
+/// The camera that shows the whole domain where none is chosen.
+///
+/// # Errors
+/// As [`camera_while`].
+pub(crate) fn whole(
+    region: &Region,
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+) -> Result<Camera, SceneError> {
+    Ok(usual(document, region, choice, settings)?.0)
+}
+
+/// The view of the whole domain, and how another is fitted where that is free to be chosen.
+fn usual(
+    document: &Document,
+    region: &Region,
+    choice: &CameraChoice,
+    settings: &Settings,
+) -> Result<(Camera, Option<View>), SceneError> {
+    let usual = view::camera(document, region, choice)?;
+    let view = match usual.projection() {
+        Projection::Perspective { fov } if !is_chosen(document, choice) => {
+            let aspect = settings.width as f64 / settings.height as f64;
+            Some(View { fov, up: usual.up(), aspect })
+        }
+        Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
+    };
+    Ok((usual, view))
+}
+
+/// The camera for pictures that show the whole domain with what is written around it: otherwise as
+/// [`camera_while`].
+///
+/// # Errors
+/// As [`camera_while`].
+pub fn of_domain(
+    region: &Region,
+    document: &Document,
+    choice: &CameraChoice,
+    settings: &Settings,
+) -> Result<Camera, SceneError> {
+    let (usual, view) = usual(document, region, choice, settings)?;
+    let Some(view) = view else { return Ok(usual) };
+    let back = (usual.eye() - usual.target()).normalize();
+    let slope = FILLED_BY_DOMAIN * view.slope();
+    let fitted = view.fitted_within(back, &corners(region), [slope * view.aspect, slope]);
+    Ok(fitted.unwrap_or(usual))
+}
+
+/// Whether somebody said from where to look, at what, or how much is seen: another side than the
+/// usual one is that of the whole domain.
+fn is_chosen(document: &Document, choice: &CameraChoice) -> bool {
+    let CameraChoice { view, eye, target, up: _, projection } = choice;
+    let other = |view: &'static StandardView| view != <&StandardView>::default();
+    let asked = view.is_some();
+    let given =
+        view.is_some_and(other) || eye.is_some() || target.is_some() || projection.is_some();
+    given
+        || document.view.as_ref().is_some_and(|view| {
+            let side = view.preset.and_then(StandardView::named);
+            let place = !asked && (view.eye.is_some() || side.is_some_and(other));
+            place || view.target.is_some() || view.fov.is_some() || view.ortho.is_some()
+        })
+}
+
+/// A point that is visible, and how far it reaches.
+#[derive(Clone, Copy)]
+struct Spot {
+    at: DVec3,
+    radius: f64,
+}
+
+fn corners(region: &Region) -> Vec<Spot> {
+    view::corners(region).map(|at| Spot { at, radius: 0.0 }).to_vec()
+}
+
+/// What of a camera is not its place.
+struct View {
+    fov: f64,
+    up: DVec3,
+    /// Width by height of the picture.
+    aspect: f64,
+}
+
+impl View {
+    /// What is painted in small pictures of the models from the side of `back`; `None` if that was
+    /// no longer wanted.
+    fn seen(
+        &self,
+        models: &[&Model],
+        back: DVec3,
+        region: &Region,
+        settings: &Settings,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Vec<Spot>>, SceneError> {
+        let camera = self.fitted(back, &corners(region), 1.0)?;
+        let small = Settings {
+            width: SIDE,
+            height: SIDE,
+            precision: settings.precision,
+            is_preview: true,
+            normals: None,
+            ..Settings::default()
+        };
+        let (rays, forward) = (camera.rays(SIDE, SIDE), camera.rays(1, 1).forward());
+        let slope = self.slope();
+        let mut seen = Vec::new();
+        for model in models {
+            let picture = model.trace(&camera, &small, &|_| wanted())?;
+            if !wanted() {
+                return Ok(None);
+            }
+            let painted = (0..SIDE * SIDE).filter(|pixel| picture.buffer.is_drawn(*pixel));
+            let spot = |pixel: usize| {
+                let ray = rays.ray_of(pixel);
+                let at = ray.at(ray.parameter(picture.buffer.drawn[pixel]));
+                let depth = (at - camera.eye()).dot(forward);
+                Spot { at, radius: REACH * depth * 2.0 * slope / SIDE as f64 }
+            };
+            seen.extend(painted.map(spot).filter(|spot| spot.at.is_finite()));
+        }
+        Ok(Some(seen))
+    }
+
+    /// The camera on the side of `back` whose eye can go around the upright axis through its target
+    /// and shows what `look` sees from all sides; `usual` where floats leave no room, and `None` if
+    /// that was no longer wanted.
+    fn fitted_around(
+        &self,
+        back: DVec3,
+        usual: &Camera,
+        region: &Region,
+        look: &dyn Fn(DVec3) -> Result<Option<Vec<Spot>>, SceneError>,
+    ) -> Result<Option<Camera>, SceneError> {
+        let axis = usual.up().normalize();
+        let turn = |n: usize, of: usize| {
+            DQuat::from_axis_angle(axis, std::f64::consts::TAU * n as f64 / of as f64)
+        };
+        let mut seen = Vec::new();
+        for side in 0..ROUND_SIDES {
+            let back = turn(side, ROUND_SIDES) * back;
+            let Some(spots) = look(back)? else { return Ok(None) };
+            seen.extend(spots);
+        }
+        if seen.len() < LEAST {
+            seen = corners(region);
+        }
+        let least = |a: DVec3, spot: &Spot| a.min(spot.at);
+        let most = |a: DVec3, spot: &Spot| a.max(spot.at);
+        let low = seen.iter().fold(DVec3::INFINITY, least);
+        let high = seen.iter().fold(DVec3::NEG_INFINITY, most);
+        let centre = low.midpoint(high);
+        let around = |n: usize| {
+            let turn = turn(n, ROUND_STEPS);
+            let moved = move |spot: &Spot| Spot { at: centre + turn * (spot.at - centre), ..*spot };
+            seen.iter().map(moved)
+        };
+        let everywhere: Vec<Spot> = (0..ROUND_STEPS).flat_map(around).collect();
+        let Ok(camera) = self.fitted(back, &everywhere, FILLED) else { return Ok(Some(*usual)) };
+        // The target is where the view meets the axis.
+        let (eye, target) = (camera.eye(), camera.target());
+        let off = (target - centre).reject_from(axis);
+        let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
+        Ok(Some(on_axis.unwrap_or(camera)))
+    }
+
+    /// Half of the picture's height at a distance of 1.
+    fn slope(&self) -> f64 {
+        (self.fov.to_radians() / 2.0).tan()
+    }
+
+    /// The nearest camera on the side of `back` that shows all spots within a share of the
+    /// picture's shorter side.
+    fn fitted(&self, back: DVec3, spots: &[Spot], share: f64) -> Result<Camera, CameraError> {
+        self.fitted_within(back, spots, [share * self.slope() * self.aspect.min(1.0); 2])
+    }
+
+    /// The nearest one that shows them within so much to each side of its middle and up and down,
+    /// at a distance of 1.
+    fn fitted_within(
+        &self,
+        back: DVec3,
+        spots: &[Spot],
+        [broad, high]: [f64; 2],
+    ) -> Result<Camera, CameraError> {
+        let projection = Projection::Perspective { fov: self.fov };
+        let middle = spots.iter().map(|spot| spot.at).sum::<DVec3>() / spots.len() as f64;
+        let size = spots.iter().map(|spot| (spot.at - middle).length()).fold(0.0, f64::max);
+        let trial =
+            Camera::new(middle + back * size.max(f64::MIN_POSITIVE), middle, self.up, projection)?;
+        let frame = trial.rays(1, 1);
+        let (forward, right, up) = (frame.forward(), frame.right(), frame.up());
+        // How far the planes through the eye and an edge of the picture have to lie outside.
+        let edge = |side: DVec3, slope: f64| {
+            let room = (1.0 + slope * slope).sqrt();
+            let outside = |spot: &Spot| {
+                let way = spot.at - middle;
+                way.dot(side) - slope * way.dot(forward) + room * spot.radius
+            };
+            spots.iter().map(outside).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let [left, right_edge] = [edge(-right, broad), edge(right, broad)];
+        let [bottom, top] = [edge(-up, high), edge(up, high)];
+        let distance = ((left + right_edge) / (2.0 * broad)).max((bottom + top) / (2.0 * high));
+        let across = right * ((right_edge - left) / 2.0) + up * ((top - bottom) / 2.0);
+        let target = middle + across;
+        Camera::new(target - forward * distance, target, self.up, projection)
+    }
+}
+
+/// The normal of the plane near which all spots lie, if there is one.
+fn flat(spots: &[Spot]) -> Option<DVec3> {
+    let first = spots.first()?.at;
+    let farthest = |distance: &dyn Fn(DVec3) -> f64| {
+        let by_distance =
+            |one: &&Spot, other: &&Spot| distance(one.at).total_cmp(&distance(other.at));
+        spots.iter().max_by(by_distance).map(|spot| spot.at)
+    };
+    let one = farthest(&|at| (at - first).length())?;
+    let other = farthest(&|at| (at - one).length())?;
+    let along = (other - one).normalize_or_zero();
+    let off = |at: DVec3| (at - one).reject_from(along);
+    if along == DVec3::ZERO {
+        return None;
+    }
+    let third = farthest(&|at| off(at).length())?;
+    let normal = along.cross(off(third)).normalize_or_zero();
+    let heights = spots.iter().map(|spot| (spot.at - one).dot(normal));
+    let [low, high] = heights.fold([0.0_f64; 2], |[low, high], h| [low.min(h), high.max(h)]);
+    let is_flat = normal != DVec3::ZERO && high - low < THIN * off(third).length();
+    is_flat.then_some(normal)
+}

@@ -1,0 +1,230 @@
+//! Colors of pixels through which an edge goes: the mean over many rays, each followed and lit as
+//! the one through the centre was.
+
+use super::Effort;
+use super::paint::Finish;
+use super::trace::{RenderPass, Tracers};
+use crate::picture::Settings;
+use rayon::prelude::*;
+use std::ops::Range;
+use zeroset_eval::{KernelFloat, LANES};
+use zeroset_scene::program::ProgramError;
+use zeroset_shade::{
+    Pattern, UndecidedStyle, edges, hand_back_colors, is_creased, is_smooth, slope,
+};
+use zeroset_trace::{GBuffer, Patch, RayGrid, Status};
+
+/// Pixels that are cut up at a time: few enough for the nearer caches.
+const PART: usize = 64;
+
+/// What is seen by a pixel's rays may be so many pixels' widths nearer or farther than what is
+/// known of it and of those around it, and so many times as far as slopes there explain.
+const OFF: f64 = 4.0;
+const STEEPER: f64 = 2.0;
+
+/// Room for a part, and for one surface of it.
+type Buffers = [GBuffer; 2];
+
+impl<T: KernelFloat> RenderPass<'_, T> {
+    /// Gives pixels with edges the mean of their colors; returns how many rays it took.
+    pub(super) fn smooth_edges(
+        &self,
+        rays: &RayGrid,
+        picture: &GBuffer,
+        layers: &[GBuffer],
+        finish: &Finish<'_>,
+        rgb: &mut [u8],
+    ) -> Result<usize, ProgramError> {
+        let Settings { antialias: pattern, tolerance, .. } = *self.settings;
+        // Pixels of the finer picture are so much smaller. What is near a silhouette in depth is as
+        // near to the eye.
+        let tolerance = tolerance * pattern.side as f64;
+        let aim = Effort { tolerance, for_looks: true, ..Effort::of(self.settings) };
+        let mut wanted = edges(picture, rays);
+        for layer in layers {
+            // What is seen through a surface has edges, too.
+            wanted.iter_mut().zip(edges(layer, rays)).for_each(|(all, edge)| *all |= edge);
+        }
+        // What is marked stays marked.
+        let marks = finish.appearance.undecided != UndecidedStyle::Shade;
+        let is_marked = |pixel: usize| marks && picture.status[pixel] == Status::Undecided;
+        let is_own = |pixel: usize| {
+            self.own.as_ref().is_none_or(|own| own.contains(&(pixel / rays.width())))
+        };
+        let wanted =
+            (0..wanted.len()).filter(|&pixel| wanted[pixel] && is_own(pixel) && !is_marked(pixel));
+        let wanted: Vec<usize> = wanted.collect();
+        let tracers = self.tracers(aim)?;
+        let edge = Edges {
+            shot: self,
+            tracers: &tracers,
+            rays,
+            finer: rays.finer(pattern.side),
+            picture,
+            pattern,
+            finish,
+            is_hidden: picture.shadow.iter().chain(&picture.occlusion).any(|hidden| *hidden > 0),
+            has_one: tracers.len() == 1 && layers.is_empty(),
+        };
+        let new = || [0; 2].map(|size| GBuffer::new(size, size, 0));
+        let smooth = |buffers: &mut Buffers, pixels: &[usize]| edge.smooth(buffers, pixels);
+        let found: Result<Vec<_>, ProgramError> =
+            wanted.par_chunks(PART).map_init(new, smooth).collect();
+        let pixels = rgb.as_chunks_mut::<3>().0;
+        for (pixel, color) in found?.into_iter().flatten() {
+            pixels[pixel] = color;
+        }
+        Ok(wanted.len() * pattern.count())
+    }
+}
+
+struct Edges<'a, T> {
+    shot: &'a RenderPass<'a, T>,
+    tracers: &'a Tracers<'a>,
+    rays: &'a RayGrid,
+    finer: RayGrid,
+    picture: &'a GBuffer,
+    pattern: Pattern,
+    finish: &'a Finish<'a>,
+    /// Whether light is hidden from any point.
+    is_hidden: bool,
+    /// Whether there is one surface, which hides what is behind it.
+    has_one: bool,
+}
+
+impl<T: KernelFloat> Edges<'_, T> {
+    /// The colors of some pixels, but of those that have the right one.
+    fn smooth(
+        &self,
+        [all, layer]: &mut Buffers,
+        pixels: &[usize],
+    ) -> Result<Vec<(usize, [u8; 3])>, ProgramError> {
+        if !(self.shot.advance)(0) {
+            return Ok(Vec::new());
+        }
+        let rays =
+            self.finer.patches(pixels.iter().flat_map(|pixel| self.patches(*pixel)).collect());
+        let mut only = Vec::new();
+        if !self.pattern.is_full() {
+            only = self.pattern.rays().repeat(pixels.len());
+        }
+        let mut is_smooth = vec![false; pixels.len()];
+        for (place, &(surface, ref tracer)) in self.tracers.iter().enumerate() {
+            let target = if place == 0 { &mut *all } else { &mut *layer };
+            target.reset(rays.width(), rays.height(), 0);
+            self.shot.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
+            if self.has_one && self.pattern.is_full() {
+                is_smooth = self.leave_smooth(pixels, &rays, target);
+            }
+            self.shot.face(surface, &rays, target)?;
+            if place > 0 {
+                all.merge(layer);
+            }
+        }
+        let places = self.pattern.side * self.pattern.side;
+        if self.is_hidden {
+            all.keep_as(self.picture);
+            for (n, &pixel) in pixels.iter().enumerate().filter(|(n, _)| !is_smooth[*n]) {
+                self.borrow(all, n * places..(n + 1) * places, pixel);
+            }
+        }
+        let layers = self.shot.layers(&rays, &only, self.tracers)?;
+        let bytes = self.shot.colored(&rays, all, &layers, self.finish, self.pattern.side);
+        let samples = bytes.as_chunks().0.chunks(places);
+        let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
+        let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();
+        hand_back_colors(bytes);
+        Ok(found)
+    }
+
+    /// Takes back what was found for pixels all of whose rays meet what the one through the centre
+    /// did, which has been lit: those beside an edge that does not go through them. Tells which
+    /// these are.
+    fn leave_smooth(&self, pixels: &[usize], rays: &RayGrid, finer: &mut GBuffer) -> Vec<bool> {
+        let patches = rays.height() / pixels.len();
+        let leave = |(n, &pixel): (usize, &usize)| {
+            let rows = n * patches..(n + 1) * patches;
+            let normal = self.picture.normal[pixel];
+            let is_smooth = self.picture.is_drawn(pixel)
+                && !is_creased(self.picture, self.rays, pixel)
+                && rows.clone().all(|row| is_smooth(finer, rays, row, normal));
+            if is_smooth {
+                let samples = rows.start * LANES..rows.end * LANES;
+                finer.status[samples.clone()].fill(Status::Miss);
+                finer.drawn[samples].fill(f64::INFINITY);
+            }
+            is_smooth
+        };
+        pixels.iter().enumerate().map(leave).collect()
+    }
+
+    /// What a pixel is cut into.
+    fn patches(&self, pixel: usize) -> impl Iterator<Item = Patch> {
+        let (column, row) = (pixel % self.rays.width(), pixel / self.rays.width());
+        let picture = self.picture;
+        let ray = self.rays.ray(column, row);
+        let along = ray.direction.normalize().as_vec3();
+        let (mut nearest, mut farthest, mut is_outline) = (f64::INFINITY, 0.0_f64, false);
+        for there in around(self.rays, pixel) {
+            let drawn = picture.drawn[there];
+            if !drawn.is_finite() {
+                is_outline = true;
+                continue;
+            }
+            let steep = f64::from(slope(picture.normal[there], along));
+            let margin = (OFF + STEEPER * steep) * self.rays.footprint(drawn);
+            nearest = nearest.min(drawn - margin);
+            farthest = farthest.max(drawn + margin);
+        }
+        // Beside the background, rays that meet nothing of what is around meet nothing.
+        let until = if is_outline { farthest } else { f64::INFINITY };
+        let between = [nearest, until].map(|distance| ray.parameter(distance));
+        let [first, top] = [column, row].map(|place| place * self.pattern.side);
+        self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, between })
+    }
+
+    /// How much light is hidden from the points of some places of the finer picture: as much as
+    /// from the nearest one of the same surface that is known, in the pixel that they belong to or
+    /// beside it.
+    fn borrow(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
+        let picture = self.picture;
+        let (mut known, mut count) = ([0; 9], 0);
+        for there in around(self.rays, pixel).filter(|there| picture.is_drawn(*there)) {
+            known[count] = there;
+            count += 1;
+        }
+        for n in places {
+            let (drawn, surface) = (finer.drawn[n], finer.surface[n]);
+            if !drawn.is_finite() {
+                continue;
+            }
+            let (mut nearest, mut least) = (None, f64::INFINITY);
+            for &there in &known[..count] {
+                let off = (picture.drawn[there] - drawn).abs();
+                if off < least && picture.surface[there] == surface {
+                    (nearest, least) = (Some(there), off);
+                }
+            }
+            if let Some(nearest) = nearest {
+                for (mine, theirs) in [
+                    (&mut finer.shadow, &picture.shadow),
+                    (&mut finer.occlusion, &picture.occlusion),
+                ] {
+                    // There is none of what is hidden nowhere.
+                    if let Some(hidden) = theirs.get(nearest) {
+                        mine[n] = *hidden;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A pixel and those around it.
+fn around(rays: &RayGrid, pixel: usize) -> impl Iterator<Item = usize> {
+    let (width, height) = (rays.width(), rays.height());
+    let (column, row) = (pixel % width, pixel / width);
+    let columns = column.saturating_sub(1)..(column + 2).min(width);
+    let rows = row.saturating_sub(1)..(row + 2).min(height);
+    rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+}

@@ -1,0 +1,302 @@
+//! Colors by a value at each point, and lines along which a value stays the same.
+//!
+//! Values are those of floats: no claim depends on them.
+
+use super::Model;
+use crate::legend::{Legend, nice};
+use rayon::prelude::*;
+use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
+use zeroset_ir::{Constant, Node};
+use zeroset_scene::view::nearest;
+use zeroset_shade::{Appearance, LinearRgb, Paint};
+use zeroset_style::ColorMap;
+use zeroset_syntax::{MappedColor, POINT_NAMES, PointValue, SurfaceColor};
+use zeroset_trace::{GBuffer, RayGrid};
+
+/// Width of a contour line, in pixels.
+const WIDTH: f64 = 1.4;
+/// About so many lines lie between the least and the greatest value, unless told otherwise.
+const LINES: f64 = 12.0;
+/// Where lines are closer than so many pixels they fade into their mean.
+const DENSE: f64 = 3.0;
+/// Values that differ by more than this share of the largest are surely different.
+const SAME: f64 = 1e-2;
+/// How far a painted point may be from the surface along its ray, in pixels.
+const PLACE: f64 = 0.1;
+/// Points that a thread takes at a time.
+const PART: usize = 512;
+
+/// How a picture's points are colored.
+pub(super) struct Finish<'a> {
+    /// Under its light.
+    pub appearance: Appearance,
+    /// What is painted; `None` if all of it has its surfaces' own colors.
+    pub painter: Option<Painter<'a>>,
+}
+
+/// What is painted on surfaces.
+pub(super) struct Painter<'a> {
+    model: &'a Model,
+    /// By surface.
+    scales: Vec<Option<Scale<'a>>>,
+    /// By surface, what is the same along lines, and how far the values of lines are apart.
+    contours: Vec<Option<(&'a PointValue, f64)>>,
+}
+
+/// Which values have which colors.
+#[derive(Clone, Copy)]
+struct Scale<'a> {
+    map: &'static ColorMap,
+    value: &'a PointValue,
+    low: f64,
+    high: f64,
+}
+
+impl<'a> Painter<'a> {
+    /// Whether anything has other colors than its surface's own.
+    pub fn is_wanted(model: &Model) -> bool {
+        let is_mapped = |surface| Self::mapped(model, surface).is_some();
+        model.setting.lines.contours.is_some() || (0..model.surfaces()).any(is_mapped)
+    }
+
+    /// What colors a surface by a value, if it is shown.
+    fn mapped(model: &Model, surface: usize) -> Option<&MappedColor> {
+        match &model.styles[surface].color {
+            Some(SurfaceColor::Mapped(mapped)) if !model.styles[surface].hidden => Some(mapped),
+            Some(SurfaceColor::Mapped(_) | SurfaceColor::Plain(_)) | None => None,
+        }
+    }
+
+    /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own
+    /// colors.
+    pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
+        let mapped = |surface: usize| Self::mapped(model, surface);
+        let surfaces = 0..model.surfaces();
+        if !Self::is_wanted(model) {
+            return None;
+        }
+        let blank = Self { model, scales: Vec::new(), contours: Vec::new() };
+        let range = |value: &PointValue, shown: &dyn Fn(usize) -> bool| {
+            let points = points(picture, |pixel| shown(usize::from(picture.surface[pixel])));
+            let values = blank.values(value, &points, picture, rays, 0.0);
+            let finite = values.iter().copied().filter(|value| value.is_finite());
+            let none = [f64::INFINITY, f64::NEG_INFINITY];
+            let [low, high] = finite.fold(none, |[low, high], v| [low.min(v), high.max(v)]);
+            if low > high {
+                return [0.0, 1.0];
+            }
+            if high - low > SAME * low.abs().max(high.abs()) {
+                return [low, high];
+            }
+            // What differs by less than a point's place on its ray is unsure is one value.
+            let moved = blank.values(value, &points, picture, rays, PLACE);
+            let both = values.iter().zip(moved);
+            let unsure = both.map(|(value, moved)| (moved - value).abs()).fold(0.0, f64::max);
+            if high - low > unsure { [low, high] } else { [low.midpoint(high); 2] }
+        };
+        let is_same = |one: &MappedColor, other: &MappedColor| {
+            (one.map, &one.value.echo, &one.range) == (other.map, &other.value.echo, &other.range)
+        };
+        let scale = |surface: usize| {
+            let own = mapped(surface)?;
+            let [low, high] = match &own.range {
+                Some(ends) => ends.each_ref().map(nearest),
+                // Surfaces that are colored alike have one scale.
+                None => {
+                    range(&own.value, &|other| mapped(other).is_some_and(|one| is_same(own, one)))
+                }
+            };
+            Some(Scale { map: ColorMap::named(own.map)?, value: &own.value, low, high })
+        };
+        let scales: Vec<Option<Scale<'_>>> = surfaces.clone().map(scale).collect();
+        let contours = surfaces.map(|surface| {
+            let setting = model.setting.lines.contours.as_ref()?;
+            let scale = scales[surface];
+            let value = setting.value.as_ref().or(scale.map(|scale| scale.value));
+            let value = value.or(model.setting.height.as_ref())?;
+            let [low, high] = match scale {
+                _ if setting.step.is_some() => [0.0; 2],
+                Some(scale) if setting.value.is_none() => [scale.low, scale.high],
+                _ => range(value, &|_| true),
+            };
+            let step = setting.step.as_ref().map_or_else(|| nice((high - low) / LINES), nearest);
+            (step > 0.0 && step.is_finite()).then_some((value, step))
+        });
+        let contours = contours.collect();
+        Some(Self { model, scales, contours })
+    }
+
+    /// What tells which value has which color: one for each scale.
+    pub fn legends(&self) -> Vec<Legend> {
+        let mut legends: Vec<Legend> = Vec::new();
+        for (scale, contours) in self.scales.iter().zip(&self.contours) {
+            let Some(Scale { map, value, low, high }) = scale else { continue };
+            let own = contours.filter(|(contour, _)| contour.echo == value.echo);
+            let step = own.map(|(_, step)| step);
+            let legend = Legend { map, value: value.echo.clone(), low: *low, high: *high, step };
+            if !legends.contains(&legend) {
+                legends.push(legend);
+            }
+        }
+        legends
+    }
+
+    /// What is painted in a picture of which `side` pixels are as wide as one of the whole.
+    pub fn paint(&self, picture: &GBuffer, rays: &RayGrid, side: usize) -> Vec<Paint> {
+        let mut paint = vec![Paint::NONE; picture.drawn.len()];
+        for surface in 0..self.model.surfaces() {
+            let points = points(picture, |pixel| usize::from(picture.surface[pixel]) == surface);
+            let (scale, contours) = (&self.scales[surface], &self.contours[surface]);
+            let mut known: Option<(&str, Vec<f64>)> = None;
+            if let Some(Scale { map, value, low, high }) = scale {
+                let values = self.values(value, &points, picture, rays, 0.0);
+                let extent = high - low;
+                for (&pixel, value) in points.iter().zip(&values) {
+                    // Where there is one value only it has the middle color.
+                    let share = if extent > 0.0 { (value - low) / extent } else { 0.5 };
+                    if !value.is_nan() {
+                        paint[pixel].base = LinearRgb::from_srgb(map.bytes(share));
+                    }
+                }
+                known = Some((&value.echo, values));
+            }
+            let Some((value, step)) = contours else { continue };
+            let values = match known {
+                Some((echo, values)) if echo == value.echo => values,
+                _ => self.values(value, &points, picture, rays, 0.0),
+            };
+            let lines = Lines { step: *step, side: side as f64 };
+            let mut field = vec![f64::NAN; picture.drawn.len()];
+            points.iter().zip(&values).for_each(|(&pixel, value)| field[pixel] = *value);
+            for &pixel in &points {
+                paint[pixel].ink = lines.ink(&field, pixel, rays.beside(pixel)) as f32;
+            }
+        }
+        paint
+    }
+
+    /// The value at each of these pixels' points, or so many pixels behind them.
+    fn values(
+        &self,
+        value: &PointValue,
+        points: &[usize],
+        picture: &GBuffer,
+        rays: &RayGrid,
+        behind: f64,
+    ) -> Vec<f64> {
+        let parameters = &self.model.setting.parameters;
+        let needed = value.graph.reachable(&[value.root]);
+        let place = |pixel: usize| {
+            let ray = rays.ray_of(pixel);
+            let drawn = picture.drawn[pixel];
+            let t = ray.parameter(drawn);
+            let at = ray.at(t + behind * rays.footprint(t));
+            let [nx, ny, nz] = picture.normal[pixel].map(f64::from);
+            // x, y and z, and then the point's own names in their order.
+            let own: [f64; POINT_NAMES.len()] = [nx, ny, nz, drawn];
+            (at.to_array(), own)
+        };
+        let both = |values: [f64; 2]| Vector128::from_f64(values);
+        let pair = |two: &[usize]| -> [f64; 2] {
+            let ends = [place(two[0]), place(two[two.len() - 1])];
+            let mut known: Vec<Vector128> = vec![both([0.0; 2]); value.graph.len()];
+            for (id, node) in value.graph.iter().filter(|(id, _)| needed[id.index()]) {
+                known[id.index()] = match node {
+                    Node::Variable(axis) => both(ends.map(|(at, _)| at[*axis as usize])),
+                    Node::Parameter(number) => {
+                        let number = *number as usize;
+                        match parameters.get(number) {
+                            Some(parameter) => both([*parameter; 2]),
+                            None => both(ends.map(|(_, own)| own[number - parameters.len()])),
+                        }
+                    }
+                    Node::Constant(constant) => both([nearest(constant); 2]),
+                    Node::Apply(op, operands) => {
+                        let last = operands.last().and_then(|last| value.graph.number(*last));
+                        let exponent = last.map_or(Exponent::Real, Constant::exponent);
+                        let operands: Vec<Vector128> =
+                            operands.iter().map(|id| known[id.index()]).collect();
+                        evaluate(&mut Software::new(), Format::F64, *op, &operands, exponent)
+                    }
+                };
+            }
+            known[value.root.index()].f64()
+        };
+        let mut values = vec![f64::NAN; points.len()];
+        values.par_chunks_mut(PART).zip(points.par_chunks(PART)).for_each(|(values, points)| {
+            for (values, two) in values.chunks_mut(2).zip(points.chunks(2)) {
+                values.copy_from_slice(&pair(two)[..two.len()]);
+            }
+        });
+        values
+    }
+}
+
+/// The painted pixels for which something holds.
+fn points(picture: &GBuffer, holds: impl Fn(usize) -> bool) -> Vec<usize> {
+    (0..picture.drawn.len()).filter(|&pixel| picture.is_drawn(pixel) && holds(pixel)).collect()
+}
+
+/// Where lines of equal value are in a picture.
+struct Lines {
+    /// How far their values are apart.
+    step: f64,
+    /// How many pixels are as wide as one of the whole picture.
+    side: f64,
+}
+
+impl Lines {
+    /// How much of a pixel lines cover, given the value at each and those [beside](RayGrid::beside)
+    /// it.
+    fn ink(&self, field: &[f64], pixel: usize, beside: [Option<usize>; 4]) -> f64 {
+        let value = field[pixel];
+        // The lesser change to the one or the other side: across an edge of what is seen values
+        // jump.
+        let [left, right, above, below] =
+            beside.map(|there| (there.map_or(f64::NAN, |there| field[there]) - value).abs());
+        let (across, down) = (left.min(right), above.min(below));
+        let slope = across.hypot(down);
+        let away = (value / self.step - (value / self.step).round()).abs() * self.step / slope;
+        let width = WIDTH * self.side;
+        let cover = (width / 2.0 + 0.5 - away).clamp(0.0, 1.0);
+        let apart = self.step / slope / self.side;
+        let mean = WIDTH / apart;
+        let sharp = ((apart - DENSE / 2.0) / (DENSE / 2.0)).clamp(0.0, 1.0);
+        let ink = sharp * cover + (1.0 - sharp) * mean.min(0.5);
+        if ink.is_nan() { 0.0 } else { ink }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use zeroset_trace::{Camera, Projection};
+
+    #[test]
+    fn lines_are_as_wide_whatever_the_slope() {
+        for slope in [0.004, 0.05, 0.1] {
+            let (width, height) = (400, 3);
+            let field: Vec<f64> =
+                (0..width * height).map(|n| slope * (n % width) as f64 + 0.01).collect();
+            let (rays, lines) = (rays(width, height), Lines { step: 1.0, side: 1.0 });
+            let row = width..2 * width;
+            let ink: f64 = row.map(|pixel| lines.ink(&field, pixel, rays.beside(pixel))).sum();
+            // One for each whole number among the values, and a part of that below the first.
+            let crossed = (slope * 399.0 + 0.01).floor();
+            assert!((ink / crossed / WIDTH - 1.0).abs() < 0.1, "{slope}: {ink} of {crossed}");
+        }
+        // Far too many fade into grey, and where nothing changes there is none.
+        let field: Vec<f64> = (0..300).map(|n| 7.3 * f64::from(n % 100)).collect();
+        let (rays, lines) = (rays(100, 3), Lines { step: 1.0, side: 1.0 });
+        let ink = |field: &[f64], pixel: usize| lines.ink(field, pixel, rays.beside(pixel));
+        assert!((100..200).all(|pixel| (ink(&field, pixel) - 0.5).abs() < 1e-9));
+        assert!((100..200).all(|pixel| ink(&[0.3; 300], pixel) == 0.0));
+    }
+
+    fn rays(width: usize, height: usize) -> RayGrid {
+        let projection = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::new(DVec3::NEG_Y, DVec3::ZERO, DVec3::Z, projection);
+        camera.expect("valid").rays(width, height)
+    }
+}

@@ -1,0 +1,416 @@
+//! One picture of a model: surfaces are found one after another, then lit.
+
+mod light;
+
+use super::paint::Painter;
+use super::strips::Overview;
+use super::{Effort, Model, Stopwatch, options};
+use crate::picture::{Normals, Open, Picture, Precision, Settings, Statistics, Times};
+use std::marker::PhantomData;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+use zeroset_eval::KernelFloat;
+use zeroset_scene::program::ProgramError;
+use zeroset_shade::{NormalSource, Pattern, Shader, normals, unset_colors};
+use zeroset_syntax::SurfaceKind;
+use zeroset_trace::{
+    BAND_ROWS, Camera, Driver, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows, Tracer, cap,
+    cap_rows,
+};
+
+/// Told how many pixels were finished since it was last called; `false` ends the work.
+pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
+
+/// Reach of central differences, as a share of the domain's largest extent.
+const STEP: f64 = 1e-3;
+
+/// Where a region is farther from the origin than so many times its size, `f32` places points too
+/// coarsely for their normals.
+const FAR: f64 = 1024.0;
+
+impl Model {
+    /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since
+    /// it was last called, and ends the work early by returning `false`, as the end of the
+    /// settings' budget does: what was not reached then is undecided, and not painted.
+    ///
+    /// # Errors
+    /// If a kernel is needed that cannot be made. What [`Model::new`] compiled is there already.
+    pub fn trace(
+        &self,
+        camera: &Camera,
+        settings: &Settings,
+        advance: Advance<'_>,
+    ) -> Result<Picture, ProgramError> {
+        let has_time = settings.has_time();
+        let advance = |done| advance(done) && has_time();
+        let rays = camera.rays(settings.width, settings.height);
+        self.along(&rays, settings, &advance, None, None)
+    }
+
+    /// The picture along these rays: of a strip's, its `own` rows are kept, and what is near to
+    /// what is what the `overview` of the whole knows.
+    pub(super) fn along(
+        &self,
+        rays: &RayGrid,
+        settings: &Settings,
+        advance: Advance<'_>,
+        overview: Option<&Overview>,
+        own: Option<Range<usize>>,
+    ) -> Result<Picture, ProgramError> {
+        match settings.precision {
+            Precision::Auto | Precision::F32 => {
+                RenderPass { overview, own, ..RenderPass::<f32>::new(self, settings, advance) }
+                    .take(rays)
+            }
+            Precision::F64 => {
+                RenderPass { overview, own, ..RenderPass::<f64>::new(self, settings, advance) }
+                    .take(rays)
+            }
+        }
+    }
+
+    /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as
+    /// `settings` say, which are those of the picture but for that. One whose normals were not kept
+    /// is taken anew, and what that takes is all that is accounted for. `advance` is as for
+    /// [`Model::trace`]; `None` if it ended the work: nothing is worth keeping then.
+    ///
+    /// # Errors
+    /// As [`Model::trace`].
+    pub fn settle(
+        &self,
+        picture: &Picture,
+        camera: &Camera,
+        settings: &Settings,
+        advance: Advance<'_>,
+    ) -> Result<Option<Picture>, ProgramError> {
+        let rays = camera.rays(settings.width, settings.height);
+        match settings.precision {
+            Precision::Auto | Precision::F32 => {
+                RenderPass::<f32>::new(self, settings, advance).settle(picture, &rays)
+            }
+            Precision::F64 => {
+                RenderPass::<f64>::new(self, settings, advance).settle(picture, &rays)
+            }
+        }
+    }
+
+    /// The same picture in other light: what was found is not looked for again, if its normals were
+    /// kept. `settings` are those of the picture but for what lights it, and `advance` is as for
+    /// [`Model::trace`].
+    ///
+    /// # Errors
+    /// As [`Model::trace`].
+    pub fn relight(
+        &self,
+        picture: &Picture,
+        camera: &Camera,
+        settings: &Settings,
+        advance: Advance<'_>,
+    ) -> Result<Picture, ProgramError> {
+        if picture.buffer.normal.is_empty() {
+            return self.trace(camera, settings, advance);
+        }
+        let rays = camera.rays(settings.width, settings.height);
+        match settings.precision {
+            Precision::Auto | Precision::F32 => {
+                RenderPass::<f32>::new(self, settings, advance).relight(picture, &rays)
+            }
+            Precision::F64 => {
+                RenderPass::<f64>::new(self, settings, advance).relight(picture, &rays)
+            }
+        }
+    }
+}
+
+/// Surfaces by number, each with what finds it.
+pub(super) type Tracers<'a> = Vec<(usize, Box<dyn Tracer + 'a>)>;
+
+/// What was found along some rays.
+struct Traced {
+    buffer: GBuffer,
+    /// How many pixels have each status, if they were counted while they were in the caches.
+    counts: Option<PixelCounts>,
+    work: KernelStats,
+    /// Colors, if they are known already.
+    rgb: Option<Vec<u8>>,
+}
+
+/// What all parts of a picture share; colors come from kernels of `T`.
+pub(super) struct RenderPass<'a, T> {
+    pub model: &'a Model,
+    pub settings: &'a Settings,
+    pub advance: Advance<'a>,
+    /// What is known of the whole, if this is a strip.
+    overview: Option<&'a Overview>,
+    /// The rows that are kept of a strip; `None` if all are.
+    pub own: Option<Range<usize>>,
+    floats: PhantomData<fn() -> T>,
+}
+
+impl<'a, T: KernelFloat> RenderPass<'a, T> {
+    fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
+        Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
+    }
+
+    /// The method at work on a surface.
+    pub fn tracer(
+        &self,
+        surface: usize,
+        aim: Effort,
+    ) -> Result<Box<dyn Tracer + 'a>, ProgramError> {
+        let options = options(self.settings, self.model.styles[surface].kind, aim);
+        let (surface, region) = (self.model.program.surface(surface), &self.model.region);
+        Ok(self.settings.method.prepare(surface, region, options)?)
+    }
+
+    /// Looks for a surface along the rays for which `only` says so, all if that is empty.
+    pub fn find(
+        &self,
+        surface: usize,
+        tracer: &dyn Tracer,
+        rays: &RayGrid,
+        only: &[bool],
+        layer: &mut GBuffer,
+        advance: Advance<'_>,
+    ) -> Result<KernelStats, ProgramError> {
+        let mut work = Driver { rays, tracer, advance }.picture_where(only, layer);
+        layer.surface.fill(surface as u16);
+        if self.model.styles[surface].kind == SurfaceKind::Solid {
+            let kernel = self.model.program.kernels::<T>(surface).bounds()?;
+            work += cap(layer, rays, &self.model.region, kernel, only);
+        }
+        Ok(work)
+    }
+
+    /// The normals of a surface where it was found.
+    pub fn face(
+        &self,
+        surface: usize,
+        rays: &RayGrid,
+        layer: &mut GBuffer,
+    ) -> Result<KernelStats, ProgramError> {
+        let source = self.normals_of(surface)?;
+        let face = |source| normals(layer, rays, source, self.extent() * STEP);
+        Ok(source.map_or_else(KernelStats::default, face))
+    }
+
+    /// What answers for a surface's normals, if they are wanted.
+    fn normals_of(&self, surface: usize) -> Result<Option<NormalSource<'a, T>>, ProgramError> {
+        let kernels = self.model.program.kernels::<T>(surface);
+        Ok(match self.settings.normals {
+            None => None,
+            Some(Normals::Gradient) if self.settings.precision == Precision::Auto => {
+                let (region, kernel) = (&self.model.region, kernels.gradients()?);
+                let farthest = region.low().abs().max(region.high().abs()).max_element();
+                let everywhere = farthest > FAR * region.half_extent();
+                let double = self.model.program.surface(surface).double();
+                Some(NormalSource::Refined { kernel, double, everywhere })
+            }
+            Some(Normals::Gradient) => Some(NormalSource::Gradient(kernels.gradients()?)),
+            Some(Normals::Central) => Some(NormalSource::Central(kernels.values()?)),
+        })
+    }
+
+    fn extent(&self) -> f64 {
+        2.0 * self.model.region.half_extent()
+    }
+
+    /// The picture of these rays, of which only some rows may be kept.
+    pub fn take(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
+        let mut times = self.model.times.unwrap_or_default();
+        let appearance = self.is_plain().then(|| self.appearance(self.lamp(rays)));
+        let shader = appearance.as_ref().map(|appearance| Shader::new(rays, appearance));
+        let found = self.surfaces(rays, &[], shader.as_ref(), &mut times)?;
+        self.finished(rays, found, times)
+    }
+
+    /// The picture with its unsettled pixels looked at again; `None` if that is no longer wanted.
+    fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Option<Picture>, ProgramError> {
+        if picture.buffer.normal.is_empty() {
+            let anew = self.take(rays)?;
+            return Ok((self.advance)(0).then_some(anew));
+        }
+        let unsettled: Vec<bool> = picture.unsettled().collect();
+        let Statistics { mut times, mut work, .. } = picture.statistics;
+        let settled = self.surfaces(rays, &unsettled, None, &mut times)?;
+        if !(self.advance)(0) {
+            settled.buffer.hand_back();
+            return Ok(None);
+        }
+        work += settled.work;
+        let mut buffer = picture.buffer.clone();
+        buffer.replace(&settled.buffer, &unsettled);
+        settled.buffer.hand_back();
+        let found = Traced { buffer, counts: None, work, rgb: None };
+        self.finished(rays, found, times).map(Some)
+    }
+
+    /// The picture in other light.
+    fn relight(&self, picture: &Picture, rays: &RayGrid) -> Result<Picture, ProgramError> {
+        let mut lit = picture.clone();
+        lit.buffer.shadow.clear();
+        lit.buffer.occlusion.clear();
+        let light = self.light(rays, &mut lit.buffer, None, &mut lit.statistics.times)?;
+        lit.statistics.work += light.work;
+        (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
+        lit.legends = light.legends;
+        lit.look = self.model.look(self.settings);
+        Ok(lit)
+    }
+
+    /// Whether each row of the picture can be colored once it is traced, whatever is in the
+    /// others.
+    fn is_plain(&self) -> bool {
+        self.settings.normals.is_some()
+            && self.model.seen().count() == 1
+            && self.shadow_depth().is_none()
+            && !self.occludes()
+            && !self.is_translucent()
+            && !Painter::is_wanted(self.model)
+    }
+
+    /// All surfaces along the rays for which `only` says so, all if that is empty; and the
+    /// picture's colors, if there is a shader for them, which needs normals. Rows go from nothing
+    /// to colors while they are in the nearer caches.
+    fn surfaces(
+        &self,
+        rays: &RayGrid,
+        only: &[bool],
+        shader: Option<&Shader<'_>>,
+        times: &mut Times,
+    ) -> Result<Traced, ProgramError> {
+        let Self { model, settings, advance, .. } = *self;
+        let mut watch = Stopwatch::start();
+        let (width, height) = (rays.width(), rays.height());
+        let mut work = KernelStats::default();
+        let mut picture: Option<GBuffer> = None;
+        let counted = Mutex::new(PixelCounts::default());
+        let mut rgb = shader.map(|_| unset_colors(width * height));
+        let last = model.seen().last();
+        for surface in model.seen() {
+            let tracer = self.tracer(surface, Effort::of(settings))?;
+            let source = self.normals_of(surface)?;
+            let is_solid = model.styles[surface].kind == SurfaceKind::Solid;
+            let kernels = model.program.kernels::<T>(surface);
+            let solid = if is_solid { Some(kernels.bounds()?) } else { None };
+            let shading = AtomicU64::new(0);
+            let finish = |rows: &mut Rows<'_>, bytes: &mut [u8]| {
+                let mut work = KernelStats::default();
+                if let Some(kernel) = solid {
+                    work += cap_rows(rows, rays, &model.region, kernel, only);
+                }
+                let mut watch = Stopwatch::start();
+                if let Some(source) = &source {
+                    let canvas = shader.map(|shader| shader.canvas(bytes));
+                    work += source.face(rows, rays, self.extent() * STEP, canvas);
+                }
+                shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
+                // Before the lock is taken, which others would wait for.
+                let counts = rows.counts();
+                *counted.lock().unwrap_or_else(PoisonError::into_inner) += counts;
+                work
+            };
+            let bytes = rgb.as_deref_mut().unwrap_or_default();
+            let mut parts: Vec<&mut [u8]> =
+                bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
+            parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
+            let driver = Driver { rays, tracer: &*tracer, advance };
+            // Caps have theirs before others do, and edges are found by them.
+            let needs_normals = shader.is_none() || is_solid || settings.antialias != Pattern::ONE;
+            let kept = Kept {
+                normals: settings.keeps_normals || needs_normals,
+                // Layers are merged by theirs.
+                brackets: settings.brackets || model.seen().count() > 1,
+                caps: is_solid,
+            };
+            let (layer, found) =
+                driver.new_picture(surface as u16, kept, only, picture.as_ref(), parts, finish);
+            work += found;
+            // As if all threads had been busy all the time.
+            let shading = shading.into_inner() / rayon::current_num_threads() as u64;
+            let (lap, shading) = (watch.lap(), Duration::from_nanos(shading));
+            times.trace += lap.saturating_sub(shading);
+            times.shade += lap.min(shading);
+            // One layer at a time, so that many surfaces take no more memory than one.
+            match &mut picture {
+                None => picture = Some(layer),
+                Some(picture) => {
+                    picture.merge(&layer);
+                    layer.hand_back();
+                }
+            }
+            times.shade += watch.lap();
+            if !advance(0) {
+                if let Some(picture) = picture.as_mut().filter(|_| Some(surface) != last) {
+                    picture.give_up();
+                }
+                break;
+            }
+        }
+        let mut buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
+        if !settings.brackets {
+            buffer.bracket.clear();
+        }
+        // Of several surfaces, or of rows that are not kept, they are others.
+        let is_counted = self.own.is_none() && model.seen().count() == 1;
+        let counts =
+            is_counted.then(|| counted.into_inner().unwrap_or_else(PoisonError::into_inner));
+        Ok(Traced { buffer, counts, work, rgb })
+    }
+
+    /// What was found of these rays, lit and accounted for.
+    fn finished(
+        &self,
+        rays: &RayGrid,
+        found: Traced,
+        mut times: Times,
+    ) -> Result<Picture, ProgramError> {
+        let Self { model, settings, .. } = *self;
+        let Traced { mut buffer, counts, mut work, rgb } = found;
+        let mut lit = self.light(rays, &mut buffer, rgb, &mut times)?;
+        if let Some(own) = &self.own {
+            buffer.crop(own.clone());
+            lit.rgb.truncate(3 * rays.width() * own.end);
+            lit.rgb.drain(..(3 * rays.width() * own.start).min(lit.rgb.len()));
+        }
+        work += lit.work;
+        let made = model.program.made();
+        let pixels = counts.unwrap_or_else(|| buffer.counts());
+        let statistics = Statistics {
+            times,
+            pixels,
+            open: if pixels.undecided > 0 {
+                Open::of(&buffer, settings.method.proves)
+            } else {
+                Open::default()
+            },
+            work,
+            edge_rays: lit.edge_rays,
+            code_bytes: made.iter().map(|made| made.bytes).sum(),
+            kernels: made,
+            nodes: model.program.nodes(),
+        };
+        // Where it is 0 everywhere no ray through the region is decided.
+        let flat = pixels.hit == 0 && pixels.undecided > 0 && model.is_flat::<T>()?;
+        Ok(Picture {
+            buffer,
+            rgb: lit.rgb,
+            method: settings.method,
+            precision: settings.precision,
+            look: model.look(settings),
+            legends: lit.legends,
+            statistics,
+            undefined: model.seen().any(|surface| model.program.is_undefined(surface)),
+            remarks: model.remarks.clone(),
+            flat,
+        })
+    }
+
+    /// The method at work on each surface that is seen, with its number.
+    pub fn tracers(&self, aim: Effort) -> Result<Tracers<'a>, ProgramError> {
+        let one = |surface| Ok((surface, self.tracer(surface, aim)?));
+        self.model.seen().map(one).collect()
+    }
+}

@@ -1,0 +1,228 @@
+//! What lights a picture, and what hides its points from that.
+
+use super::super::paint::{Finish, Painter};
+use super::super::{Effort, Stopwatch};
+use super::RenderPass;
+use crate::legend::Legend;
+use crate::picture::{Normals, Times};
+use glam::DVec3;
+use zeroset_eval::{KernelFloat, Points};
+use zeroset_scene::program::ProgramError;
+use zeroset_scene::view;
+use zeroset_shade::{
+    AmbientOcclusion, Appearance, Light, LinearRgb, Pattern, SurfaceColors, borrow_occlusion, turn,
+};
+use zeroset_space::Ball;
+use zeroset_syntax::{SurfaceColor, SurfaceKind};
+use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid};
+
+/// Shadow rays start this many of their own slabs away from the surface, so that it does not shade
+/// itself.
+const SHADOW_OFFSET_SLABS: f64 = 2.0;
+
+/// What is within this share of the domain's largest extent may take ambient light away.
+const NEAR: f64 = 0.12;
+
+/// The colors of a picture, and what they took.
+pub(super) struct Lit {
+    pub rgb: Vec<u8>,
+    pub legends: Vec<Legend>,
+    pub edge_rays: usize,
+    pub work: KernelStats,
+}
+
+impl<T: KernelFloat> RenderPass<'_, T> {
+    /// Where the light comes from that casts shadows.
+    pub(super) fn lamp(&self, rays: &RayGrid) -> Light {
+        let typed = self.model.setting.lines.light.as_ref();
+        let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
+        match self.settings.light.or(typed) {
+            Some(place) => Light::Positional(place),
+            None => Light::above_left(rays),
+        }
+    }
+
+    /// Colors of what was found, unless they are `known`.
+    pub(super) fn light(
+        &self,
+        rays: &RayGrid,
+        buffer: &mut GBuffer,
+        known: Option<Vec<u8>>,
+        times: &mut Times,
+    ) -> Result<Lit, ProgramError> {
+        let settings = self.settings;
+        let mut watch = Stopwatch::start();
+        let light = self.lamp(rays);
+        let work = self.hide(rays, &light, buffer)?;
+        times.occlude += watch.lap();
+        let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
+        if settings.normals.is_some() {
+            let painter = match self.overview {
+                Some(whole) => Painter::new(self.model, &whole.picture.buffer, &whole.rays),
+                None => Painter::new(self.model, buffer, rays),
+            };
+            let finish = Finish { appearance: self.appearance(light), painter };
+            legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
+            let mut layers = Vec::new();
+            if self.is_translucent() {
+                layers = self.layers(rays, &[], &self.tracers(Effort::of(settings))?)?;
+                times.trace += watch.lap();
+            }
+            rgb = known.unwrap_or_else(|| self.colored(rays, buffer, &layers, &finish, 1));
+            times.shade += watch.lap();
+            if settings.antialias != Pattern::ONE && (self.advance)(0) {
+                edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
+                times.antialias += watch.lap();
+            }
+        }
+        Ok(Lit { rgb, legends, edge_rays, work })
+    }
+
+    /// How often the way of a shadow ray is halved; `None` if there are no shadows.
+    pub(super) fn shadow_depth(&self) -> Option<u32> {
+        let settings = self.settings;
+        let is_typed = self.model.setting.lines.shadows == Some(true);
+        settings.shadow_depth.or(is_typed.then(|| settings.usual_shadow_depth()))
+    }
+
+    /// Whether what is near takes ambient light away.
+    pub(super) fn occludes(&self) -> bool {
+        let settings = self.settings;
+        settings.occlusion && self.model.look(settings).occlusion && settings.normals.is_some()
+    }
+
+    /// Finds what hides painted points from light: surfaces in the way, if shadows are wanted, and
+    /// what is near.
+    fn hide(
+        &self,
+        rays: &RayGrid,
+        light: &Light,
+        buffer: &mut GBuffer,
+    ) -> Result<KernelStats, ProgramError> {
+        let Self { model, advance, .. } = *self;
+        let occludes = self.occludes();
+        let mut work = KernelStats::default();
+        let shadow_depth = self.shadow_depth();
+        if let Some(depth) = shadow_depth {
+            work += self.shadows(rays, light, depth, buffer)?;
+        }
+        if !occludes && shadow_depth.is_none() || !advance(0) {
+            return Ok(work);
+        }
+        let near = || AmbientOcclusion::new(buffer, rays, model.region.centre());
+        let overview = self.overview.filter(|_| occludes);
+        let smooths = shadow_depth.is_some() && self.settings.normals.is_some();
+        let near = (smooths || occludes && overview.is_none()).then(near);
+        if let Some(near) = near.as_ref().filter(|_| smooths) {
+            // Twice, since beside an edge a square is not whole.
+            (0..2).for_each(|_| near.mean(&mut buffer.shadow));
+        }
+        if let Some(whole) = overview {
+            borrow_occlusion(buffer, rays, &whole.picture.buffer, &whole.rays);
+        } else if let Some(near) = near.filter(|_| occludes) {
+            near.occlusion(buffer, NEAR * self.extent(), &|| advance(0));
+            near.mean(&mut buffer.occlusion);
+        }
+        Ok(work)
+    }
+
+    fn shadows(
+        &self,
+        rays: &RayGrid,
+        light: &Light,
+        depth: u32,
+        buffer: &mut GBuffer,
+    ) -> Result<KernelStats, ProgramError> {
+        // A slab of the last depth may lie on either side of the surface that it holds.
+        let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
+        let lights = light.widened(self.model.region.centre());
+        let mut work = KernelStats::default();
+        buffer.shadow.clear();
+        // Shadows are no pixels finished.
+        let wanted = |_| (self.advance)(0);
+        for surface in self.model.seen() {
+            let tracer = self.tracer(surface, Effort { depth, ..Effort::of(self.settings) })?;
+            let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
+            work +=
+                driver.shadows(buffer, |pixel, point| lights[turn(pixel)].towards(point), offset);
+            if !(self.advance)(0) {
+                break;
+            }
+        }
+        Ok(work)
+    }
+
+    pub(super) fn appearance(&self, light: Light) -> Appearance {
+        let settings = self.settings;
+        let plain = Appearance::new(self.model.look(settings), light);
+        let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
+        // A hidden surface is not asked: there may be no code for it.
+        let turned = |surface: usize| {
+            let known = &self.model.turned[surface];
+            !self.model.styles[surface].hidden
+                && *known.get_or_init(|| self.is_negative_outside(surface))
+        };
+        let surface = |(index, style): (usize, &zeroset_syntax::Surface)| {
+            let colors = match &style.color {
+                Some(SurfaceColor::Plain(color)) => {
+                    SurfaceColors::around(LinearRgb::from_srgb(color.rgb))
+                }
+                Some(SurfaceColor::Mapped(_)) | None => SurfaceColors::default_for(index),
+            };
+            if turned(index) { colors.turned() } else { colors }
+        };
+        Appearance {
+            surfaces: self.model.styles.iter().enumerate().map(surface).collect(),
+            background: settings.background.or(typed).unwrap_or(plain.background),
+            ambient: settings.ambient.unwrap_or(plain.ambient),
+            undecided: settings.undecided,
+            ..plain
+        }
+    }
+
+    /// Whether f < 0 on most of the region's boundary, so that the side seen from far away is the
+    /// negative one.
+    fn is_negative_outside(&self, surface: usize) -> bool {
+        /// Points along each edge of a face.
+        const POINTS: usize = 8;
+        /// Of those that have a sign.
+        const MOST: f64 = 0.75;
+        if self.model.styles[surface].kind == SurfaceKind::Solid {
+            return false;
+        }
+        let kernels = self.model.program.kernels::<T>(surface);
+        let (low, high) = (self.model.region.low(), self.model.region.high());
+        let points = (0..6 * POINTS * POINTS).map(|n| {
+            let (face, u, v) = (n / (POINTS * POINTS), n / POINTS % POINTS, n % POINTS);
+            let [u, v] = [u, v].map(|place| (place as f64 + 0.5) / POINTS as f64);
+            let mut share = [u, v, (face % 2) as f64];
+            share.rotate_right(face / 2);
+            let point = low + (high - low) * DVec3::from_array(share);
+            let on_sphere = |ball: Ball| ball.centre + ball.radius * ball.normal(point);
+            self.model.region.ball().map_or(point, on_sphere).to_array()
+        });
+        let points: Vec<[f64; 3]> = points.collect();
+        let batches = Points::near(&points);
+        // By the kernel that normals are made of.
+        let values = match self.settings.normals {
+            Some(Normals::Central) => kernels.values().map(|kernel| {
+                let values = kernel.eval_all(&batches);
+                values.into_iter().map(|out| out.value).collect::<Vec<_>>()
+            }),
+            Some(Normals::Gradient) | None => kernels.gradients().map(|kernel| {
+                let gradients = kernel.eval_all(&batches);
+                gradients.into_iter().map(|out| out.value).collect()
+            }),
+        };
+        let Ok(values) = values else { return false };
+        let (mut negative, mut signed) = (0_usize, 0_usize);
+        for (values, points) in values.iter().zip(points.chunks(16)) {
+            for value in values.0.iter().take(points.len()) {
+                let value: f64 = (*value).into();
+                negative += usize::from(value < 0.0);
+                signed += usize::from(value != 0.0 && !value.is_nan());
+            }
+        }
+        negative as f64 > MOST * signed as f64
+    }
+}

@@ -1,0 +1,62 @@
+//! The names by which settings are typed and shown: one table for each, of which the command line,
+//! the prompt and what they print are made.
+
+use crate::picture::{Normals, Precision};
+use zeroset_scene::view::ClipTo;
+use zeroset_shade::UndecidedStyle;
+
+/// What is chosen by name.
+pub trait Named: Copy + PartialEq + Send + Sync + 'static {
+    /// Each value with its name and one line on what it means.
+    const NAMES: &'static [(Self, &'static str, &'static str)];
+
+    /// The value called `name`.
+    fn named(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|row| row.1 == name).map(|row| row.0)
+    }
+
+    /// What the value is called.
+    fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|row| row.0 == self).map_or("", |row| row.1)
+    }
+}
+
+impl Named for Precision {
+    const NAMES: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Auto, "auto", "32 bits, rounded outward, and 64 for what these leave undecided"),
+        (Self::F32, "f32", "32 bits, rounded outward"),
+        (Self::F64, "f64", "64 bits, rounded outward; at most half as fast"),
+    ];
+}
+
+impl Named for Normals {
+    const NAMES: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Gradient, "gradient", "From the exact derivative"),
+        (Self::Central, "central", "From central differences, as in the paper"),
+    ];
+}
+
+impl Named for UndecidedStyle {
+    const NAMES: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Shade, "shade", "Like hits"),
+        (Self::Hatch, "hatch", "Like hits, with stripes"),
+        (Self::Tint, "tint", "Like hits, tinted"),
+        (Self::Miss, "miss", "Not at all"),
+    ];
+}
+
+impl Named for ClipTo {
+    const NAMES: &'static [(Self, &'static str, &'static str)] = &[
+        (
+            Self::Auto,
+            "auto",
+            "As the document says; else to a ball where a surface without end looks better so",
+        ),
+        (
+            Self::Ball,
+            "ball",
+            "To the ball about the domain's centre that reaches to its farthest faces",
+        ),
+        (Self::Box, "box", "To the domain's box"),
+    ];
+}

@@ -1,0 +1,107 @@
+//! Why a picture shows nothing, and where there is something to see.
+//!
+//! Knows neither flags nor commands: whoever asks says how a domain is asked for.
+
+use crate::coordinate::coordinate;
+use crate::domain::{AutoDomain, REACH};
+use crate::view;
+use zeroset_space::Region;
+use zeroset_syntax::Document;
+
+/// Why nothing is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Blank {
+    /// The document says that no surface is to be seen.
+    Hidden,
+    /// The function has no value anywhere in the domain.
+    Undefined,
+    /// The surface has no point in the region, nor anywhere else where it was looked for.
+    Empty,
+    /// It lies elsewhere, or is too small to be seen here.
+    Elsewhere(AutoDomain),
+    /// Every ray misses it: by the camera, or since it is thin.
+    Missed,
+}
+
+impl Blank {
+    /// Why nothing is seen of `document` in `region`. A domain that was searched for already need
+    /// not be searched for again.
+    pub fn find(
+        document: &Document,
+        region: &Region,
+        undefined: bool,
+        searched: Option<AutoDomain>,
+    ) -> Self {
+        if document.surfaces.iter().all(|surface| surface.hidden) {
+            return Self::Hidden;
+        }
+        if undefined {
+            return Self::Undefined;
+        }
+        let within = region.low().abs().max(region.high().abs()).max_element() <= REACH;
+        match searched.or_else(|| view::search(document).ok()) {
+            Some(found) if found.finding.is_empty() && within => Self::Empty,
+            Some(found) if !found.finding.is_empty() && differs(&found, region) => {
+                Self::Elsewhere(found)
+            }
+            _ => Self::Missed,
+        }
+    }
+
+    /// One phrase, with what to do if something helps: `domain` writes how bounds of x, y and z are
+    /// asked for.
+    pub fn describe(&self, domain: &dyn Fn(&str) -> String) -> String {
+        match self {
+            Self::Hidden => "nothing is seen: every surface is hidden".to_owned(),
+            Self::Undefined => {
+                "nothing is seen: the function has no value anywhere in the domain".to_owned()
+            }
+            Self::Empty => "nothing is seen: the surface is proven empty up to ±1e12".to_owned(),
+            Self::Elsewhere(found) => {
+                let ends = [0, 1, 2]
+                    .map(|axis| [found.low[axis], found.high[axis]].map(coordinate).join(","));
+                let place = domain(&ends.join(","));
+                format!("nothing is seen here; the surface lies elsewhere: try {place}")
+            }
+            Self::Missed => "nothing is seen: every ray is proven to miss".to_owned(),
+        }
+    }
+}
+
+/// Whether the domain found reaches beyond the region, or is so much smaller that what it holds may
+/// be lost in a pixel.
+fn differs(found: &AutoDomain, region: &Region) -> bool {
+    let (low, high) = (region.low(), region.high());
+    let beyond = (0..3).any(|axis| found.low[axis] < low[axis] || found.high[axis] > high[axis]);
+    let largest = (0..3).map(|axis| found.high[axis] - found.low[axis]).fold(0.0, f64::max);
+    beyond || largest < LOST * (high - low).max_element()
+}
+
+/// What is smaller than this share of the domain may lie between pixels.
+const LOST: f64 = 1.0 / 64.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::{DomainChoice, region};
+    use zeroset_syntax::{Options, read};
+
+    fn why(text: &str, half: f64) -> String {
+        let document = read(text, &Options::default()).expect("reads");
+        let bounds = DomainChoice::Bounds([-half, half, -half, half, -half, half]);
+        let (region, _) = region(&document, bounds, None).expect("valid");
+        Blank::find(&document, &region, false, None).describe(&|ends| format!("--domain {ends}"))
+    }
+
+    #[test]
+    fn a_blank_picture_says_why_and_where_there_is_something() {
+        let far = why("(x-300)^2+y^2+z^2=1", 2.0);
+        assert!(far.contains("--domain 298.") && far.contains(",301."), "{far}");
+        assert!(why("x^2+y^2+z^2=1e-8", 2.0).contains("--domain"));
+        assert!(why("hidden\nz=1", 2.0).contains("every surface is hidden"));
+        assert!(why("z=5", 2.0).contains("4,6"), "{}", why("z=5", 2.0));
+        assert!(why("z=12345.678", 2.0).contains("12344.68,12346.68"));
+        assert!(why("x^2+y^2+z^2=-1", 2.0).contains("proven empty"));
+        assert!(why("x^2+y^2+z^2=1", 2.0).contains("every ray"));
+    }
+}

@@ -1,0 +1,60 @@
+//! How a coordinate is written so that it is read back: where it is a multiple of π, as such.
+
+use crate::view::number;
+use std::f64::consts::FRAC_PI_4;
+
+/// A coordinate as text that reads as the same float: so many quarters of π, or a decimal.
+pub fn coordinate(value: f64) -> String {
+    let times = value / FRAC_PI_4;
+    let is_near = times.abs() < 1e6 && (times - times.round()).abs() < 1e-9;
+    let text = of_pi(times / 4.0);
+    // A float beside the nearest one is no multiple.
+    if is_near && number(&text) == Some(value) { text } else { value.to_string() }
+}
+
+/// So many times π, a multiple of a quarter.
+pub fn of_pi(times: f64) -> String {
+    let quarters = (4.0 * times).round() as i64;
+    let (sign, quarters) = (if quarters < 0 { "-" } else { "" }, quarters.unsigned_abs());
+    // Whole multiples have none.
+    let divisor = [1, 2].into_iter().find(|d| quarters % (4 / d) == 0).unwrap_or(4);
+    let factor = match quarters / (4 / divisor) {
+        0 => return "0".to_owned(),
+        1 => String::new(),
+        more => more.to_string(),
+    };
+    if divisor == 1 { format!("{sign}{factor}π") } else { format!("{sign}{factor}π/{divisor}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::DomainChoice;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn coordinates_read_back_as_they_were() {
+        for (value, text) in [
+            (2.0 * PI, "2π"),
+            (-PI, "-π"),
+            (-1.5 * PI, "-3π/2"),
+            (FRAC_PI_4, "π/4"),
+            (0.0, "0"),
+            (-0.0, "0"),
+            (2.5, "2.5"),
+            (1e300, &1e300.to_string()),
+            (PI.next_up(), &PI.next_up().to_string()),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(coordinate(value), text);
+        }
+        for quarters in -200..200 {
+            let value = f64::from(quarters) * FRAC_PI_4;
+            for value in [value, value.next_up(), value.next_down()] {
+                let text = coordinate(value);
+                let read: DomainChoice = [text.as_str(); 6].join(",").parse().expect("bounds");
+                assert_eq!(read, DomainChoice::Bounds([value; 6]), "{text}");
+            }
+        }
+    }
+}

@@ -1,0 +1,390 @@
+//! Where to look when nobody says: `--domain auto`.
+//!
+//! If a surface can be proven to lie in some box, wherever and however large, that box is tightened
+//! by halving it; otherwise a window is chosen that shows what is particular. What may be spent is
+//! counted in evaluations, so the same document has the same domain on every machine. Knows neither
+//! cameras nor pictures.
+
+mod centre;
+mod climb;
+mod critical;
+mod ground;
+mod heights;
+mod homogeneous;
+mod outward;
+mod polynomial;
+mod shape;
+mod tops;
+mod waves;
+mod window;
+
+use crate::enclosure;
+use crate::program::{Program, ProgramError};
+use homogeneous::Homogeneous;
+use shape::Shape;
+use std::cell::Cell as Counter;
+use waves::Wave;
+use window::Sight;
+use zeroset_eval::Assumptions;
+use zeroset_interval::Interval;
+use zeroset_ir::{Graph, Node, NodeId};
+use zeroset_ops::Op;
+use zeroset_space::{BOX_DEPTH, Cell, FINE_DEPTH, PLAIN, Search, places_about};
+
+/// Half the extent of the largest cube in which a surface is looked for that cannot be proven
+/// bounded everywhere.
+pub const REACH: f64 = 1_099_511_627_776.0; // 2^40
+
+/// Evaluations of all surfaces together that a search may take, and those of functions at infinity.
+const WORK: u64 = 400_000;
+const WORK_AT_INFINITY: u64 = 20_000;
+
+/// Of these, as many as one box is worth.
+const WORK_AT_ONCE: u64 = 6_000;
+
+/// Space left around a bounded surface, as a share of its extent on each axis.
+const SPACE: f64 = 0.05;
+
+/// A domain, and what was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AutoDomain {
+    /// The corner with the smallest coordinates.
+    pub low: [f64; 3],
+    /// The corner with the largest coordinates.
+    pub high: [f64; 3],
+    /// What was found.
+    pub finding: Finding,
+    /// Evaluations that it took.
+    pub work: u64,
+}
+
+/// What is known of where a surface lies. Of two surfaces together the greater is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Finding {
+    /// It has no point: proven.
+    Empty,
+    /// It has no point within ±[`REACH`]: proven.
+    EmptyNear,
+    /// Nothing of it lies outside the domain: proven.
+    Bounded,
+    /// Nothing of it lies within ±[`REACH`] outside the domain: proven.
+    BoundedNear,
+    /// As [`Finding::Unbounded`], but it looks better in the
+    /// [ball](zeroset_space::Region::with_ball) in that box.
+    UnboundedInBall,
+    /// It could not be shown to be bounded; the domain is a window, a box.
+    Unbounded,
+}
+
+impl Finding {
+    /// One phrase for a note.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Bounded => "bounded: proven",
+            Self::BoundedNear => "bounded: proven up to ±1e12",
+            Self::Unbounded => "unbounded, clipped to a box",
+            Self::UnboundedInBall => "unbounded, clipped to a ball",
+            Self::Empty => "empty: proven",
+            Self::EmptyNear => "empty: proven up to ±1e12",
+        }
+    }
+
+    /// Whether no point was found.
+    pub fn is_empty(self) -> bool {
+        matches!(self, Self::Empty | Self::EmptyNear)
+    }
+
+    /// Whether all of it is in the domain.
+    pub fn is_bounded(self) -> bool {
+        matches!(self, Self::Bounded | Self::BoundedNear)
+    }
+}
+
+/// Chooses a domain that shows all surfaces of `program`, which was made for all of space. `wanted`
+/// is asked between evaluations; once false, it must stay false, and the answer is `None`.
+///
+/// # Errors
+/// If no code can be made.
+pub fn find_while(
+    program: &Program,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<AutoDomain>, ProgramError> {
+    let surfaces = (0..program.roots().len()).take_while(|_| wanted());
+    let surfaces = surfaces.map(|surface| program.kernels::<f64>(surface).zeros());
+    let surfaces = surfaces.collect::<Result<Vec<_>, _>>()?;
+    if !wanted() {
+        return Ok(None);
+    }
+    let mut search = Search { surfaces, forms: Vec::new(), wanted, work: Counter::new(WORK) };
+    let mut at_infinity = WORK_AT_INFINITY;
+    let whole = everything(program, &search, &mut at_infinity)
+        .map(|whole| (whole, Finding::Bounded, Finding::Empty));
+    let near =
+        || everything_near(&search).map(|whole| (whole, Finding::BoundedNear, Finding::EmptyNear));
+    let (found, finding) = if let Some((whole, bounded, empty)) = whole.or_else(near) {
+        match snug(program, &mut search, whole)? {
+            Some(hull) => (around(program, &hull), bounded),
+            None => (Cell::cube(PLAIN), empty),
+        }
+    } else {
+        let (window, is_round) = windows(program, &search)?;
+        (window, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
+    };
+    let work = WORK - search.work.get() + WORK_AT_INFINITY - at_infinity;
+    let Cell { low, high } = proper(found);
+    // What was cut short has seen too little.
+    Ok(wanted().then_some(AutoDomain { low, high, finding, work }))
+}
+
+/// A box around all that `whole` may hold: by intervals, and then by affine forms as well.
+fn snug<'a>(
+    program: &'a Program,
+    search: &mut Search<'a>,
+    whole: Cell,
+) -> Result<Option<Cell>, ProgramError> {
+    let Some(hull) = search.tight(whole, BOX_DEPTH) else { return Ok(None) };
+    let surfaces = (0..program.roots().len()).take_while(|_| search.is_wanted());
+    let forms = surfaces.map(|surface| program.kernels::<f64>(surface).tiles());
+    let forms = forms.collect::<Result<Vec<_>, _>>()?;
+    if forms.len() == program.roots().len() {
+        search.forms = forms;
+    }
+    Ok(search.tight(hull, FINE_DEPTH))
+}
+
+/// Half a side of the box around a surface that is a point.
+const POINT: f64 = 1.0;
+/// A side of so many floats is none, and one that is shorter than this may be.
+const FLOATS: f64 = 16.0;
+const TINY: f64 = 1e-6;
+
+/// The domain around all that lies in `hull`: with space, and with thickness where that is a curve.
+fn around(program: &Program, hull: &Cell) -> Cell {
+    if is_point(program, hull) {
+        let place = hull.centre().map(|along| rounded(along, POINT / 100.0));
+        return cube_about(place, POINT).around(hull);
+    }
+    thick(roomy(hull), THIN)
+}
+
+/// Whether a box is so small because floats ended: the surface is a point, or cannot be told from
+/// one. Then the box is a few floats wide; or no value within can be told from 0, as near the
+/// origin, where those of x²+y²+z² underflow. A surface with an inside has other values there,
+/// however small it is and whatever it is multiplied by.
+fn is_point(program: &Program, hull: &Cell) -> bool {
+    let (graph, parameters) = (program.graph(), program.values().to_vec());
+    let may_vanish = |place: [f64; 3]| {
+        let domain = place.map(|along| Interval { lo: along, hi: along });
+        let assumptions = Assumptions { domain, parameters: parameters.clone() };
+        let found = enclosure::enclose_all(graph, program.roots(), &assumptions);
+        found.iter().any(|(bounds, _)| bounds.lo <= 0.0 && 0.0 <= bounds.hi)
+    };
+    let eighths = [0, 1, 2].map(|axis| hull.extent(axis) / 8.0);
+    hull.largest() <= FLOATS * f64::EPSILON * hull.reach()
+        || hull.largest() < TINY && places_about(hull.centre(), eighths).all(may_vanish)
+}
+
+/// Cubes of ±2 to these powers are tried as boxes that hold a whole surface.
+const LADDER: [u32; 6] = [4, 12, 20, 40, 60, 100];
+
+/// A box that all surfaces are proven to lie in, if there is a proof.
+fn everything(program: &Program, search: &Search<'_>, work: &mut u64) -> Option<Cell> {
+    let cubes = LADDER.map(|exponent| Cell::cube(f64::from(exponent).exp2()));
+    if let Some(cube) = cubes.into_iter().find(|cube| search.nothing_outside(cube)) {
+        return Some(cube);
+    }
+    let (graph, parameters) = (program.graph(), program.values());
+    let mut whole: Option<Cell> = None;
+    for &root in program.roots() {
+        let even = [1; 3];
+        let mut weights = vec![even];
+        weights.extend(pure_weights(graph, root).filter(|weights| *weights != even));
+        let half = weights.into_iter().find_map(|weights| {
+            let function = Homogeneous::new(graph, root, parameters, weights)?;
+            let mut exponents = LADDER.into_iter();
+            let exponent = exponents.find(|exponent| {
+                let share = (*work).min(WORK_AT_ONCE);
+                let mut left = share;
+                let is_within = function.is_within(*exponent, &mut left);
+                *work -= share - left;
+                is_within
+            })?;
+            Some(weights.map(|weight| f64::from(exponent * weight).exp2()))
+        })?;
+        let cell = Cell { low: half.map(|half| -half), high: half };
+        whole = Some(whole.map_or(cell, |whole| whole.around(&cell)));
+    }
+    whole.filter(|whole| whole.high.iter().all(|half| half.is_finite()))
+}
+
+/// A box that all surfaces are proven to lie in as far as [`REACH`], if there is a proof.
+fn everything_near(search: &Search<'_>) -> Option<Cell> {
+    let cube = |exponent: i32| Cell::cube(f64::from(exponent).exp2());
+    let is_clear = |exponent: &i32| search.nothing_between(&cube(*exponent), &cube(exponent + 1));
+    (0..40).rev().take_while(is_clear).last().map(cube)
+}
+
+/// Weights with which the highest powers of the three axes alone weigh the same, if there are any.
+fn pure_weights(graph: &Graph, root: NodeId) -> impl Iterator<Item = [u32; 3]> {
+    let mut powers: Vec<[Option<u32>; 3]> = Vec::with_capacity(graph.len());
+    for (_, node) in graph.iter() {
+        powers.push([0, 1, 2].map(|axis| match node {
+            Node::Variable(other) => (*other as usize == axis).then_some(1),
+            Node::Parameter(_) | Node::Constant(_) => Some(0),
+            Node::Apply(op, operands) => {
+                let power = |k: usize| powers[operands[k].index()][axis];
+                let exponent = |k: usize| {
+                    let whole = graph.number(operands[k])?.as_integer()?;
+                    u32::try_from(whole).ok()
+                };
+                if *op == Op::Mul {
+                    power(0).zip(power(1)).and_then(|(a, b)| a.checked_add(b))
+                } else if *op == Op::Sqr {
+                    power(0).and_then(|power| power.checked_mul(2))
+                } else if *op == Op::Pow {
+                    power(0).zip(exponent(1)).and_then(|(power, n)| power.checked_mul(n))
+                } else {
+                    (0..operands.len()).filter_map(power).max()
+                }
+            }
+        }));
+    }
+    let whole = |power: Option<u32>| power.filter(|power| (1..=32).contains(power));
+    let [x, y, z] = powers[root.index()].map(whole);
+    let all = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]);
+    all.into_iter().map(|powers| {
+        let common = powers.into_iter().fold(1, |all: u32, power| all / gcd(all, power) * power);
+        powers.map(|power| common / power)
+    })
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// A box around the windows on all surfaces, and whether all of them look better in a ball.
+fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), ProgramError> {
+    let (graph, parameters) = (program.graph(), program.values());
+    let (mut whole, mut all_round) = (None::<Cell>, true);
+    for (surface, &root) in program.roots().iter().enumerate() {
+        let shape = Shape::of(graph, root, parameters);
+        let alone = Search {
+            surfaces: vec![search.surfaces[surface]],
+            forms: Vec::new(),
+            wanted: search.wanted,
+            work: search.work.clone(),
+        };
+        let value = |node: NodeId| {
+            move |point: [f64; 3]| {
+                let domain = point.map(|c| Interval { lo: c, hi: c });
+                let assumptions = Assumptions { domain, parameters: parameters.to_vec() };
+                let bounds = enclosure::enclose(graph, node, &assumptions).0;
+                bounds.lo.midpoint(bounds.hi)
+            }
+        };
+        let waves: Vec<_> = shape.waves.iter().copied().map(value).collect();
+        let sight = Sight {
+            search: &alone,
+            shape,
+            values: program.kernels::<f64>(surface).values()?,
+            centre: centre::centre(graph, root, parameters),
+            waves: waves.iter().map(|wave| wave as &Wave<'_>).collect(),
+        };
+        let (window, is_round) = sight.window();
+        all_round &= is_round;
+        search.work.set(alone.work.get());
+        whole = Some(whole.map_or(window, |whole| whole.around(&window)));
+    }
+    Ok((whole.unwrap_or(Cell::cube(PLAIN)), all_round))
+}
+
+/// A side of a window that is shorter than this share of the longest is taken for none, and one of
+/// what is bounded if it is shorter than that, as around a curve.
+const FLAT: f64 = 0.01;
+const THIN: f64 = 1e-4;
+/// It is made this share of the longest.
+const THICK: f64 = 0.5;
+
+/// The box, with some thickness on every axis on which it has less than this share of the longest
+/// side.
+fn thick(mut cell: Cell, share: f64) -> Cell {
+    let largest = cell.largest();
+    for (axis, middle) in cell.centre().into_iter().enumerate() {
+        if cell.extent(axis) < share * largest {
+            let half = THICK * largest / 2.0;
+            let end = |end: f64| rounded(end, largest / 1000.0);
+            (cell.low[axis], cell.high[axis]) = (end(middle - half), end(middle + half));
+        }
+    }
+    cell
+}
+
+/// The box, or one around the same place where floats leave none.
+fn proper(mut cell: Cell) -> Cell {
+    let largest = cell.largest();
+    for axis in 0..3 {
+        let (low, high) = (cell.low[axis], cell.high[axis]);
+        if low.is_finite() && high.is_finite() && low < high && (high - low).is_finite() {
+            continue;
+        }
+        let middle = low.midpoint(high);
+        let middle = if middle.abs() <= REACH { middle } else { 0.0 };
+        let half = if largest.is_finite() { largest.max(middle.abs() * 1e-6) } else { 0.0 };
+        let half = if half > 0.0 { half } else { PLAIN };
+        (cell.low[axis], cell.high[axis]) = (middle - half, middle + half);
+    }
+    cell
+}
+
+/// A place with digits down to `grain`.
+fn rounded(place: f64, grain: f64) -> f64 {
+    let near = in_grains(place, grain, f64::round);
+    if near.is_finite() { near } else { place }
+}
+
+/// A place whose number of grains, of the power of ten up to `grain`, was brought to a whole one;
+/// not finite where floats have no such digits.
+fn in_grains(place: f64, grain: f64, whole: impl Fn(f64) -> f64) -> f64 {
+    let power = grain.log10().floor();
+    // Division by the power of ten's reciprocal gives the decimal nearest to what is meant.
+    let grain = 10.0_f64.powf(power.abs());
+    if power < 0.0 { whole(place * grain) / grain } else { whole(place / grain) * grain }
+}
+
+/// The cube around a place with this half extent, both of few digits. Around the origin it is that
+/// exactly.
+fn cube_about(place: [f64; 3], half: f64) -> Cell {
+    let end = |along: f64, side: f64| {
+        if along == 0.0 { side } else { rounded(along + side, half / 1000.0) }
+    };
+    Cell { low: place.map(|along| end(along, -half)), high: place.map(|along| end(along, half)) }
+}
+
+/// The box with some space on each side, its bounds rounded outward to few digits.
+fn roomy(cell: &Cell) -> Cell {
+    let mut roomy = *cell;
+    // What has no extent on an axis has that of the smallest floats there.
+    let least = cell.largest() * 1e-6;
+    for axis in 0..3 {
+        let extent = cell.extent(axis).max(least);
+        let space = SPACE * extent;
+        let neat = |bound: f64, outward: fn(f64) -> f64| {
+            in_grains(bound, extent / 100.0, |grains| {
+                // What is a whole number of them but for rounding is not moved by another; the
+                // space absorbs it.
+                let near = grains.round();
+                if (grains - near).abs() < 1e-6 { near } else { outward(grains) }
+            })
+        };
+        let low = neat(cell.low[axis] - space, f64::floor);
+        let high = neat(cell.high[axis] + space, f64::ceil);
+        // Far away there may be no such digits.
+        roomy.low[axis] = if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
+        roomy.high[axis] =
+            if high.is_finite() { high.max(cell.high[axis]) } else { cell.high[axis] };
+    }
+    roomy
+}
+
+#[cfg(test)]
+mod tests;

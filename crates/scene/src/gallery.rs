@@ -1,0 +1,92 @@
+//! The gallery: function files that are part of the program, so that no checkout is needed.
+
+use include_dir::{Dir, include_dir};
+
+static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../examples");
+
+/// A surface of the gallery.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Example {
+    /// The name to call it by: lower case, with hyphens.
+    pub slug: &'static str,
+    /// Its function file.
+    pub text: &'static str,
+}
+
+impl Example {
+    /// What it is called, from the file's first line.
+    pub fn title(&self) -> &'static str {
+        self.comment(0)
+    }
+
+    /// What it is and why it is hard, from the file's second line.
+    pub fn summary(&self) -> &'static str {
+        self.comment(1)
+    }
+
+    fn comment(&self, line: usize) -> &'static str {
+        self.text.lines().nth(line).and_then(|line| line.strip_prefix('#')).unwrap_or("").trim()
+    }
+}
+
+/// Every example, in the order of their names.
+pub fn examples() -> Vec<Example> {
+    let mut examples: Vec<Example> = FILES
+        .files()
+        .filter_map(|file| {
+            let slug = file.path().to_str()?.strip_suffix(".zset")?;
+            Some(Example { slug, text: file.contents_utf8()? })
+        })
+        .collect();
+    examples.sort_by_key(|example| example.slug);
+    examples
+}
+
+/// The example called `name`: its slug or its title, in any case.
+pub fn example(name: &str) -> Option<Example> {
+    let name = name.trim();
+    let called = |other: &str| other.eq_ignore_ascii_case(name);
+    examples().into_iter().find(|example| called(example.slug) || called(example.title()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lower case, with everything between letters and digits collapsed to a hyphen.
+    fn slug(name: &str) -> String {
+        let words = name.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
+        words.map(str::to_ascii_lowercase).collect::<Vec<_>>().join("-")
+    }
+
+    #[test]
+    fn every_file_of_the_directory_is_embedded() {
+        let directory = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        let files = std::fs::read_dir(directory).expect("a directory");
+        let mut found: Vec<String> = files
+            .map(|file| file.expect("readable").file_name().into_string().expect("UTF-8"))
+            .filter_map(|name| name.strip_suffix(".zset").map(str::to_owned))
+            .collect();
+        found.sort();
+        let embedded: Vec<&str> = examples().iter().map(|example| example.slug).collect();
+        assert_eq!(embedded, found);
+        assert!(embedded.len() >= 65);
+    }
+
+    #[test]
+    fn every_example_says_what_it_is_under_its_own_name() {
+        for example in examples() {
+            assert_eq!(slug(example.title()), example.slug);
+            let summary = example.summary();
+            assert!(summary.len() > 30 && summary.ends_with('.'), "{}", example.slug);
+        }
+    }
+
+    #[test]
+    fn examples_are_found_by_slug_or_title_but_not_by_formula() {
+        let barth = example("barth-sextic-suse-95").expect("there");
+        assert_eq!(example("Barth sextic (SuSE 95)"), Some(barth));
+        assert_eq!(example("x^2+y^2+z^2-1"), None);
+        assert_eq!(example(""), None);
+    }
+}

@@ -1,0 +1,393 @@
+//! Where a document is looked at: the domain and the camera, from what the caller says, else from
+//! the document, else by default.
+
+use crate::domain::{self, AutoDomain, Finding};
+use crate::program::{Program, ProgramError};
+use glam::DVec3;
+use num_traits::ToPrimitive;
+use std::str::FromStr;
+
+use zeroset_interval::Interval;
+use zeroset_ir::{Constant, Node, NodeId};
+use zeroset_space::{HalfSpace, Region, RegionError};
+use zeroset_style::{FOV, StandardView};
+use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
+use zeroset_trace::{Camera, CameraError, Projection};
+
+/// Where to look.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum DomainChoice {
+    /// Where the document says; if it does not, as [`DomainChoice::Auto`].
+    #[default]
+    Document,
+    /// Where intervals find the surface.
+    Auto,
+    /// In this box: lower and upper bound of x, y and z.
+    Bounds([f64; 6]),
+}
+
+impl FromStr for DomainChoice {
+    type Err = String;
+
+    /// `auto`, one number or six; whether they bound anything is not looked at.
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim() == "auto" {
+            return Ok(Self::Auto);
+        }
+        match numbers(text)?[..] {
+            [r] => Ok(Self::Bounds([-r, r, -r, r, -r, r])),
+            [a, b, c, d, e, f] => Ok(Self::Bounds([a, b, c, d, e, f])),
+            ref other => Err(format!(
+                "expected auto, one number or six with commas between, found {} numbers",
+                other.len()
+            )),
+        }
+    }
+}
+
+/// The plane that cuts a domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ClipChoice {
+    /// What the document says.
+    #[default]
+    Document,
+    /// None, whatever the document says.
+    Off,
+    /// This one.
+    Plane(HalfSpace),
+}
+
+impl ClipChoice {
+    /// The plane, for a document with this one of its own.
+    pub fn or(self, own: Option<HalfSpace>) -> Option<HalfSpace> {
+        match self {
+            Self::Document => own,
+            Self::Off => None,
+            Self::Plane(plane) => Some(plane),
+        }
+    }
+}
+
+impl FromStr for ClipChoice {
+    type Err = String;
+
+    /// `off` or four numbers; whether they are a plane's is not looked at.
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.trim() == "off" {
+            return Ok(Self::Off);
+        }
+        match numbers(text)?[..] {
+            [a, b, c, offset] => Ok(Self::Plane(HalfSpace { normal: DVec3::new(a, b, c), offset })),
+            ref other => {
+                Err(format!("expected off or 4 numbers with commas between, found {}", other.len()))
+            }
+        }
+    }
+}
+
+/// What a domain is clipped to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ClipTo {
+    /// What the document says; the ball where the domain was found and is a window that looks
+    /// better so; else the box.
+    #[default]
+    Auto,
+    /// The [ball](Region::with_ball) in the domain's box.
+    Ball,
+    /// The domain's box.
+    Box,
+}
+
+/// What is cut away of a domain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cut {
+    /// What is behind this plane.
+    pub plane: ClipChoice,
+    /// What is outside of this.
+    pub to: ClipTo,
+}
+
+impl From<Option<ClipChoice>> for Cut {
+    fn from(plane: Option<ClipChoice>) -> Self {
+        Self { plane: plane.unwrap_or_default(), ..Self::default() }
+    }
+}
+
+/// Numbers, or constant expressions such as `2π`, with commas between.
+///
+/// # Errors
+/// One phrase that says which of them is none.
+pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    let one = |part: &str| {
+        let part = part.trim();
+        let float = part.parse().ok();
+        float.or_else(|| number(part)).ok_or_else(|| format!("'{part}' is not a number"))
+    };
+    text.split(',').map(one).collect()
+}
+
+/// From where to look. What is `None` is taken from the document, and what that leaves open is
+/// chosen to show the whole domain from [`(&VIEWS[0])`]; [`framing`](zeroset_render::framing) goes as
+/// near as what is visible allows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CameraChoice {
+    /// A named side; the document's eye and upward direction then do not count.
+    pub view: Option<&'static StandardView>,
+    /// The eye.
+    pub eye: Option<DVec3>,
+    /// The point looked at.
+    pub target: Option<DVec3>,
+    /// The direction shown upright.
+    pub up: Option<DVec3>,
+    /// Perspective or parallel, and how much is seen.
+    pub projection: Option<Projection>,
+}
+
+/// Why a document cannot be looked at in this way.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The camera is impossible.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// The domain or the clipping plane is impossible.
+    #[error(transparent)]
+    Region(#[from] RegionError),
+    /// There is nothing to draw.
+    #[error(transparent)]
+    Program(#[from] ProgramError),
+}
+
+/// The domain of `document`, cut by `cut`, and what was found if it was searched for.
+///
+/// # Errors
+/// If a range is empty or not finite, the plane has no normal, or a search is impossible because
+/// there is no surface.
+///
+/// # Panics
+/// Never: the domain is wanted to the end.
+pub fn region(
+    document: &Document,
+    choice: DomainChoice,
+    cut: impl Into<Cut>,
+) -> Result<(Region, Option<AutoDomain>), SceneError> {
+    Ok(region_while(&mut None, document, choice, cut, &|| true)?.expect("wanted to the end"))
+}
+
+/// As [`region`], but asks during the search whether the domain is still wanted; `None` if not.
+/// Once `wanted` is false, it must stay false. `search` is the program of the search before, which
+/// is made again without compiling if the documents differ in values only; the new one is left
+/// there.
+///
+/// # Errors
+/// As [`region`].
+pub fn region_while(
+    search: &mut Option<Program>,
+    document: &Document,
+    choice: DomainChoice,
+    cut: impl Into<Cut>,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
+    let (mut ranges, mut searched) = ([None; 3], None);
+    let Cut { plane, to } = cut.into();
+    let mut is_ball = to == ClipTo::Ball;
+    match (choice, &document.domain) {
+        (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
+            ranges = [[x0, x1], [y0, y1], [z0, z1]].map(Some);
+        }
+        (DomainChoice::Document, Some(DomainLine::Box(typed))) => {
+            let floats = |(low, high): &(Constant, Constant)| [nearest(low), nearest(high)];
+            ranges = typed.each_ref().map(|range| range.as_ref().map(floats));
+        }
+        (DomainChoice::Document, Some(DomainLine::Ball(radius))) => {
+            let radius = nearest(radius);
+            ranges = [Some([-radius, radius]); 3];
+            is_ball |= to == ClipTo::Auto;
+        }
+        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {}
+    }
+    if ranges.contains(&None) {
+        let Some(mut found) = search_while(search, document, wanted)? else { return Ok(None) };
+        let looks_better =
+            found.finding == Finding::UnboundedInBall && ranges.iter().all(Option::is_none);
+        is_ball |= to == ClipTo::Auto && looks_better;
+        if let Finding::Unbounded | Finding::UnboundedInBall = found.finding {
+            found.finding = if is_ball { Finding::UnboundedInBall } else { Finding::Unbounded };
+        }
+        searched = Some(found);
+        for (axis, range) in ranges.iter_mut().enumerate() {
+            range.get_or_insert([found.low[axis], found.high[axis]]);
+        }
+    }
+    let [x, y, z] = ranges.map(Option::unwrap_or_default);
+    let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
+    let region = clipped(low, high, is_ball, plane.or(typed_clip(document)))?;
+    Ok(Some((region, searched)))
+}
+
+/// The clipping plane of a document's own.
+pub fn typed_clip(document: &Document) -> Option<HalfSpace> {
+    document.picture.clip.as_ref().map(|numbers| {
+        let [a, b, c, d] = numbers.each_ref().map(nearest);
+        HalfSpace { normal: DVec3::new(a, b, c), offset: d }
+    })
+}
+
+/// The box from `low` to `high`, clipped to its ball if `is_round`, and by this plane.
+///
+/// # Errors
+/// If the box is empty or not finite, or the plane has no normal.
+pub fn clipped(
+    low: DVec3,
+    high: DVec3,
+    is_round: bool,
+    clip: Option<HalfSpace>,
+) -> Result<Region, RegionError> {
+    let whole = Region::new(low, high)?;
+    let whole = if is_round { whole.with_ball() } else { whole };
+    clip.map_or(Ok(whole), |clip| whole.with_clip(clip))
+}
+
+/// The surface found by intervals, whatever domain the document gives: for its parameters as they
+/// are set, and for all of the loop of its time.
+///
+/// # Errors
+/// If there is no surface, or no code can be made.
+///
+/// # Panics
+/// Never: the answer is wanted to the end.
+pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
+    Ok(search_while(&mut None, document, &|| true)?.expect("wanted to the end"))
+}
+
+/// As [`search`], by the program of the search before if it serves, but asks between kernels and
+/// evaluations whether the answer is still wanted; `None` if not.
+///
+/// # Errors
+/// As [`search`].
+fn search_while(
+    search: &mut Option<Program>,
+    document: &Document,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<AutoDomain>, ProgramError> {
+    let again = search.take().and_then(|before| before.rebound(document)?.ok());
+    let program = search.insert(match again {
+        Some(program) => program,
+        None => Program::new(document, [Interval::ENTIRE; 3])?,
+    });
+    domain::find_while(&program.over_time(document), wanted)
+}
+
+/// Whether [`search`] finds the same for two documents that differ in nothing but the values of
+/// parameters, of which each is within its range.
+pub fn same_search(one: &Document, other: &Document) -> bool {
+    let parameters = one.parameters.iter().zip(&other.parameters);
+    { parameters }.all(|(one, other)| {
+        let loops = one.kind == ParameterKind::Time && one.range.is_some();
+        loops || one.value == other.value
+    })
+}
+
+/// The box of a region as bounds of x, y and z.
+pub fn bounds(region: &Region) -> [Interval; 3] {
+    [0, 1, 2].map(|axis| Interval { lo: region.low()[axis], hi: region.high()[axis] })
+}
+
+/// The corners of the box of a region, by number: each axis has a bit, which is set at its upper
+/// end.
+pub fn corners(region: &Region) -> [DVec3; 8] {
+    let (low, high) = (region.low(), region.high());
+    std::array::from_fn(|n| {
+        DVec3::from_array([0, 1, 2].map(|k| if n >> k & 1 == 1 { high[k] } else { low[k] }))
+    })
+}
+
+/// The camera for `document` in `region`.
+///
+/// # Errors
+/// If eye and target coincide, the upward direction is useless, or a number is out of range.
+pub fn camera(
+    document: &Document,
+    region: &Region,
+    choice: &CameraChoice,
+) -> Result<Camera, CameraError> {
+    let typed = document.view.clone().unwrap_or_default();
+    let point = |numbers: &Option<[Constant; 3]>| {
+        numbers.as_ref().map(|n| DVec3::from_array([0, 1, 2].map(|k| nearest(&n[k]))))
+    };
+    // A side asked for replaces the document's own eye.
+    let (typed_eye, typed_up) = match choice.view {
+        Some(_) => (None, None),
+        None => (point(&typed.eye), point(&typed.up)),
+    };
+    let view = choice.view.or(typed.preset.and_then(StandardView::named)).unwrap_or_default();
+    let (offset, view_up) = (DVec3::from(view.offset), DVec3::from(view.up));
+    let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
+    let given_eye = choice.eye.or(typed_eye);
+    let eye = given_eye.unwrap_or(target + offset * region.half_extent());
+    let up = choice.up.or(typed_up).unwrap_or_else(|| {
+        // An eye of the user's own may look straight down; then y points upward, as in the view
+        // from the top.
+        let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
+        if vertical { DVec3::Y } else { view_up }
+    });
+    let projection = choice.projection.unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
+        (Some(height), _) => Projection::Orthographic { height: nearest(height) },
+        (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },
+        (None, None) => Projection::Perspective { fov: FOV },
+    });
+    Camera::new(eye, target, up, projection)
+}
+
+/// The camera that shows the box of `region` from a standard side, at a fixed multiple of half its
+/// largest extent. With the default [`FOV`] the six sides show all of a cube; the default view shows
+/// all but the tips of some corners.
+///
+/// # Errors
+/// If `projection` is out of range.
+pub fn standard_camera(
+    view: &StandardView,
+    region: &Region,
+    projection: Projection,
+) -> Result<Camera, CameraError> {
+    let (offset, centre) = (DVec3::from(view.offset), region.centre());
+    Camera::new(centre + offset * region.half_extent(), centre, view.up.into(), projection)
+}
+
+/// The `f64` nearest to a constant expression such as `1/3`; `None` if the text is none, or its
+/// value is not finite.
+pub fn number(text: &str) -> Option<f64> {
+    let value = nearest(&zeroset_syntax::constant(text).ok()?);
+    value.is_finite().then_some(value)
+}
+
+/// Whether a parameter of `document` is without effect, because it occurs in nothing that is drawn.
+pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
+    let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
+    let needed = document.graph.reachable(&roots);
+    let node = Node::Parameter(parameter.number);
+    let is_drawn = document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node);
+    let colors = document.surfaces.iter().filter_map(|surface| match &surface.color {
+        Some(SurfaceColor::Mapped(mapped)) => Some(&mapped.value),
+        Some(SurfaceColor::Plain(_)) | None => None,
+    });
+    let lines = document.picture.contours.iter().filter_map(|lines| lines.value.as_ref());
+    let paints = |value: &PointValue| value.graph.iter().any(|(_, other)| *other == node);
+    !is_drawn && !colors.chain(lines).any(paints)
+}
+
+/// Whether `t` occurs in what `document` draws.
+pub fn depends_on_time(document: &Document) -> bool {
+    let mut times = document.parameters.iter().filter(|one| one.kind == ParameterKind::Time);
+    times.any(|time| !is_idle(document, time))
+}
+
+/// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and
+/// a flag with the same digits mean the same.
+pub fn nearest(constant: &Constant) -> f64 {
+    let bounds = constant.bounds();
+    let exact = constant.exact().and_then(ToPrimitive::to_f64);
+    exact.unwrap_or_else(|| bounds.lo.midpoint(bounds.hi)).clamp(bounds.lo, bounds.hi)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! What is near to what, as a smaller picture of the same scene knows it: for parts of a picture
+//! too large to be held whole.
+
+use crate::edges::slope;
+use rayon::prelude::*;
+use zeroset_trace::GBuffer;
+use zeroset_trace::RayGrid;
+
+/// A point of the smaller picture is on the same part of a surface if it is no farther away than
+/// this many of its pixels' widths, or as many times what the slope explains.
+const FAR: f64 = 4.0;
+
+/// Hides as much of what surrounds each painted point as is hidden around the same place in
+/// `small`: the mean of the four nearest pixels there, of those on the same part of the same
+/// surface. A picture of the same size gives its own values.
+pub fn borrow_occlusion(
+    buffer: &mut GBuffer,
+    rays: &RayGrid,
+    small: &GBuffer,
+    small_rays: &RayGrid,
+) {
+    let (width, height) = (small_rays.width(), small_rays.height());
+    let GBuffer { drawn, surface, normal, occlusion, .. } = buffer;
+    occlusion.resize(drawn.len(), 0);
+    let hidden_there = |there: usize| small.occlusion.get(there).copied().unwrap_or_default();
+    let row = |(row, hidden): (usize, &mut [u8])| {
+        for (column, hidden) in hidden.iter_mut().enumerate() {
+            let pixel = row * rays.width() + column;
+            let (distance, surface) = (drawn[pixel], surface[pixel]);
+            if !distance.is_finite() {
+                continue;
+            }
+            let [across, upward] = rays.screen(2 * column, 2 * row);
+            let [across, upward] = [across, upward].map(|place| place / small_rays.unit);
+            // Columns and rows of the smaller picture, with fractions.
+            let x = 0.5 * (across + width as f64 - 1.0);
+            let y = 0.5 * (height as f64 - 1.0 - upward);
+            let [right, below] = [x, y].map(|place| place - place.floor());
+            let reach = FAR * small_rays.footprint(distance);
+            let along = rays.ray_of(pixel).direction.normalize().as_vec3();
+            let reach = reach * f64::from(slope(normal[pixel], along).max(1.0));
+            let (mut sum, mut weights, mut nearest, mut least) = (0.0, 0.0, 0, f64::INFINITY);
+            for n in 0..4 {
+                let (i, j) = (x.floor() as i64 + (n & 1), y.floor() as i64 + (n >> 1));
+                if !(0..width as i64).contains(&i) || !(0..height as i64).contains(&j) {
+                    continue;
+                }
+                let there = j as usize * width + i as usize;
+                let off = (small.drawn[there] - distance).abs();
+                if !off.is_finite() || small.surface[there] != surface {
+                    continue;
+                }
+                if off < least {
+                    (nearest, least) = (hidden_there(there), off);
+                }
+                if off <= reach {
+                    let share =
+                        |is_second: bool, part: f64| if is_second { part } else { 1.0 - part };
+                    let weight = share(n & 1 == 1, right) * share(n >> 1 == 1, below);
+                    sum += weight * f64::from(hidden_there(there));
+                    weights += weight;
+                }
+            }
+            *hidden = if weights > 0.0 { (sum / weights).round() as u8 } else { nearest };
+        }
+    };
+    occlusion.par_chunks_mut(rays.width().max(1)).enumerate().for_each(row);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use zeroset_trace::{Camera, Projection};
+
+    fn wall(width: usize, height: usize) -> (GBuffer, RayGrid) {
+        let projection = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+        let mut buffer = GBuffer::new(width, height, 0);
+        buffer.drawn.fill(4.0);
+        buffer.normal.fill([0.0, -1.0, 0.0]);
+        (buffer, camera.expect("valid").rays(width, height))
+    }
+
+    #[test]
+    fn a_picture_of_the_same_size_gives_its_own_values() {
+        let (mut small, rays) = wall(37, 21);
+        small.occlusion = (0..37 * 21).map(|n| (n * 89 % 256) as u8).collect();
+        let (mut part, _) = wall(37, 5);
+        borrow_occlusion(&mut part, &rays.part(0..37, 16..21), &small, &rays);
+        assert_eq!(part.occlusion, small.occlusion[16 * 37..]);
+    }
+
+    #[test]
+    fn values_are_mixed_on_one_surface_and_not_across() {
+        let (mut small, small_rays) = wall(8, 8);
+        small.occlusion = (0..64).map(|n| if n % 8 < 4 { 0 } else { 200 }).collect();
+        let occlusion = |small: &GBuffer| {
+            let (mut large, rays) = wall(32, 32);
+            borrow_occlusion(&mut large, &rays, small, &small_rays);
+            large.occlusion[10 * 32..11 * 32].to_vec()
+        };
+        let mixed = occlusion(&small);
+        assert!(mixed.is_sorted() && mixed[0] == 0 && mixed[31] == 200);
+        assert_eq!(mixed[14..18], [25, 75, 125, 175]);
+        // The right half is another wall, far behind.
+        for n in (0..64).filter(|n| n % 8 >= 4) {
+            small.drawn[n] = 9.0;
+        }
+        assert_eq!(occlusion(&small)[..18], [0; 18]);
+    }
+}

@@ -1,0 +1,194 @@
+//! Colors as people write them and as light adds them.
+
+use fearless_simd::{f32x16, prelude::*, u32x16};
+use std::sync::OnceLock;
+use zeroset_eval::LANES;
+
+/// A color in linear light: amounts of red, green and blue of the sRGB primaries, 1 at full.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearRgb(pub [f32; 3]);
+
+/// What finds the sRGB byte nearest to an amount of light, exactly, with one look and one sum.
+///
+/// Floats that agree in their upper half belong to two neighbouring bytes at most. The entry for
+/// that half has the lower byte above 16 bits that carry into it where the lower half reaches the
+/// next byte.
+pub(crate) struct Codes([u32; ENTRIES]);
+
+/// Bits of the lower half.
+const LOWER: u32 = 16;
+
+/// Amounts up to this one are black: byte 1 begins at 1.5e-4.
+pub(crate) const BLACK: f32 = 1.0 / 8192.0;
+
+/// Upper halves from black to full light differ in their last 11 bits, so an index need not be
+/// checked, only cut off.
+const ENTRIES: usize = 2048;
+
+impl Codes {
+    /// The table, made when it is first asked for.
+    pub fn get() -> &'static Self {
+        static CODES: OnceLock<Codes> = OnceLock::new();
+        CODES.get_or_init(|| {
+            // By byte, the least amount that belongs to the next one: where the curve is half way
+            // between the two, or just above.
+            let next: Vec<u32> = (0..255)
+                .map(|byte| {
+                    let half_way = decode((f64::from(byte) + 0.5) / 255.0);
+                    let nearest = half_way as f32;
+                    let is_below = f64::from(nearest) < half_way;
+                    (if is_below { nearest.next_up() } else { nearest }).to_bits()
+                })
+                .collect();
+            let mut codes = [0; ENTRIES];
+            for upper in BLACK.to_bits() >> LOWER..=1.0_f32.to_bits() >> LOWER {
+                let least = upper << LOWER;
+                let byte = next.partition_point(|&next| next <= least);
+                let until_next = next.get(byte).map_or(1 << LOWER, |next| next - least);
+                codes[upper as usize % ENTRIES] =
+                    (byte << LOWER) as u32 + (1 << LOWER) - until_next.min(1 << LOWER);
+            }
+            Self(codes)
+        })
+    }
+
+    /// The byte nearest to an amount from [`BLACK`] to 1.
+    #[inline]
+    pub fn byte(&self, amount: f32) -> u8 {
+        let bits = amount.to_bits();
+        let entry = self.0[(bits >> LOWER) as usize % ENTRIES];
+        ((entry + (bits & ((1 << LOWER) - 1))) >> LOWER) as u8
+    }
+
+    /// The same of sixteen colors, given by their primaries.
+    #[inline(always)]
+    pub fn bytes<S: Simd>(&self, simd: S, primaries: [f32x16<S>; 3]) -> [[u8; 3]; LANES] {
+        let mut all = u32x16::splat(simd, 0);
+        for amounts in primaries.into_iter().rev() {
+            let bits: u32x16<S> = amounts.to_bits();
+            let mut entries = [0; LANES];
+            ((bits >> LOWER) & (ENTRIES - 1) as u32).store_slice(&mut entries);
+            for entry in &mut entries {
+                *entry = self.0[*entry as usize % ENTRIES];
+            }
+            let entries = u32x16::simd_from(simd, entries);
+            all = (all << 8) | ((entries + (bits & ((1 << LOWER) - 1))) >> LOWER);
+        }
+        let mut lanes = [0_u32; LANES];
+        all.store_slice(&mut lanes);
+        let mut bytes = [[0; 3]; LANES];
+        for (bytes, lane) in bytes.iter_mut().zip(lanes) {
+            let [red, green, blue, _] = lane.to_le_bytes();
+            *bytes = [red, green, blue];
+        }
+        bytes
+    }
+}
+
+/// The amount of light that sRGB writes as this part of the full value (IEC 61966-2-1).
+fn decode(value: f64) -> f64 {
+    if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+impl LinearRgb {
+    /// The color that sRGB encodes with these bytes (IEC 61966-2-1).
+    pub fn from_srgb(bytes: [u8; 3]) -> Self {
+        static AMOUNTS: OnceLock<[f32; 256]> = OnceLock::new();
+        let amount = |byte: usize| decode(byte as f64 / 255.0) as f32;
+        let amounts = AMOUNTS.get_or_init(|| std::array::from_fn(amount));
+        Self(bytes.map(|byte| amounts[usize::from(byte)]))
+    }
+
+    /// The nearest sRGB bytes; amounts outside [0, 1] are clamped, NaN is black.
+    pub fn to_srgb(self) -> [u8; 3] {
+        let within = |amount| if amount > BLACK { f32::min(amount, 1.0) } else { BLACK };
+        self.0.map(|amount| Codes::get().byte(within(amount)))
+    }
+
+    /// The color written `#rrggbb` or `rrggbb`, or `None` if `text` is neither.
+    pub fn from_hex(text: &str) -> Option<Self> {
+        let digits = text.strip_prefix('#').unwrap_or(text);
+        if digits.len() != 6 || !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
+            return None;
+        }
+        let value = u32::from_str_radix(digits, 16).ok()?;
+        let [_, red, green, blue] = value.to_be_bytes();
+        Some(Self::from_srgb([red, green, blue]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::dispatch;
+    use zeroset_testkit::simd::levels;
+
+    #[test]
+    fn sixteen_colors_at_once_have_the_bytes_of_each() {
+        let codes = Codes::get();
+        let least = BLACK.to_bits();
+        let most = 1.0_f32.to_bits();
+        // No multiple of 2, so that lower halves differ.
+        let step = 48 * 1021;
+        for level in levels() {
+            for first in (least..=most - step).step_by(step as usize) {
+                let amount = |n: usize| f32::from_bits(first + n as u32 * (step / 48));
+                let primaries: [[f32; LANES]; 3] =
+                    std::array::from_fn(|k| std::array::from_fn(|lane| amount(3 * lane + k)));
+                let bytes = dispatch!(level, simd => {
+                    let [red, green, blue] = primaries;
+                    let simd_from = |amounts: [f32; LANES]| f32x16::simd_from(simd, amounts);
+                    codes.bytes(simd, [simd_from(red), simd_from(green), simd_from(blue)])
+                });
+                let alone: [[u8; 3]; LANES] =
+                    std::array::from_fn(|lane| primaries.map(|all| codes.byte(all[lane])));
+                assert_eq!(bytes, alone, "from {first:#x} by {level:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_byte_survives_the_way_to_light_and_back() {
+        for byte in 0..=255 {
+            assert_eq!(LinearRgb::from_srgb([byte; 3]).to_srgb(), [byte; 3]);
+        }
+        // Half of the light is much brighter than half of the code.
+        assert_eq!(LinearRgb([0.5; 3]).to_srgb(), [188; 3]);
+        assert_eq!(LinearRgb([f32::NAN, -1.0, 2.0]).to_srgb(), [0, 0, 255]);
+    }
+
+    /// The curve itself, in f64.
+    fn exact(amount: f32) -> u8 {
+        let amount = f64::from(amount);
+        let encoded = if amount <= 0.003_130_8 {
+            12.92 * amount
+        } else {
+            1.055 * amount.powf(1.0 / 2.4) - 0.055
+        };
+        (255.0 * encoded).round() as u8
+    }
+
+    #[test]
+    fn bytes_are_the_nearest() {
+        // Floats all over [0, 1], and those on either side of where bytes begin.
+        for bits in (0..=1.0_f32.to_bits()).step_by(997) {
+            let amount = f32::from_bits(bits);
+            assert_eq!(Codes::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
+        }
+        for byte in 0..255 {
+            let begin = decode((f64::from(byte) + 0.5) / 255.0) as f32;
+            for amount in [begin.next_down(), begin, begin.next_up()] {
+                assert_eq!(Codes::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn hexadecimal_colors_are_read() {
+        assert_eq!(LinearRgb::from_hex("#ff8000").map(LinearRgb::to_srgb), Some([255, 128, 0]));
+        assert_eq!(LinearRgb::from_hex("FF8000").map(LinearRgb::to_srgb), Some([255, 128, 0]));
+        for text in ["", "#fff", "#ff80000", "+f8000", "red", "#ff80é"] {
+            assert_eq!(LinearRgb::from_hex(text), None, "{text}");
+        }
+    }
+}

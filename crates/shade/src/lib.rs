@@ -1,0 +1,26 @@
+//! From a G-buffer to colors: normals, light, ambient occlusion, edges, and shading.
+//!
+//! [`normals`] evaluates gradients at painted points; everything else reads the G-buffer only. No
+//! status, distance or bracket changes here: shading is looks, not proof. Nothing is known of
+//! documents or files.
+
+mod coarse;
+mod color;
+mod edges;
+mod light;
+mod normal;
+mod occlusion;
+mod pattern;
+mod shade;
+
+pub use coarse::borrow_occlusion;
+pub use color::LinearRgb;
+pub use edges::{edges, is_creased, is_smooth, slope};
+pub use light::Light;
+pub use normal::{NormalSource, normals};
+pub use occlusion::{AmbientOcclusion, TURNS, turn};
+pub use pattern::Pattern;
+pub use shade::{
+    Appearance, Canvas, Paint, Shader, SurfaceColors, UndecidedStyle, hand_back_colors, shade,
+    unset_colors,
+};

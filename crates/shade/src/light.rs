@@ -1,0 +1,110 @@
+//! The one light of a picture.
+
+use crate::occlusion::TURNS;
+use fearless_simd::{f32x16, f64x8, prelude::*};
+use glam::{DVec3, Vec3};
+use zeroset_eval::Lanes;
+use zeroset_trace::RayGrid;
+
+/// Where light comes from, beside the ambient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// From infinitely far away; the direction points at the light and has length 1.
+    Directional(DVec3),
+    /// From a point of space.
+    Positional(DVec3),
+}
+
+/// The half width of a light, as a share of how far it is.
+const WIDTH: f64 = 0.05;
+
+impl Light {
+    /// A distant light above and to the left of the camera, which moves with it.
+    pub fn above_left(rays: &RayGrid) -> Self {
+        // Some 50 degrees off the view and more above than beside it: in the default view of a
+        // cube, its three visible faces then differ clearly, the top the brightest.
+        let towards = -rays.forward() + 1.1 * rays.up() - 0.35 * rays.right();
+        Self::Directional(towards.normalize())
+    }
+
+    /// The light as a disc rather than a point, by sixteen places on it: a 20th as wide to every
+    /// side as it is far from `centre`. The sun is a tenth of that.
+    pub fn widened(&self, centre: DVec3) -> [Self; TURNS] {
+        let (way, distance) = self.towards(centre);
+        let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
+        std::array::from_fn(|turn| {
+            // Vogel's spiral: evenly over the disc. Turns that follow each other lie far apart.
+            let place = (7 * turn % TURNS) as f64;
+            let (radius, angle) = (((place + 0.5) / TURNS as f64).sqrt(), place * 2.399_963_23);
+            let aside = WIDTH * radius * (angle.cos() * across + angle.sin() * upward);
+            match self {
+                Self::Directional(way) => Self::Directional((*way + aside).normalize()),
+                Self::Positional(at) => Self::Positional(*at + distance * aside),
+            }
+        })
+    }
+
+    /// The way from `point` to the light: a unit vector and the distance, infinite for a distant
+    /// light. At the light itself the vector is zero.
+    pub fn towards(&self, point: DVec3) -> (DVec3, f64) {
+        match self {
+            Self::Directional(direction) => (*direction, f64::INFINITY),
+            Self::Positional(at) => {
+                let way = *at - point;
+                (way.normalize_or_zero(), way.length())
+            }
+        }
+    }
+
+    /// The unit vectors from sixteen points to the light, zero at the light itself.
+    #[inline(always)]
+    pub(crate) fn all_towards<S: Simd>(
+        &self,
+        simd: S,
+        points: impl FnOnce() -> [Lanes<f64>; 3],
+    ) -> [f32x16<S>; 3] {
+        let at = match self {
+            Self::Directional(way) => {
+                let Vec3 { x, y, z } = way.as_vec3();
+                return [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)];
+            }
+            Self::Positional(at) => at,
+        };
+        let (points, mut ways) = (points(), [[f64x8::splat(simd, 0.0); 3]; 2]);
+        for (half, way) in ways.iter_mut().enumerate() {
+            for (axis, way) in way.iter_mut().enumerate() {
+                *way = at[axis] - f64x8::from_slice(simd, &points[axis][8 * half..8 * half + 8]);
+            }
+            let square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+            let scale = 1.0 / square.max(f64::MIN_POSITIVE).sqrt();
+            for way in way {
+                *way *= scale;
+            }
+        }
+        let [low, high] = ways;
+        [low[0].narrow(high[0]), low[1].narrow(high[1]), low[2].narrow(high[2])]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_trace::{Camera, Projection};
+
+    #[test]
+    fn the_default_light_stands_above_and_left_of_the_eye() {
+        let eye = DVec3::new(0.0, -5.0, 0.0);
+        let projection = Projection::Perspective { fov: 40.0 };
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
+        let (direction, distance) = Light::above_left(&camera.rays(2, 2)).towards(DVec3::ZERO);
+        assert!(direction.x < 0.0 && direction.y < 0.0 && direction.z > 0.0);
+        assert!((direction.length() - 1.0).abs() < 1e-12 && distance == f64::INFINITY);
+    }
+
+    #[test]
+    fn a_positional_light_is_approached() {
+        let light = Light::Positional(DVec3::new(0.0, 0.0, 4.0));
+        assert_eq!(light.towards(DVec3::Z), (DVec3::Z, 3.0));
+        assert_eq!(light.towards(DVec3::new(0.0, 0.0, 4.0)), (DVec3::ZERO, 0.0));
+    }
+}

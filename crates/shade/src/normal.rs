@@ -1,0 +1,433 @@
+//! Normals of painted points, asked for after the traversal and only where something is painted.
+//!
+//! Of an undecided pixel the gradient half a pixel before the painted point is asked: on a surface
+//! that f only touches there is none. A gradient that does not exist (NaN, infinite or zero: a
+//! crease, a cusp, the edge of the function's domain) is replaced by that a little farther along
+//! the ray, then by central differences over growing steps, and at last by the direction to the
+//! eye, so that a picture never holds a NaN. Before all that `f64` is asked, if the picture's
+//! precision allows it.
+
+mod gradients;
+
+use crate::shade::{Canvas, Seen};
+use glam::DVec3;
+use zeroset_eval::{Kernel, Kernels, LANES, Points, Real, Sample, SampleGradient};
+use zeroset_space::Ray;
+use zeroset_trace::GBuffer;
+use zeroset_trace::KernelStats;
+use zeroset_trace::RayGrid;
+use zeroset_trace::Rows;
+use zeroset_trace::painted::BAND;
+
+/// Which kernel answers for normals.
+#[derive(Clone, Copy)]
+pub enum NormalSource<'a, T: Real = f32> {
+    /// The exact derivative, rounded.
+    Gradient(&'a (dyn Kernel<SampleGradient, T> + 'a)),
+    /// The same, and in `f64` where `T` has none.
+    Refined {
+        /// Asked first.
+        kernel: &'a (dyn Kernel<SampleGradient, T> + 'a),
+        /// Has what is asked where the gradient is beyond the range of `T`.
+        double: &'a (dyn Kernels<f64> + 'a),
+        /// Whether that is asked of all points, since `T` places them too coarsely.
+        everywhere: bool,
+    },
+    /// Differences of the values one step to either side on each axis, as in Knoll et al. 2007.
+    Central(&'a (dyn Kernel<Sample, T> + 'a)),
+}
+
+/// Points for which other ways to a normal are tried together.
+const BATCH: usize = 256;
+
+/// Each failing step of the differences is followed by one this much longer.
+const STEP_GROWTH: f64 = 8.0;
+
+/// How many step lengths are tried.
+const STEPS: u32 = 3;
+
+/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint
+/// the near end of the segment that holds a root, and there the function may not yet be defined.
+const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
+
+/// Fills in the normal of each painted pixel that is not on a cap, towards f > 0. `step` is the
+/// reach of central differences in world units; a thousandth of the region's extent serves. Returns
+/// what was asked of the kernel.
+pub fn normals<T: Real>(
+    buffer: &mut GBuffer,
+    rays: &RayGrid,
+    source: NormalSource<'_, T>,
+    step: f64,
+) -> KernelStats {
+    buffer.each_rows(BAND, |mut rows| source.face(&mut rows, rays, step, None))
+}
+
+/// What is left of a ray behind the point that it paints, and the t that makes one step.
+struct Rest {
+    ray: Ray,
+    step: f64,
+}
+
+/// The normals of some rows.
+struct Normals<'a> {
+    /// Those of the picture; empty if it does not keep them.
+    kept: &'a mut [[f32; 3]],
+    /// Otherwise those that are needed until there are colors; empty as long as there are none.
+    own: Vec<[f32; 3]>,
+    pixels: usize,
+}
+
+impl Normals<'_> {
+    fn is_kept(&self) -> bool {
+        !self.kept.is_empty()
+    }
+
+    fn all(&mut self) -> &mut [[f32; 3]] {
+        if self.is_kept() {
+            return self.kept;
+        }
+        self.own.resize(self.pixels, [0.0; 3]);
+        &mut self.own
+    }
+}
+
+impl<T: Real> NormalSource<'_, T> {
+    /// As [`normals`], for some rows; and their colors, if there is somebody who wants them.
+    /// Normals that are not kept are found for colors only.
+    pub fn face(
+        &self,
+        rows: &mut Rows<'_>,
+        rays: &RayGrid,
+        step: f64,
+        mut canvas: Option<Canvas<'_>>,
+    ) -> KernelStats {
+        let mut work = KernelStats::default();
+        let start = rows.pixels().start;
+        let windows = rows.windows();
+        let (kept, columns) = rows.columns();
+        let seen = Seen { columns, paint: &[] };
+        let mut normals = Normals { kept, own: Vec::new(), pixels: seen.columns.drawn.len() };
+        let open = self.of_band(&seen, &mut normals, rays, &windows, canvas.as_mut(), &mut work);
+        let rest = |pixel: usize| {
+            let ray = rays.ray_of(start + pixel);
+            let t = ray.parameter(seen.columns.drawn[pixel]);
+            Rest { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
+        };
+        for open in open.chunks(BATCH) {
+            let rests: Vec<Rest> = open.iter().map(|&pixel| rest(pixel)).collect();
+            for (&pixel, found) in open.iter().zip(self.of_batch(&rests, step, &mut work)) {
+                normals.all()[pixel] = found;
+            }
+        }
+        if let Some(canvas) = canvas {
+            let normals = if canvas.left.is_empty() { &[][..] } else { normals.all() };
+            canvas.finish(&seen, normals);
+        }
+        work
+    }
+
+    fn of_batch(&self, rests: &[Rest], step: f64, work: &mut KernelStats) -> Vec<[f32; 3]> {
+        let points: Vec<DVec3> = rests.iter().map(|rest| rest.ray.origin).collect();
+        let mut normals = vec![None; points.len()];
+        if let Self::Refined { double, .. } = self
+            && let Ok(kernel) = double.gradients()
+        {
+            fill(&mut normals, |open| gradients(kernel, open.iter().map(|&k| points[k]), work));
+        }
+        if let Self::Gradient(kernel) | Self::Refined { kernel, .. } = self {
+            for ahead in AHEAD {
+                let point = |k: usize| rests[k].ray.at(ahead * rests[k].step);
+                fill(&mut normals, |open| gradients(*kernel, open.iter().map(|&k| point(k)), work));
+            }
+        }
+        let mut reach = step;
+        for _ in 0..STEPS {
+            fill(&mut normals, |open| {
+                self.differences(open.iter().map(|&k| points[k]), reach, work)
+            });
+            reach *= STEP_GROWTH;
+        }
+        let before: Vec<DVec3> = rests.iter().map(|rest| rest.ray.at(-rest.step)).collect();
+        let unresolved = normals.iter().any(Option::is_none);
+        let values = if unresolved { self.sample(&before, work) } else { Vec::new() };
+        normals
+            .into_iter()
+            .enumerate()
+            .map(|(k, normal)| {
+                normal.unwrap_or_else(|| {
+                    let towards_eye = -rests[k].ray.direction.normalize().as_vec3();
+                    (if values[k] < T::default() { -towards_eye } else { towards_eye }).to_array()
+                })
+            })
+            .collect()
+    }
+
+    /// Twice the step times the gradient, by differences; one-sided where the function is undefined
+    /// on the other side, and 0 where it is on both.
+    fn differences(
+        &self,
+        points: impl Iterator<Item = DVec3>,
+        step: f64,
+        work: &mut KernelStats,
+    ) -> Vec<DVec3> {
+        // Seven samples per point: itself, then a pair for each axis.
+        let stencil: Vec<DVec3> = points
+            .flat_map(|p| {
+                let pair = move |axis: DVec3| [p + axis * step, p - axis * step];
+                std::iter::once(p).chain(DVec3::AXES.into_iter().flat_map(pair))
+            })
+            .collect();
+        let slope = |here: T, ahead: T, behind: T| {
+            let (here, ahead, behind) = (here.into(), ahead.into(), behind.into());
+            match (ahead.is_finite(), behind.is_finite()) {
+                (true, true) => ahead - behind,
+                (true, false) if here.is_finite() => 2.0 * (ahead - here),
+                (false, true) if here.is_finite() => 2.0 * (here - behind),
+                _ => 0.0,
+            }
+        };
+        self.sample(&stencil, work)
+            .chunks_exact(7)
+            .map(|v| {
+                DVec3::new(
+                    slope(v[0], v[1], v[2]),
+                    slope(v[0], v[3], v[4]),
+                    slope(v[0], v[5], v[6]),
+                )
+            })
+            .collect()
+    }
+
+    fn sample(&self, points: &[DVec3], work: &mut KernelStats) -> Vec<T> {
+        let batches = Points::near(points);
+        let (values, count): (Vec<_>, _) = match self {
+            Self::Gradient(kernel) | Self::Refined { kernel, .. } => (
+                kernel.eval_all(&batches).iter().flat_map(|out| *out.value).collect(),
+                &mut work.gradient,
+            ),
+            Self::Central(kernel) => (
+                kernel.eval_all(&batches).iter().flat_map(|out| *out.value).collect(),
+                &mut work.point,
+            ),
+        };
+        for batch in &batches {
+            count.called(batch.count);
+        }
+        values
+    }
+}
+
+/// Asks `vectors` for the directions of the points that have none yet, by their places.
+fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<DVec3>) {
+    let open: Vec<usize> = (0..normals.len()).filter(|&k| normals[k].is_none()).collect();
+    if !open.is_empty() {
+        for (&k, vector) in open.iter().zip(vectors(&open)) {
+            normals[k] = unit(vector);
+        }
+    }
+}
+
+fn gradients<T: Real>(
+    kernel: &dyn Kernel<SampleGradient, T>,
+    points: impl Iterator<Item = DVec3>,
+    work: &mut KernelStats,
+) -> Vec<DVec3> {
+    let points: Vec<DVec3> = points.collect();
+    let batches = Points::near(&points);
+    for batch in &batches {
+        work.gradient.called(batch.count);
+    }
+    let out = kernel.eval_all(&batches);
+    (0..points.len())
+        .map(|k| {
+            let gradient = out[k / LANES].gradient.each_ref();
+            DVec3::from_array(gradient.map(|axis| axis[k % LANES].into()))
+        })
+        .collect()
+}
+
+/// The vector at length 1, or `None` if it has no direction.
+fn unit(vector: DVec3) -> Option<[f32; 3]> {
+    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the
+    // direction.
+    let largest = vector.abs().max_element();
+    if !vector.is_finite() || largest == 0.0 {
+        return None;
+    }
+    Some((vector / largest).normalize().as_vec3().to_array())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_eval::{Gradients, Lanes, Values};
+    use zeroset_trace::Status;
+    use zeroset_trace::{Camera, Projection};
+
+    /// A function of a point with values and, optionally, gradients.
+    struct Plain<F, G>(F, G);
+
+    fn at(points: &Points, lane: usize) -> [f32; 3] {
+        [0, 1, 2].map(|axis| points.at[axis][lane])
+    }
+
+    impl<F, G> Kernel<Sample> for Plain<F, G>
+    where
+        F: Fn([f32; 3]) -> f32 + Send + Sync,
+        G: Send + Sync,
+    {
+        fn eval(&self, points: &Points, out: &mut Values) {
+            for lane in 0..LANES {
+                out.value[lane] = self.0(at(points, lane));
+            }
+        }
+    }
+
+    impl<F, G> Kernel<SampleGradient> for Plain<F, G>
+    where
+        F: Fn([f32; 3]) -> f32 + Send + Sync,
+        G: Fn([f32; 3]) -> [f32; 3] + Send + Sync,
+    {
+        fn eval(&self, points: &Points, out: &mut Gradients) {
+            for lane in 0..LANES {
+                out.value[lane] = self.0(at(points, lane));
+                for (axis, slope) in self.1(at(points, lane)).into_iter().enumerate() {
+                    out.gradient[axis][lane] = slope;
+                }
+            }
+        }
+    }
+
+    /// One pixel that looks along +y from (0, −5, 0) at a point 4 away: (0, −1, 0).
+    fn normal_of(source: NormalSource<'_>) -> [f32; 3] {
+        let projection = Projection::Perspective { fov: 40.0 };
+        let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+        let mut buffer = GBuffer::new(1, 1, 0);
+        (buffer.status[0], buffer.drawn[0]) = (Status::Hit, 4.0);
+        normals(&mut buffer, &camera.expect("valid").rays(1, 1), source, 1e-3);
+        buffer.normal[0]
+    }
+
+    fn near(a: [f32; 3], b: [f32; 3]) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-3)
+    }
+
+    #[test]
+    fn gradients_and_differences_agree_on_a_sphere() {
+        let value = |[x, y, z]: [f32; 3]| x * x + y * y + z * z - 1.0;
+        let sphere = Plain(value, |p: [f32; 3]| p.map(|c| 2.0 * c));
+        assert!(near(normal_of(NormalSource::Gradient(&sphere)), [0.0, -1.0, 0.0]));
+        assert!(near(normal_of(NormalSource::Central(&sphere)), [0.0, -1.0, 0.0]));
+    }
+
+    #[test]
+    fn a_missing_gradient_is_replaced_by_differences() {
+        for broken in [f32::NAN, 0.0, f32::INFINITY] {
+            let kernel = Plain(|[x, y, _]: [f32; 3]| x - y, move |_: [f32; 3]| [broken; 3]);
+            let half = std::f32::consts::FRAC_1_SQRT_2;
+            assert!(near(normal_of(NormalSource::Gradient(&kernel)), [half, -half, 0.0]));
+        }
+    }
+
+    #[test]
+    fn a_gradient_just_behind_the_painted_point_serves() {
+        // Defined from half a step behind the point on: y > −0.9995.
+        let edge = |[_, y, _]: [f32; 3]| {
+            if y > -0.9996 { [1.0, 0.0, 0.0] } else { [f32::NAN; 3] }
+        };
+        let kernel = Plain(|_: [f32; 3]| f32::NAN, edge);
+        assert!(near(normal_of(NormalSource::Gradient(&kernel)), [1.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn beyond_the_edge_of_the_domain_one_sided_differences_serve() {
+        // Undefined for y > −1, the very point painted.
+        let edge = |[_, y, z]: [f32; 3]| if y > -1.0 { f32::NAN } else { y + z };
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let normal = normal_of(NormalSource::Central(&Plain(edge, ())));
+        assert!(near(normal, [0.0, half, half]), "{normal:?}");
+    }
+
+    #[test]
+    fn with_nothing_to_go_by_the_normal_faces_the_side_that_is_seen() {
+        let undefined = Plain(|_: [f32; 3]| f32::NAN, ());
+        assert!(near(normal_of(NormalSource::Central(&undefined)), [0.0, -1.0, 0.0]));
+        let negative = Plain(|_: [f32; 3]| -1.0, ());
+        assert!(near(normal_of(NormalSource::Central(&negative)), [0.0, 1.0, 0.0]));
+    }
+
+    #[test]
+    fn huge_gradients_keep_their_direction() {
+        let steep = Plain(|_: [f32; 3]| 0.0, |_: [f32; 3]| [0.0, f32::MAX, f32::MAX]);
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        assert!(near(normal_of(NormalSource::Gradient(&steep)), [0.0, half, half]));
+    }
+
+    #[test]
+    fn tiny_gradients_keep_their_direction() {
+        for size in [1e-20, 1e-40] {
+            let flat = Plain(|_: [f32; 3]| 0.0, move |_: [f32; 3]| [0.0, size, size]);
+            let half = std::f32::consts::FRAC_1_SQRT_2;
+            assert!(near(normal_of(NormalSource::Gradient(&flat)), [0.0, half, half]), "{size}");
+        }
+    }
+
+    /// A gradient of any size along x + 2y + 3z in `f64`.
+    struct Steep(f64);
+
+    impl Kernel<SampleGradient, f64> for Steep {
+        fn eval(&self, _: &Points<f64>, out: &mut Gradients<f64>) {
+            out.gradient = [1.0, 2.0, 3.0].map(|slope| Lanes::splat(slope * self.0));
+        }
+    }
+
+    /// An orthographic picture painted in two pixels of three, seen along +y, with x from −4 to 4.
+    fn striped() -> (GBuffer, RayGrid) {
+        let projection = Projection::Orthographic { height: 2.0 };
+        let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+        let mut buffer = GBuffer::new(80, 20, 0);
+        for pixel in (0..80 * 20).filter(|pixel| pixel % 3 != 0) {
+            (buffer.status[pixel], buffer.drawn[pixel]) = (Status::Hit, 5.0);
+        }
+        (buffer, camera.expect("valid").rays(80, 20))
+    }
+
+    #[test]
+    fn gradients_beyond_f32_have_directions() {
+        for size in [1e-300, 1e-40, 1.0, 1e40, 1e300] {
+            let (mut buffer, rays) = striped();
+            let kernel = Steep(size);
+            normals(&mut buffer, &rays, NormalSource::Gradient(&kernel), 1e-3);
+            let unit = [1.0, 2.0, 3.0].map(|slope: f32| slope / 14.0_f32.sqrt());
+            for pixel in (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)) {
+                assert!(near(buffer.normal[pixel], unit), "{size} {pixel}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_pixel_has_its_own_normal_whatever_its_neighbours_have() {
+        // No gradient right of x = 1, and caps left of x = −2, which have theirs.
+        let gradient = |[x, _, z]: [f32; 3]| if x > 1.0 { [f32::NAN; 3] } else { [x, 0.0, z] };
+        let kernel = Plain(|[x, _, _]: [f32; 3]| x, gradient);
+        let (mut buffer, rays) = striped();
+        let middle = |pixel: usize| rays.ray_of(pixel).origin.as_vec3();
+        buffer.keep_caps();
+        for pixel in (0..buffer.drawn.len()).filter(|&pixel| middle(pixel).x < -2.0) {
+            (buffer.normal[pixel], buffer.cap[pixel]) = ([0.0, 1.0, 0.0], true);
+        }
+        let work = normals(&mut buffer, &rays, NormalSource::Gradient(&kernel), 1e-3);
+        assert!(work.gradient.lanes > 0);
+        for pixel in (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)) {
+            let at = middle(pixel);
+            let expected = if at.x < -2.0 {
+                [0.0, 1.0, 0.0]
+            } else if at.x > 1.0 {
+                [1.0, 0.0, 0.0]
+            } else {
+                (at * glam::Vec3::new(1.0, 0.0, 1.0)).normalize().to_array()
+            };
+            assert!(near(buffer.normal[pixel], expected), "{at} {:?}", buffer.normal[pixel]);
+        }
+    }
+}

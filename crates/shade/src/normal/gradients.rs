@@ -1,0 +1,216 @@
+//! Normals from gradients, sixteen pixels of a window at a time; and their colors while they are
+//! in registers.
+
+use super::{NormalSource, Normals};
+use crate::shade::{Canvas, Faced, Seen};
+use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
+use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
+use zeroset_interval::Format;
+use zeroset_trace::KernelStats;
+use zeroset_trace::Status;
+use zeroset_trace::painted::{Window, bits};
+use zeroset_trace::{RayGrid, Ways};
+
+/// Windows that are dealt with together, step by step: a kernel sets the rounding mode, which waits
+/// for all arithmetic before it, and what it wrote is slow to read at once.
+const TOGETHER: usize = 8;
+
+impl<T: Real> NormalSource<'_, T> {
+    /// Sets the normals of some rows where the gradient exists, but those of caps, which have
+    /// theirs; returns where it does not. A window of which all are found is put on the canvas.
+    pub(super) fn of_band(
+        &self,
+        seen: &Seen<'_>,
+        normals: &mut Normals<'_>,
+        rays: &RayGrid,
+        windows: &[Window],
+        canvas: Option<&mut Canvas<'_>>,
+        work: &mut KernelStats,
+    ) -> Vec<usize> {
+        if let Self::Refined { double, everywhere: true, .. } = self
+            && let Ok(kernel) = double.gradients()
+        {
+            return Band { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
+                .found(windows);
+        }
+        if let Self::Gradient(kernel) | Self::Refined { kernel, .. } = *self {
+            return Band { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
+                .found(windows);
+        }
+        if let Some(canvas) = canvas {
+            canvas.left.extend(windows);
+        }
+        let is_faced = |pixel: &usize| !seen.columns.cap.get(*pixel).is_some_and(|cap| *cap);
+        windows.iter().flat_map(|window| window.pixels()).filter(is_faced).collect()
+    }
+}
+
+/// Some rows that get their normals.
+struct Band<'a, 'c, 'n, T: Real> {
+    kernel: &'a dyn Kernel<SampleGradient, T>,
+    rays: &'a RayGrid,
+    /// All that is known of the rows but their normals.
+    seen: &'a Seen<'a>,
+    normals: &'a mut Normals<'n>,
+    canvas: Option<&'a mut Canvas<'c>>,
+    /// Pixels without a gradient.
+    open: Vec<usize>,
+    work: &'a mut KernelStats,
+}
+
+impl<T: Real> Band<'_, '_, '_, T> {
+    /// Finds what can be found; returns the pixels without a gradient.
+    fn found(mut self, windows: &[Window]) -> Vec<usize> {
+        dispatch!(Level::new(), simd => self.face(simd, windows));
+        self.open
+    }
+
+    #[inline(always)]
+    fn face<S: Simd>(&mut self, simd: S, windows: &[Window]) {
+        let mut points: [Points<T>; TOGETHER] = Default::default();
+        let mut gradients: [Gradients<T>; TOGETHER] = Default::default();
+        let zero = [f32x16::splat(simd, 0.0); 3];
+        let mut eyes = [zero; TOGETHER];
+        for some in windows.chunks(TOGETHER) {
+            // What is not on a cap.
+            let mut open = [0; TOGETHER];
+            for (k, (&window, to_eye)) in some.iter().zip(&mut eyes).enumerate() {
+                let ways = self.rays.ways(simd, window);
+                *to_eye = ways.to_eye;
+                open[k] = window.wanted & !self.caps(window);
+                let window = Window { wanted: open[k], ..window };
+                if window.wanted != 0 {
+                    self.place(simd, window, &ways, &mut points[k]);
+                }
+            }
+            for (k, wanted) in open.into_iter().enumerate().take(some.len()) {
+                if wanted != 0 {
+                    self.work.gradient.called(wanted.count_ones());
+                    self.kernel.eval(&points[k], &mut gradients[k]);
+                }
+            }
+            for (k, (&window, &to_eye)) in some.iter().zip(&eyes).enumerate() {
+                let (mut units, mut found) = (zero, 0);
+                if open[k] != 0 {
+                    (units, found) = self::units(simd, &gradients[k].gradient);
+                    found &= open[k];
+                }
+                self.finish(simd, window, open[k], (to_eye, units), found);
+            }
+        }
+    }
+
+    /// The lanes of a window that are on a cap.
+    #[inline(always)]
+    fn caps(&self, window: Window) -> u32 {
+        if self.seen.columns.cap.is_empty() {
+            return 0;
+        }
+        let cap = *window.load(self.seen.columns.cap, &mut [false; LANES]);
+        bits(|lane| cap[lane])
+    }
+
+    /// Keeps the normals that were `found` of those that are `open`, or puts the window on the
+    /// canvas if all were.
+    #[inline(always)]
+    fn finish<S: Simd>(&mut self, simd: S, window: Window, open: u32, faced: Faced<S>, found: u32) {
+        let is_faced = found == window.wanted;
+        // Those of a window that is painted at once are needed nowhere else.
+        if open != 0 && (self.normals.is_kept() || !is_faced) {
+            store(&faced.1, Window { wanted: found, ..window }, self.normals.all());
+        }
+        if found != open {
+            let missing = Window { wanted: open & !found, ..window };
+            self.open.extend(missing.pixels());
+        }
+        if let Some(canvas) = &mut self.canvas {
+            if is_faced {
+                canvas.paint(simd, self.seen, window, faced);
+            } else {
+                canvas.left.push(window);
+            }
+        }
+    }
+
+    /// Writes the points at which gradients are asked for.
+    #[inline(always)]
+    fn place<S: Simd>(&self, simd: S, window: Window, ways: &Ways<S>, points: &mut Points<T>) {
+        let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
+        let status = window.load(self.seen.columns.status, &mut spare.0);
+        let mut distances = window.load(self.seen.columns.drawn, &mut spare.1);
+        let moved;
+        let is_open = |status: &Status| u8::from(*status == Status::Undecided);
+        // All at once.
+        if status.iter().map(is_open).max() == Some(1) {
+            moved = before(self.rays, status, *distances);
+            distances = &moved;
+        }
+        match T::FORMAT {
+            Format::F32 => write(&self.rays.points_along(simd, ways, distances), points),
+            Format::F64 => write(&self.rays.points(simd, window, distances), points),
+        }
+        points.count = window.count();
+    }
+}
+
+/// Writes coordinates as the floats next to them.
+#[inline(always)]
+fn write<F: Real, T: Real>(at: &[Lanes<F>; 3], points: &mut Points<T>) {
+    for (coordinates, at) in points.at.iter_mut().zip(at) {
+        for (coordinate, &at) in coordinates.iter_mut().zip(&at.0) {
+            *coordinate = T::nearest(at.into());
+        }
+    }
+}
+
+/// Moves undecided points half a pixel towards the eye. Mostly f touches 0 there: at such a point
+/// the gradient is nothing but rounding, and close before it it is not.
+fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES]) -> [f64; LANES] {
+    for (distance, status) in distances.iter_mut().zip(status) {
+        if *status == Status::Undecided {
+            *distance = (*distance - 0.5 * rays.footprint(*distance)).max(0.5 * *distance);
+        }
+    }
+    distances
+}
+
+/// The vectors at length 1, and the lanes in which that was found: not where a vector has no
+/// direction, nor where its largest component is near the ends of what `f32` has.
+#[inline(always)]
+fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3], u32) {
+    /// The bits of a float that are its exponent.
+    const EXPONENT: u32 = 0xff << 23;
+    let mut vector = [f32x16::splat(simd, 0.0); 3];
+    for (component, lanes) in vector.iter_mut().zip(vectors) {
+        let mut narrow = [0.0; LANES];
+        (0..LANES).for_each(|lane| narrow[lane] = lanes[lane].into() as f32);
+        *component = f32x16::simd_from(simd, narrow);
+    }
+    let [x, y, z] = vector;
+    // Where one is not a number, so is the square of the length.
+    let largest = x.abs().max(y.abs()).max(z.abs());
+    // Steep gradients overflow when squared: a power of two brings the largest component within [1,
+    // 2).
+    let exponent: u32x16<S> = largest.to_bits() & EXPONENT;
+    let scale = f32x16::from_bits(u32x16::splat(simd, 254 << 23) - exponent);
+    let [x, y, z] = [x * scale, y * scale, z * scale];
+    let square = z.mul_add(z, y.mul_add(y, x * x));
+    let scale = 1.0 / square.sqrt();
+    // Not so for NaN, nor where the power is none.
+    let found = square.simd_ge(1.0) & square.simd_le(12.0);
+    ([x * scale, y * scale, z * scale], found.to_bitmask() as u32)
+}
+
+/// Writes a window's vectors.
+#[inline(always)]
+fn store<S: Simd>(units: &[f32x16<S>; 3], window: Window, all: &mut [[f32; 3]]) {
+    let mut axes = [[0.0; LANES]; 3];
+    for (lanes, unit) in axes.iter_mut().zip(units) {
+        unit.store_slice(lanes);
+    }
+    let mut vectors = [[0.0; 3]; LANES];
+    for (lane, vector) in vectors.iter_mut().enumerate() {
+        *vector = [axes[0][lane], axes[1][lane], axes[2][lane]];
+    }
+    window.store(vectors, all);
+}

@@ -1,0 +1,138 @@
+//! Several rays through a pixel, and the mean of what they show.
+
+use crate::color::LinearRgb;
+use glam::Vec3;
+use zeroset_trace::SIDE;
+
+/// Where rays go through a pixel that is cut into columns and rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pattern {
+    /// Columns and rows of a pixel.
+    pub side: usize,
+    /// Those that have a ray, by column and row; `None` if all have.
+    places: Option<&'static [[usize; 2]]>,
+}
+
+/// Four rays, one in each column and each row, so that no edge that is nearly upright or level
+/// meets two at once.
+const FOUR: [[usize; 2]; 4] = [[1, 0], [3, 1], [0, 2], [2, 3]];
+
+impl Pattern {
+    /// The ray through the centre.
+    pub const ONE: Self = Self { side: 1, places: None };
+
+    /// How many rays there may be.
+    pub const COUNTS: [usize; 4] = [1, 4, 16, 64];
+
+    /// That of so many rays; `None` if there is none.
+    pub fn of(count: usize) -> Option<Self> {
+        let (side, places): (_, Option<&'static [[usize; 2]]>) = match count {
+            1 => (1, None),
+            4 => (4, Some(&FOUR)),
+            16 => (4, None),
+            64 => (8, None),
+            _ => return None,
+        };
+        Some(Self { side, places })
+    }
+
+    /// How many rays it has.
+    pub fn count(&self) -> usize {
+        self.places.map_or(self.side * self.side, <[_]>::len)
+    }
+
+    /// Whether there is a ray in every place.
+    pub fn is_full(&self) -> bool {
+        self.places.is_none()
+    }
+
+    /// The patches of a finer picture that a pixel consists of, by the columns and rows that lie
+    /// before them.
+    ///
+    /// # Panics
+    /// Unless there are several rays.
+    pub fn patches(&self) -> impl Iterator<Item = [usize; 2]> {
+        assert!(self.side >= SIDE, "a pixel is a patch or several");
+        let across = self.side / SIDE;
+        (0..across * across).map(move |n| [n % across, n / across].map(|place| SIDE * place))
+    }
+
+    /// Which places of a pixel have a ray: patch by patch, and row by row in each.
+    pub fn rays(&self) -> Vec<bool> {
+        let mut rays = vec![self.is_full(); self.side * self.side];
+        for [column, row] in self.places.unwrap_or_default() {
+            rays[row * SIDE + column] = true;
+        }
+        rays
+    }
+
+    /// The mean light of a pixel's rays as sRGB bytes, given those of its places as
+    /// [`Pattern::rays`] tells of them.
+    ///
+    /// # Panics
+    /// If there are not as many places.
+    pub fn mean(&self, bytes: &[[u8; 3]]) -> [u8; 3] {
+        assert_eq!(bytes.len(), self.side * self.side, "all places of one pixel");
+        let light = |bytes: [u8; 3]| Vec3::from_array(LinearRgb::from_srgb(bytes).0);
+        let sum: Vec3 = match self.places {
+            None => bytes.iter().copied().map(light).sum(),
+            Some(places) => {
+                places.iter().map(|[column, row]| light(bytes[row * SIDE + column])).sum()
+            }
+        };
+        LinearRgb((sum / self.count() as f32).to_array()).to_srgb()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use zeroset_eval::LANES;
+
+    #[test]
+    fn rays_are_spread_over_columns_and_rows() {
+        for count in Pattern::COUNTS {
+            let pattern = Pattern::of(count).expect("listed");
+            let all = |n: usize| [n % pattern.side, n / pattern.side];
+            let places =
+                pattern.places.map_or_else(|| (0..count).map(all).collect(), <[_]>::to_vec);
+            assert_eq!((places.len(), pattern.count()), (count, count));
+            for axis in 0..2 {
+                let mut seen = vec![0; pattern.side];
+                for place in &places {
+                    seen[place[axis]] += 1;
+                }
+                assert!(
+                    seen.iter().all(|&times| times == count / pattern.side),
+                    "{count}: {seen:?}"
+                );
+            }
+            if count > 1 {
+                assert_eq!(pattern.rays().iter().filter(|ray| **ray).count(), count);
+            }
+        }
+        assert_eq!(Pattern::of(3), None);
+    }
+
+    #[test]
+    fn means_are_of_light() {
+        for count in Pattern::COUNTS.into_iter().skip(1) {
+            let pattern = Pattern::of(count).expect("listed");
+            let corners: Vec<[usize; 2]> = pattern.patches().collect();
+            let mean = |is_white: &dyn Fn([usize; 2]) -> bool| {
+                let of_patch = |[x, y]: &[usize; 2]| {
+                    let place = |n: usize| [x + n % SIDE, y + n / SIDE];
+                    let bytes =
+                        (0..LANES).map(place).map(|at| [if is_white(at) { 255 } else { 0 }; 3]);
+                    bytes.collect::<Vec<_>>()
+                };
+                pattern.mean(&corners.iter().flat_map(of_patch).collect::<Vec<_>>())
+            };
+            let half = pattern.side / 2;
+            let found = [mean(&|_| true), mean(&|_| false), mean(&|[x, _]| x < half)];
+            // What a ray in every row and column sees of the left half is half, which is code 188.
+            assert_eq!(found, [[255; 3], [0; 3], [188; 3]], "{count}");
+            assert_eq!(mean(&|[_, y]| y < half), [188; 3]);
+        }
+    }
+}

@@ -1,0 +1,334 @@
+//! Sixteen pixels of a window at a time, from what is known of them to bytes.
+
+use super::lanes::{by_axis, dot, left, shine, splat, toned};
+use super::{Appearance, Paint, SurfaceColors, UndecidedStyle};
+use crate::color::{BLACK, Codes, LinearRgb};
+use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
+use glam::Vec3;
+use zeroset_eval::{LANES, Lanes};
+use zeroset_trace::Columns;
+use zeroset_trace::RayGrid;
+use zeroset_trace::Status;
+use zeroset_trace::painted::{FULL, Window, bits};
+
+/// Distance of the stripes of a hatch, and their width, in pixels along a row.
+const HATCH_PERIOD: usize = 6;
+const HATCH_WIDTH: usize = 2;
+
+/// How much darker a line makes what it covers.
+const INK: f32 = 0.8;
+
+/// Marks undecided pixels under [`UndecidedStyle::Tint`]: no hue of the default pairs.
+const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
+
+/// What all of a picture is lit by.
+pub struct Shader<'a> {
+    rays: &'a RayGrid,
+    appearance: &'a Appearance,
+    palette: Vec<SurfaceColors>,
+    lamps: Lamps,
+    codes: &'static Codes,
+    /// A row of background.
+    row: Vec<u8>,
+    level: Level,
+}
+
+impl<'a> Shader<'a> {
+    /// For a picture along these rays.
+    pub fn new(rays: &'a RayGrid, appearance: &'a Appearance) -> Self {
+        Self {
+            rays,
+            appearance,
+            palette: appearance.palette(),
+            lamps: Lamps::new(rays),
+            codes: Codes::get(),
+            row: appearance.background.to_srgb().repeat(rays.width()),
+            level: Level::new(),
+        }
+    }
+
+    /// The same with such vectors.
+    pub(super) fn with(self, level: Level) -> Self {
+        Self { level, ..self }
+    }
+
+    /// A canvas for the colors of some rows: three bytes a pixel, which are of background first.
+    pub fn canvas<'b>(&'b self, bytes: &'b mut [u8]) -> Canvas<'b> {
+        bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
+        Canvas { shader: self, bytes: bytes.as_chunks_mut().0, left: Vec::new() }
+    }
+}
+
+/// The colors of some rows, while they are computed.
+pub struct Canvas<'a> {
+    shader: &'a Shader<'a>,
+    bytes: &'a mut [[u8; 3]],
+    /// Windows that wait for normals.
+    pub(crate) left: Vec<Window>,
+}
+
+impl Canvas<'_> {
+    /// Paints a window whose normals are known.
+    #[inline(always)]
+    pub(crate) fn paint<S: Simd>(
+        &mut self,
+        simd: S,
+        seen: &Seen<'_>,
+        window: Window,
+        faced: Faced<S>,
+    ) {
+        self.shader.paint(simd, seen, window, Some(faced), self.bytes);
+    }
+
+    /// Paints what is left, now that there are normals.
+    pub(crate) fn finish(mut self, seen: &Seen<'_>, normals: &[[f32; 3]]) {
+        let left = std::mem::take(&mut self.left);
+        self.windows(
+            &Seen { columns: Columns { normal: normals, ..seen.columns }, ..*seen },
+            &left,
+        );
+    }
+
+    /// Paints windows.
+    pub(super) fn windows(&mut self, seen: &Seen<'_>, windows: &[Window]) {
+        let Self { shader, bytes, .. } = self;
+        dispatch!(shader.level, simd => {
+            for &window in windows {
+                shader.paint(simd, seen, window, None, bytes);
+            }
+        });
+    }
+}
+
+/// The columns of some rows, and the paint of their points.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    pub columns: Columns<'a>,
+    /// Empty if all points have their surface's color.
+    pub paint: &'a [Paint],
+}
+
+/// The unit vectors of a window's pixels to the eye, and normals.
+pub(crate) type Faced<S> = ([f32x16<S>; 3], [f32x16<S>; 3]);
+
+/// What a window's pixels have that those of most windows have not.
+struct Own {
+    /// How much of the light is hidden, 255 being all.
+    shadow: Lanes<u8>,
+    occlusion: Lanes<u8>,
+    /// Lanes on a face that cuts a solid open, as bits.
+    cuts: u32,
+    /// [`Paint`], by primary.
+    base: [Lanes<f32>; 3],
+    ink: Lanes<f32>,
+    /// What is left of the light of undecided pixels, and the share of the tint.
+    marks: [Lanes<f32>; 2],
+}
+
+impl Own {
+    const NONE: Self = Self {
+        shadow: Lanes([0; LANES]),
+        occlusion: Lanes([0; LANES]),
+        cuts: 0,
+        base: [Lanes([f32::NAN; LANES]); 3],
+        ink: Lanes([0.0; LANES]),
+        marks: [Lanes([1.0; LANES]), Lanes([0.0; LANES])],
+    };
+
+    /// `None` if a window has nothing of all that.
+    #[inline]
+    fn of(seen: &Seen<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Option<Self> {
+        let Seen { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
+        let is_plain = marks.is_none()
+            && paint.is_empty()
+            && (cap.is_empty() || *window.load(cap, &mut [false; LANES]) == [false; LANES])
+            && [shadow, occlusion].into_iter().all(|hidden| {
+                hidden.is_empty() || *window.load(hidden, &mut [0; LANES]) == [0; LANES]
+            });
+        (!is_plain).then(|| Self::all(seen, window, marks))
+    }
+
+    #[inline(never)]
+    fn all(seen: &Seen<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Self {
+        let Seen { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
+        let (mut is_cap, mut paints) = ([false; LANES], [Paint::NONE; LANES]);
+        let (is_cap, paints) = (window.load(cap, &mut is_cap), window.load(paint, &mut paints));
+        Self {
+            shadow: Lanes(*window.load(shadow, &mut [0; LANES])),
+            occlusion: Lanes(*window.load(occlusion, &mut [0; LANES])),
+            cuts: bits(|lane| is_cap[lane]),
+            base: [0, 1, 2].map(|primary| Lanes(paints.map(|paint| paint.base.0[primary]))),
+            ink: Lanes(paints.map(|paint| paint.ink)),
+            marks: marks.unwrap_or(Self::NONE.marks),
+        }
+    }
+}
+
+/// Directions, of length 1, towards the lights that move with the camera.
+#[derive(Clone, Copy)]
+struct Lamps {
+    above: Vec3,
+    fill: Vec3,
+    rim: Vec3,
+}
+
+impl Lamps {
+    fn new(rays: &RayGrid) -> Self {
+        let [forward, right, up] = [rays.forward(), rays.right(), rays.up()];
+        let fill = -forward + 1.1 * right - 0.2 * up;
+        let rim = 0.6 * forward + 0.5 * right + up;
+        Self {
+            above: up.as_vec3(),
+            fill: fill.normalize().as_vec3(),
+            rim: rim.normalize().as_vec3(),
+        }
+    }
+}
+
+impl Shader<'_> {
+    /// Writes the bytes of a window's pixels. Where their normals are not given, `seen` has them.
+    #[inline(always)]
+    fn paint<S: Simd>(
+        &self,
+        simd: S,
+        seen: &Seen<'_>,
+        mut window: Window,
+        faced: Option<Faced<S>>,
+        bytes: &mut [[u8; 3]],
+    ) {
+        let mut status = [Status::Miss; LANES];
+        let status = window.load(seen.columns.status, &mut status);
+        let mut numbers = [0; LANES];
+        for (number, &status) in numbers.iter_mut().zip(status) {
+            *number = status as u8;
+        }
+        let numbers = u8x16::simd_from(simd, numbers);
+        let undecided = numbers.simd_eq(Status::Undecided as u8).to_bitmask() as u32;
+        let marks = match self.appearance.undecided {
+            _ if undecided == 0 => None,
+            UndecidedStyle::Shade => None,
+            UndecidedStyle::Miss => {
+                window.wanted &= !undecided;
+                None
+            }
+            UndecidedStyle::Hatch | UndecidedStyle::Tint => {
+                Some(self.marks(Window { wanted: undecided, ..window }))
+            }
+        };
+        let mut surface = [seen.columns.surface.all; LANES];
+        let surface = window.load(seen.columns.surface.each, &mut surface);
+        // One surface after another: most windows have one.
+        while window.wanted != 0 {
+            let first = window.wanted.trailing_zeros() as usize % LANES;
+            let differ = surface.iter().fold(0, |any, number| any | (number ^ surface[first]));
+            let of_surface =
+                if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
+            let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
+            // Mostly once: before the loop it takes longer.
+            let own = Own::of(seen, window, marks);
+            let amounts = match &own {
+                None => self.light::<S, false>(simd, seen, window, faced, colors, &Own::NONE),
+                Some(own) => self.light::<S, true>(simd, seen, window, faced, colors, own),
+            };
+            let colors = self.codes.bytes(simd, amounts);
+            Window { wanted: window.wanted & of_surface, ..window }.store_colors(&colors, bytes);
+            window.wanted &= !of_surface;
+        }
+    }
+
+    /// How undecided pixels are marked: what is left of their own light, and the share of the tint.
+    fn marks(&self, undecided: Window) -> [Lanes<f32>; 2] {
+        let [mut left, mut tint] = [1.0, 0.0].map(Lanes::splat);
+        let diagonal = undecided.column + undecided.row + self.rays.corner.iter().sum::<usize>();
+        for lane in undecided.lanes() {
+            if self.appearance.undecided == UndecidedStyle::Tint {
+                (left[lane], tint[lane]) = (0.5, 0.5);
+            } else if (diagonal + lane) % HATCH_PERIOD < HATCH_WIDTH {
+                left[lane] = 0.25;
+            }
+        }
+        [left, tint]
+    }
+
+    /// The light that a window's pixels send to the eye, by primary, clamped to what the codes
+    /// know. Twice in the program, since most windows have nothing `OWN`.
+    #[inline(always)]
+    fn light<S: Simd, const OWN: bool>(
+        &self,
+        simd: S,
+        seen: &Seen<'_>,
+        window: Window,
+        faced: Option<Faced<S>>,
+        colors: &SurfaceColors,
+        own: &Own,
+    ) -> [f32x16<S>; 3] {
+        let Self { rays, appearance, lamps, .. } = *self;
+        let Appearance { look, ambient: everywhere, .. } = appearance;
+        let light = appearance.light.all_towards(
+            simd,
+            #[inline(always)]
+            || rays.points(simd, window, window.load(seen.columns.drawn, &mut [0.0; LANES])),
+        );
+        // No closure deals with vectors: it would be compiled apart, for narrower ones.
+        let one = f32x16::splat(simd, 1.0);
+        let (eye, normal) = if let Some(faced) = faced {
+            faced
+        } else {
+            let normal = by_axis(simd, window.load(seen.columns.normal, &mut [[0.0; 3]; LANES]));
+            (rays.ways(simd, window).to_eye, normal)
+        };
+        let facing = dot(normal, eye);
+        // The side that is seen is lit.
+        let side = one.copysign(facing);
+        let (mut lit, mut open) = (one, one);
+        if OWN {
+            (lit, open) = (left(simd, &own.shadow), left(simd, &own.occlusion));
+        }
+        let direct = lit * (side * dot(normal, light)).max(0.0);
+        // The square of the cosine between the normal and the direction half way to the light. From
+        // straight behind there is none, and light is not seen.
+        let halfway = [light[0] + eye[0], light[1] + eye[1], light[2] + eye[2]];
+        let cosine = (side * dot(normal, halfway)).max(0.0);
+        let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);
+        let shine = shine(simd, cosine * cosine, square_of_length);
+        let grazing = 1.0 - facing.abs().min(1.0);
+        let rim =
+            look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
+        let mut white = rim;
+        if let Some(shine) = shine {
+            white = (look.highlight * direct.sqrt()).mul_add(shine, white);
+        }
+        // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
+        let from_above = 0.5 + 0.5 * (side * dot(normal, splat(simd, lamps.above)));
+        let around = look.ground + (1.0 - look.ground) * from_above;
+        let ambient = *everywhere * open * around * (1.0 - 0.4 * grazing);
+        let fill = look.fill * open * (side * dot(normal, splat(simd, lamps.fill))).max(0.0);
+        let factor = ambient + (1.0 - everywhere) * (look.key * direct + fill);
+        let edge = grazing * grazing;
+        let factor = factor * (1.0 - look.outline * edge * edge);
+        let is_negative = facing.simd_lt(0.0);
+        let is_cut = mask32x16::from_bitmask(simd, u64::from(own.cuts));
+        let mut amounts = [one; 3];
+        for (primary, all) in amounts.iter_mut().enumerate() {
+            let [positive, negative, cut] =
+                [colors.positive, colors.negative, colors.cut].map(|color| color.0[primary]);
+            let [positive, negative] =
+                [f32x16::splat(simd, positive), f32x16::splat(simd, negative)];
+            let mut base = is_negative.select(negative, positive);
+            if OWN {
+                base = is_cut.select(f32x16::splat(simd, cut), base);
+                let painted = f32x16::from_slice(simd, &own.base[primary][..]);
+                base = painted.is_nan().select(base, painted);
+            }
+            let mut amount = toned(simd, base.mul_add(factor, white));
+            if OWN {
+                let [left, tint] = &own.marks;
+                amount *= 1.0 - INK * f32x16::from_slice(simd, &own.ink[..]);
+                amount *= f32x16::from_slice(simd, &left[..]);
+                amount += TINT.0[primary] * f32x16::from_slice(simd, &tint[..]);
+            }
+            *all = amount.max(BLACK).min(1.0);
+        }
+        amounts
+    }
+}

@@ -1,0 +1,194 @@
+//! Single pixels, and that sixteen at once are as one.
+
+use super::*;
+use glam::DVec3;
+use zeroset_style::LOOKS;
+use zeroset_testkit::simd::{is_fused, levels};
+use zeroset_trace::Status;
+use zeroset_trace::{Camera, Projection};
+
+/// One pixel painted at distance 4 on the way along +y from (0, −5, 0).
+fn painted(normal: [f32; 3]) -> (GBuffer, RayGrid) {
+    let projection = Projection::Perspective { fov: 40.0 };
+    let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+    let mut buffer = GBuffer::new(1, 1, 0);
+    buffer.status[0] = Status::Hit;
+    buffer.drawn[0] = 4.0;
+    buffer.normal[0] = normal;
+    (buffer, camera.expect("valid").rays(1, 1))
+}
+
+fn headlight() -> Appearance {
+    Appearance::new(Default::default(), Light::Positional(DVec3::NEG_Y * 5.0))
+}
+
+#[test]
+fn the_side_that_is_seen_decides_the_color() {
+    let (buffer, rays) = painted([0.0, -1.0, 0.0]);
+    let warm = shade(&buffer, &rays, &headlight(), &[]);
+    assert!(warm[0] > warm[2], "{warm:?}");
+    let (buffer, rays) = painted([0.0, 1.0, 0.0]);
+    let cool = shade(&buffer, &rays, &headlight(), &[]);
+    assert!(cool[0] < cool[2], "{cool:?}");
+}
+
+#[test]
+fn shadow_leaves_the_ambient_share() {
+    let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
+    let lit = shade(&buffer, &rays, &headlight(), &[]);
+    buffer.shadow = vec![255];
+    let dark = shade(&buffer, &rays, &headlight(), &[]);
+    assert!(dark[0] < lit[0] && dark[0] > 0);
+}
+
+#[test]
+fn light_from_behind_lights_no_more_than_it_should() {
+    for k in 0..3000 {
+        // All but straight behind, all but grazing: what is half way hangs on the last bits.
+        let (aside, turned) = (1e-6 * f64::from(k), 1e-4 * (k % 7) as f32);
+        let (buffer, rays) = painted([1.0, turned - 3e-4, 0.0]);
+        let light = Light::Positional(DVec3::new(aside, 5.0, 0.0));
+        let surfaces = vec![SurfaceColors::default_for(0)];
+        let look = Appearance { surfaces, ..Appearance::new(Default::default(), light) };
+        let (lit, plain) = (shade(&buffer, &rays, &look, &[]), plain(&buffer, &rays, &look, 0));
+        let close = lit.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
+        assert!(close, "{k}: {lit:?} {plain:?}");
+    }
+}
+
+#[test]
+fn undecided_pixels_are_marked_as_asked() {
+    let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
+    let hit = shade(&buffer, &rays, &headlight(), &[]);
+    buffer.status[0] = Status::Undecided;
+    let with = |undecided| shade(&buffer, &rays, &Appearance { undecided, ..headlight() }, &[]);
+    assert_eq!(with(UndecidedStyle::Shade), hit);
+    assert!(with(UndecidedStyle::Hatch)[0] < hit[0]);
+    assert_ne!(with(UndecidedStyle::Tint), hit);
+    assert_eq!(with(UndecidedStyle::Miss), headlight().background.to_srgb());
+}
+
+#[test]
+fn a_cut_face_has_a_lighter_color_on_either_side() {
+    let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
+    let outer = shade(&buffer, &rays, &headlight(), &[]);
+    buffer.cap = vec![true];
+    let cut = shade(&buffer, &rays, &headlight(), &[]);
+    assert!(cut[2] > outer[2], "{cut:?} {outer:?}");
+    buffer.normal[0] = [0.0, 1.0, 0.0];
+    assert_eq!(shade(&buffer, &rays, &headlight(), &[]), cut);
+}
+
+#[test]
+fn what_is_near_takes_light_away() {
+    for look in &LOOKS {
+        let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
+        let light = Light::Positional(DVec3::NEG_Y * 5.0);
+        let open = shade(&buffer, &rays, &Appearance::new(look, light), &[]);
+        buffer.occlusion = vec![200];
+        let hidden = shade(&buffer, &rays, &Appearance::new(look, light), &[]);
+        assert!(hidden[0] < open[0] && hidden[0] > 0, "{}", look.name);
+    }
+}
+
+/// The color of one pixel in plain `f64`; not of an undecided one.
+fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [u8; 3] {
+    if !buffer.is_drawn(pixel) {
+        return look.background.to_srgb();
+    }
+    let ray = rays.ray_of(pixel);
+    let to_eye = -ray.direction.normalize();
+    let normal = DVec3::from_array(buffer.normal[pixel].map(f64::from));
+    let (facing, ambient) = (normal.dot(to_eye), f64::from(look.ambient));
+    let colors = look.surfaces[usize::from(buffer.surface[pixel]) % look.surfaces.len()];
+    let base = match (buffer.is_cap(pixel), facing < 0.0) {
+        (true, _) => colors.cut,
+        (false, true) => colors.negative,
+        (false, false) => colors.positive,
+    };
+    let normal = if facing < 0.0 { -normal } else { normal };
+    let to_light = look.light.towards(ray.at(ray.parameter(buffer.drawn[pixel]))).0;
+    let halfway = (to_light + to_eye).normalize_or_zero();
+    let [lit, open] = [&buffer.shadow, &buffer.occlusion]
+        .map(|hidden| 1.0 - f64::from(hidden.get(pixel).copied().unwrap_or_default()) / 255.0);
+    let [ground, key, fill, rim, highlight, outline] = {
+        let Look { ground, key, fill, rim, highlight, outline, .. } = look.look;
+        [ground, key, fill, rim, highlight, outline].map(f64::from)
+    };
+    let lamp = |way: DVec3| normal.dot(way.normalize());
+    let (forward, right, up) = (rays.forward(), rays.right(), rays.up());
+    let direct = lit * normal.dot(to_light).max(0.0);
+    let grazing = 1.0 - facing.abs().min(1.0);
+    let behind = lamp(0.6 * forward + 0.5 * right + up).max(0.0);
+    let aside = lamp(-forward + 1.1 * right - 0.2 * up).max(0.0);
+    let around = ground + (1.0 - ground) * (0.5 + 0.5 * lamp(up));
+    let ambient_light = ambient * open * around * (1.0 - 0.4 * grazing);
+    let factor = ambient_light + (1.0 - ambient) * (key * direct + fill * open * aside);
+    let factor = factor * (1.0 - outline * grazing.powi(4));
+    let shine = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(40);
+    let white = shine + rim * grazing * grazing * behind;
+    let toned = |amount: f64| {
+        let above = (amount - 0.7).max(0.0) / 0.3;
+        amount.min(0.7) + 0.3 * above * (1.0 + above / 4.0) / (1.0 + above)
+    };
+    let amounts = base.0.map(|part| toned(f64::from(part) * factor + white) as f32);
+    LinearRgb(amounts).to_srgb()
+}
+
+#[test]
+fn every_pixel_is_lit_as_if_it_were_alone() {
+    let projection = Projection::Perspective { fov: 60.0 };
+    let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
+    let (width, height) = (53, 19);
+    let rays = camera.expect("valid").rays(width, height);
+    let mut buffer = GBuffer::new(width, height, 0);
+    let mut state = 1_u32;
+    let mut random = |below: u32| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 16) % below
+    };
+    let size = width * height;
+    (buffer.cap, buffer.shadow, buffer.occlusion) =
+        (vec![false; size], vec![0; size], vec![0; size]);
+    for pixel in 0..size {
+        // Runs of several lengths, and lone pixels.
+        if random(8) == 0 || (pixel / 40) % 3 == 0 {
+            buffer.status[pixel] = Status::Hit;
+            buffer.drawn[pixel] = 3.0 + f64::from(random(100)) / 30.0;
+        }
+        let normal = [(); 3].map(|()| f64::from(random(201)) - 100.0);
+        let normal = DVec3::from_array(normal).normalize_or(DVec3::Z);
+        buffer.normal[pixel] = normal.as_vec3().to_array();
+        let number = if random(20) == 0 { random(7) as u16 } else { 1 };
+        buffer.surface.set(pixel, number, buffer.status.len());
+        buffer.cap[pixel] = random(5) == 0;
+        buffer.shadow[pixel] = if random(3) == 0 { random(256) as u8 } else { 0 };
+        buffer.occlusion[pixel] = random(256) as u8;
+    }
+    let surfaces: Vec<_> = (0..3).map(SurfaceColors::default_for).collect();
+    for light in [Light::above_left(&rays), Light::Positional(DVec3::new(1.0, -2.0, 1.0))] {
+        for look in &LOOKS {
+            let look = Appearance { surfaces: surfaces.clone(), ..Appearance::new(look, light) };
+            let bytes = shade(&buffer, &rays, &look, &[]);
+            for level in levels() {
+                let others = shade_with(level, &buffer, &rays, &look, &[]);
+                let off = others.iter().zip(&bytes).map(|(a, b)| a.abs_diff(*b)).max();
+                let most = u8::from(is_fused(level) != is_fused(Level::new()));
+                assert!(off <= Some(most), "{} by {level:?}: {off:?}", look.look.name);
+            }
+            for (pixel, bytes) in bytes.chunks_exact(3).enumerate() {
+                let plain = plain(&buffer, &rays, &look, pixel);
+                let close = bytes.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
+                assert!(close, "{pixel}: {bytes:?} {plain:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
+    let (buffer, rays) = painted([0.0, -1.0, 0.0]);
+    let before = shade(&buffer, &rays, &headlight(), &[]);
+    hand_back_colors(vec![7; 300]);
+    assert_eq!(shade(&buffer, &rays, &headlight(), &[]), before);
+}

@@ -1,0 +1,13 @@
+//! Space: rays, the region in which a surface is looked for, and boxes that are divided until
+//! it is found.
+//!
+//! Every bound is rounded outward, so that no point of a region is lost. Nothing here knows texts,
+//! cameras or pixels, nor how kernels are made.
+
+mod cells;
+mod ray;
+mod region;
+
+pub use cells::*;
+pub use ray::Ray;
+pub use region::{Ball, Chord, Entry, HalfSpace, Region, RegionError};

@@ -1,0 +1,286 @@
+//! The part of space in which a surface is looked for: a box, and optionally a half-space and a
+//! ball that cut it.
+//!
+//! Every bound here is rounded away from the region, so that no part of a ray inside it is ever
+//! lost. Nothing is known of functions or pixels.
+
+mod ball;
+
+use crate::ray::Ray;
+pub use ball::{Ball, Chord};
+use glam::DVec3;
+use thiserror::Error;
+
+/// Coordinates beyond this magnitude leave no room for squares in `f32` kernels. It holds for `f64`
+/// too, so that a domain does not depend on the precision.
+const LARGEST_COORDINATE: f64 = 1e18;
+
+/// The points `p` with `normal · p ≤ offset`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    /// Points out of the half-space; any length but 0.
+    pub normal: DVec3,
+    /// Largest kept value of `normal · p`.
+    pub offset: f64,
+}
+
+/// A closed box, cut by at most one half-space and by at most one ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Region {
+    low: DVec3,
+    high: DVec3,
+    clip: Option<HalfSpace>,
+    ball: Option<Ball>,
+}
+
+/// Why a region cannot exist.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum RegionError {
+    /// A bound is NaN, infinite or too large for the kernels.
+    #[error(
+        "the {axis} range of the domain, {low:?} to {high:?}, has a bound that is not a number within ±1e18"
+    )]
+    Bound {
+        /// The coordinate's name.
+        axis: char,
+        /// Its lower bound.
+        low: f64,
+        /// Its upper bound.
+        high: f64,
+    },
+    /// A range holds no interval.
+    #[error(
+        "the {axis} range of the domain, {low} to {high}, is empty: the first bound must be the smaller"
+    )]
+    Empty {
+        /// The coordinate's name.
+        axis: char,
+        /// Its lower bound.
+        low: f64,
+        /// Its upper bound.
+        high: f64,
+    },
+    /// The half-space has no boundary plane.
+    #[error(
+        "the clipping plane a,b,c,d needs finite numbers, and a, b, c not all zero nor all below 1e-150 or one above 1e150"
+    )]
+    Plane,
+}
+
+/// Where a ray comes into a region from outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Bounds on the t at which the ray crosses the face.
+    pub t: (f64, f64),
+    /// The face's unit normal, out of the region.
+    pub normal: DVec3,
+    /// Whether the ray certainly meets the region, rounding aside.
+    pub certain: bool,
+}
+
+impl Region {
+    /// The box between two corners.
+    ///
+    /// # Errors
+    /// If a coordinate of `low` is not below that of `high`, or exceeds 1e18 in magnitude, or is
+    /// NaN.
+    pub fn new(low: DVec3, high: DVec3) -> Result<Self, RegionError> {
+        for (axis, (low, high)) in
+            ['x', 'y', 'z'].into_iter().zip(low.to_array().into_iter().zip(high.to_array()))
+        {
+            // Negated, so that NaN is refused too.
+            if !(low.abs() <= LARGEST_COORDINATE && high.abs() <= LARGEST_COORDINATE) {
+                return Err(RegionError::Bound { axis, low, high });
+            }
+            if low >= high {
+                return Err(RegionError::Empty { axis, low, high });
+            }
+        }
+        Ok(Self { low, high, clip: None, ball: None })
+    }
+
+    /// The same box, cut by a half-space.
+    ///
+    /// # Errors
+    /// If the plane's numbers are not finite or its normal is zero.
+    pub fn with_clip(self, clip: HalfSpace) -> Result<Self, RegionError> {
+        let valid = clip.normal.try_normalize().is_some() && clip.offset.is_finite();
+        if valid { Ok(Self { clip: Some(clip), ..self }) } else { Err(RegionError::Plane) }
+    }
+
+    /// The same region, cut by the ball about the box's centre that reaches to its farthest faces.
+    #[must_use]
+    pub fn with_ball(self) -> Self {
+        let ball = Ball { centre: self.centre(), radius: self.half_extent() };
+        Self { ball: Some(ball), ..self }
+    }
+
+    /// The corner with the smallest coordinates.
+    pub fn low(&self) -> DVec3 {
+        self.low
+    }
+
+    /// The corner with the largest coordinates.
+    pub fn high(&self) -> DVec3 {
+        self.high
+    }
+
+    /// The half-space that cuts the box.
+    pub fn clip(&self) -> Option<HalfSpace> {
+        self.clip
+    }
+
+    /// The ball that cuts the box.
+    pub fn ball(&self) -> Option<Ball> {
+        self.ball
+    }
+
+    /// Whether anything of the box is cut away.
+    pub fn is_cut(&self) -> bool {
+        self.clip.is_some() || self.ball.is_some()
+    }
+
+    /// The middle of the box, whatever is cut away.
+    pub fn centre(&self) -> DVec3 {
+        (self.low + self.high) / 2.0
+    }
+
+    /// Half of the box's largest extent.
+    pub fn half_extent(&self) -> f64 {
+        (self.high - self.low).max_element() / 2.0
+    }
+
+    /// Bounds on the t ≥ 0 whose points of `ray` lie inside the region, rounded outward: no point
+    /// of the ray inside is left out. `None` if there is none.
+    pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
+        let [near, far] = self.ends::<true>(ray)?;
+        (near <= far).then_some((near, far))
+    }
+
+    /// Bounds on the t ≥ 0 between which all points of `ray` certainly lie inside the region; not
+    /// in order if none do.
+    pub fn inner(&self, ray: &Ray) -> [f64; 2] {
+        self.ends::<false>(ray).unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
+    }
+
+    /// Between which t ≥ 0 points lie inside, rounded outward or else inward; `None` or not in
+    /// order if none do.
+    #[inline]
+    fn ends<const OUTWARD: bool>(&self, ray: &Ray) -> Option<[f64; 2]> {
+        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
+        for axis in 0..3 {
+            let (from, to) = self.slab(ray, axis)?;
+            near = near.max(if OUTWARD { from.0 } else { from.1 });
+            far = far.min(if OUTWARD { to.1 } else { to.0 });
+        }
+        if let Some(clip) = &self.clip {
+            let (room, slope) = clip.relation(ray);
+            // Kept are the t with t·slope ≤ room, for some slope and room within their bounds; as t
+            // ≥ 0, the smallest slope and the largest room keep the most, and the others the least.
+            let (slope, room) = if OUTWARD { (slope.0, room.1) } else { (slope.1, room.0) };
+            let end = room / slope;
+            if slope > 0.0 {
+                far = far.min(if OUTWARD { up(end) } else { down(end) });
+            } else if slope < 0.0 {
+                near = near.max(if OUTWARD { down(end) } else { up(end) });
+            } else if room < 0.0 {
+                return None;
+            }
+        }
+        if let Some(ball) = &self.ball {
+            let chord = ball.chord(ray)?;
+            let [first, last] = if OUTWARD { chord.outer } else { chord.inner };
+            near = near.max(first);
+            far = far.min(last);
+        }
+        Some([near, far])
+    }
+
+    /// Where the ray enters, or `None` if it starts inside or never does.
+    pub fn entry(&self, ray: &Ray) -> Option<Entry> {
+        let (mut near, mut far) = ((0.0_f64, 0.0_f64), f64::INFINITY);
+        let mut normal = None;
+        // Through a face from outside. The last face that is met tells the normal.
+        let mut cross = |crossing: (f64, f64), face: DVec3| {
+            if crossing.0 > near.0 {
+                normal = Some(face);
+            }
+            near = (near.0.max(crossing.0), near.1.max(crossing.1));
+        };
+        for axis in 0..3 {
+            let (from, to) = self.slab(ray, axis)?;
+            cross(from, DVec3::AXES[axis] * -ray.direction[axis].signum());
+            far = far.min(to.0);
+        }
+        if let Some(clip) = &self.clip {
+            let (room, slope) = clip.relation(ray);
+            if slope.1 < 0.0 && room.1 < 0.0 {
+                let crossing = (down(room.1 / slope.0), up(room.0 / slope.1));
+                cross(crossing, clip.normal.normalize());
+            } else if slope.1 > 0.0 {
+                far = far.min(down(room.0 / slope.1));
+            } else if room.0 < 0.0 {
+                far = 0.0;
+            }
+        }
+        if let Some(ball) = &self.ball {
+            let chord = ball.chord(ray)?;
+            let [first, last] = chord.inner;
+            let crossing = (chord.outer[0], if first <= last { first } else { chord.outer[1] });
+            cross(crossing, ball.normal(ray.at(crossing.0)));
+            far = far.min(last);
+        }
+        self.span(ray)?;
+        let normal = normal?;
+        Some(Entry { t: near, normal, certain: near.1 <= far })
+    }
+
+    /// Bounds on the t at which the ray enters and leaves the slab of one axis, or `None` if it
+    /// runs outside.
+    fn slab(&self, ray: &Ray, axis: usize) -> Option<((f64, f64), (f64, f64))> {
+        let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
+        let (low, high) = (self.low[axis], self.high[axis]);
+        if direction == 0.0 {
+            let always = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+            return (low <= origin && origin <= high)
+                .then_some((always, (f64::INFINITY, f64::INFINITY)));
+        }
+        let (first, last) = if direction > 0.0 { (low, high) } else { (high, low) };
+        let at = |bound: f64| {
+            let t = (bound - origin) / direction;
+            (down(t), up(t))
+        };
+        Some((at(first), at(last)))
+    }
+}
+
+impl HalfSpace {
+    /// Bounds on `offset − normal · origin` and on `normal · direction`.
+    fn relation(&self, ray: &Ray) -> ((f64, f64), (f64, f64)) {
+        let bounds = |value: f64, magnitude: f64| {
+            // Six operations of at most half an ulp each on terms below `magnitude`; 16 leaves room
+            // for the rounding of `magnitude` itself, and the last term is for underflow.
+            let error = 16.0 * (f64::EPSILON / 2.0) * magnitude + f64::MIN_POSITIVE;
+            ((value - error).next_down(), (value + error).next_up())
+        };
+        let size = |v: DVec3| self.normal.abs().dot(v.abs());
+        (
+            bounds(self.offset - self.normal.dot(ray.origin), self.offset.abs() + size(ray.origin)),
+            bounds(self.normal.dot(ray.direction), size(ray.direction)),
+        )
+    }
+}
+
+/// A lower bound of a quotient of a difference, given its value rounded to nearest twice: at most
+/// two ulps away.
+fn down(value: f64) -> f64 {
+    value.next_down().next_down().next_down()
+}
+
+/// The upper bound that corresponds to [`down`].
+fn up(value: f64) -> f64 {
+    value.next_up().next_up().next_up()
+}
+
+#[cfg(test)]
+mod tests;

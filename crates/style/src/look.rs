@@ -1,0 +1,98 @@
+//! Sets of lights and tones for a picture, by name.
+
+/// How a picture is lit, and what it stands on: a row of [`LOOKS`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// What it is called.
+    pub name: &'static str,
+    /// One line about it.
+    pub help: &'static str,
+    /// Shown where nothing is painted, as sRGB bytes.
+    pub background: [u8; 3],
+    /// Share of the light that comes from everywhere, within [0, 1]; of the rest, what its sources
+    /// send is below.
+    pub ambient: f32,
+    /// What of the ambient light comes from below, when 1 comes from above.
+    pub ground: f32,
+    /// Strength of the light that casts shadows.
+    pub key: f32,
+    /// Strength of the light from the other side, which softens what the first leaves dark.
+    pub fill: f32,
+    /// Strength of the light from behind, which is seen where a surface turns away.
+    pub rim: f32,
+    /// Share of a white highlight in the light that casts shadows.
+    pub highlight: f32,
+    /// How much darker a surface becomes where it turns away, from 0 to 1: drawn outlines, at 1.
+    pub outline: f32,
+    /// Whether what is near takes away ambient light.
+    pub occlusion: bool,
+}
+
+/// Every look; the first is the default.
+pub const LOOKS: [Look; 4] = [
+    Look {
+        name: "studio",
+        help: "a key light above on the left, a fill light, a rim light, soft corners",
+        background: [244, 244, 246],
+        ambient: 0.42,
+        ground: 0.55,
+        key: 1.25,
+        fill: 0.35,
+        rim: 0.22,
+        highlight: 0.16,
+        outline: 0.0,
+        occlusion: true,
+    },
+    Look {
+        name: "flat",
+        help: "hardly any light and shade: colors as they were typed",
+        background: [255, 255, 255],
+        ambient: 0.8,
+        ground: 0.9,
+        key: 1.0,
+        fill: 0.4,
+        rim: 0.0,
+        highlight: 0.0,
+        outline: 0.0,
+        occlusion: false,
+    },
+    Look {
+        name: "paper",
+        help: "white, soft and with dark outlines: for print",
+        background: [255, 255, 255],
+        ambient: 0.65,
+        ground: 0.75,
+        key: 1.2,
+        fill: 0.3,
+        rim: 0.0,
+        highlight: 0.0,
+        outline: 0.75,
+        occlusion: true,
+    },
+    Look {
+        name: "night",
+        help: "a dark room with a strong light from behind",
+        background: [13, 15, 21],
+        ambient: 0.25,
+        ground: 0.35,
+        key: 1.05,
+        fill: 0.22,
+        rim: 0.75,
+        highlight: 0.25,
+        outline: 0.0,
+        occlusion: true,
+    },
+];
+
+impl Look {
+    /// The look of this name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        LOOKS.iter().find(|look| look.name == name)
+    }
+}
+
+impl Default for &'static Look {
+    fn default() -> Self {
+        &LOOKS[0]
+    }
+}

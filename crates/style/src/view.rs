@@ -1,0 +1,64 @@
+//! Named points of view, as directions. Nothing is known of regions or cameras.
+
+/// A point of view that needs no coordinates: a row of [`VIEWS`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StandardView {
+    /// The name by which it is chosen.
+    pub name: &'static str,
+    /// The eye's offset from the target, in half extents of the region.
+    pub offset: [f64; 3],
+    /// The upward direction, of length 1.
+    pub up: [f64; 3],
+}
+
+/// Length of every offset: that of the first one, (2, −3, 1.5).
+const DISTANCE: f64 = 3.905_124_837_953_327;
+
+/// Every view; the first, from the right, the front and above, is the default. z is up, and `front`
+/// looks along +y.
+pub const VIEWS: [StandardView; 7] = [
+    StandardView { name: "iso", offset: [2.0, -3.0, 1.5], up: UPRIGHT },
+    StandardView { name: "front", offset: [0.0, -DISTANCE, 0.0], up: UPRIGHT },
+    StandardView { name: "back", offset: [0.0, DISTANCE, 0.0], up: UPRIGHT },
+    StandardView { name: "left", offset: [-DISTANCE, 0.0, 0.0], up: UPRIGHT },
+    StandardView { name: "right", offset: [DISTANCE, 0.0, 0.0], up: UPRIGHT },
+    StandardView { name: "top", offset: [0.0, 0.0, DISTANCE], up: [0.0, 1.0, 0.0] },
+    StandardView { name: "bottom", offset: [0.0, 0.0, -DISTANCE], up: [0.0, -1.0, 0.0] },
+];
+
+const UPRIGHT: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// The default vertical field of view, in degrees.
+pub const FOV: f64 = 40.0;
+
+impl StandardView {
+    /// The view called `name`.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        VIEWS.iter().find(|view| view.name == name)
+    }
+}
+
+impl Default for &'static StandardView {
+    fn default() -> Self {
+        &VIEWS[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_are_equally_long() {
+        for StandardView { name, offset, up } in &VIEWS {
+            let length = |v: &[f64; 3]| v.iter().map(|part| part * part).sum::<f64>().sqrt();
+            assert_eq!((length(offset), length(up)), (DISTANCE, 1.0), "{name}");
+        }
+    }
+
+    #[test]
+    fn names_are_found() {
+        assert_eq!(StandardView::named("top"), Some(&VIEWS[5]));
+        assert_eq!(StandardView::named("Top"), None);
+    }
+}

@@ -1,0 +1,24 @@
+//! Levels of vectors, for tests that compare them.
+
+use fearless_simd::Level;
+
+/// Whether vectors of this level add to a product without rounding it first.
+pub fn is_fused(level: Level) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return level.as_avx2().is_some();
+    #[cfg(not(target_arch = "x86_64"))]
+    return !level.is_fallback();
+}
+
+/// All levels of vectors that this processor has. Those that are [fused](is_fused) compute the same
+/// bits.
+pub fn levels() -> Vec<Level> {
+    let best = Level::new();
+    #[allow(unused_mut, reason = "other processors have one kind")]
+    let mut levels = vec![Level::baseline(), best];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(
+        best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)),
+    );
+    levels
+}
