@@ -15,8 +15,8 @@ use zeroset_ops::{Class, Continuity, Law, Op};
 pub enum Branch {
     /// The whole box.
     Whole,
-    /// The part where an integer-valued function takes its lowest value, a choice its first branch,
-    /// where a divisor is negative, or an angle below its cut.
+    /// The part where an integer-valued function takes its lowest value, a choice takes its first
+    /// branch, a divisor is negative, or an angle is below its cut.
     Low,
     /// The box without [`Branch::Low`].
     Rest,
@@ -40,8 +40,8 @@ pub enum Split {
 }
 
 impl Split {
-    /// Returns how `op` splits boxes if its operands lie within `ranges`, one for each. `exponent`
-    /// is the last operand's kind as an exponent.
+    /// Returns how `op` splits a box over which its operands lie within `ranges`, one per operand.
+    /// `exponent` is the last operand's kind as an exponent.
     pub fn of(op: Op, ranges: &[Interval], exponent: Exponent) -> Self {
         let straddles = |range: &Interval| range.lo < 0.0 && range.hi > 0.0;
         let row = op.row();

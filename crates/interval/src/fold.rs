@@ -21,7 +21,7 @@ pub struct Decorated {
 }
 
 impl From<(Interval, Facts)> for Decorated {
-    /// Not a constant integer.
+    /// Bounds and facts of an operand that is not a constant integer.
     fn from((bounds, facts): (Interval, Facts)) -> Self {
         Self { bounds, facts, exponent: Exponent::Real }
     }

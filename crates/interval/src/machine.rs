@@ -1,6 +1,6 @@
 //! The lane operations over which every rule is written.
 
-/// The type of the lanes of a vector; sizes are those of a 128-bit vector.
+/// The type of a vector's lanes, with their number in 128 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
     /// Four lanes of `f32`.
@@ -19,8 +19,8 @@ impl Format {
     }
 }
 
-/// Whether this processor can compute a·b + c with one rounding, so that compiled code does. Every
-/// [`Machine`] rounds in the same way, so that all agree.
+/// Whether this processor has an instruction that rounds a·b + c once. Compiled code then uses it,
+/// and every [`Machine`] rounds in the same way, so that all agree.
 #[must_use]
 pub fn has_fma() -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -116,7 +116,7 @@ pub trait Machine {
 
     /// Applies `routine` to each row of inputs, all `F64`. Native code does so in a loop, so that
     /// it is emitted once (a kernel with nine cosines compiles in half the time, and runs a sixth
-    /// faster). Use what `routine` computes only through its results.
+    /// faster). Values computed inside `routine` may be used only through its results.
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         inputs: [[Self::V; IN]; ROWS],
@@ -145,8 +145,8 @@ pub trait Machine {
     fn outward(&mut self, bound: Self::V) -> Self::V {
         bound
     }
-    /// Returns a bound that rounding up does not take beyond `most`, on which rules rely. `most` is
-    /// exact in `format`.
+    /// Clamps `bound` to `most`, as rules rely on. Rounding up never exceeds `most`, so only other
+    /// machines do anything. `most` is exact in `format`.
     fn held(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
         bound
     }

@@ -112,7 +112,8 @@ pub mod f64_up {
         let ((a, i), (b, j), (c, k)) = (whole(a), whole(b), whole(c));
         let (product, places) = (a * b, k - (i + j));
         match places {
-            // Bits of c below the product's last place only tell that the sum is not exact.
+            // Bits of c below the product's last place matter only as a sign that the result is
+            // inexact.
             ..0 => {
                 let below = places.unsigned_abs().min(64);
                 round_up(product + (c >> below), c % (1 << below) != 0, i + j)
@@ -132,7 +133,7 @@ pub mod f64_up {
         let down = whole < 0;
         let size = whole.unsigned_abs() - u128::from(down && more);
         let bits = 128 - size.leading_zeros() as i32;
-        // Number of bits to cut below the last place of the result, which is at least the least
+        // Number of bits below the result's last place, which is at least that of the least
         // subnormal.
         let cut = (bits - 53).max(-1074 - exponent).max(0);
         let (kept, rest) = if cut < 128 { (size >> cut, size % (1 << cut)) } else { (0, size) };

@@ -45,7 +45,7 @@ mod tests {
 
     const ENDS: [f64; 9] =
         [f64::NEG_INFINITY, -3.0, -1.0, -0.25, 0.0, 0.5, 1.0, 7.0, f64::INFINITY];
-    /// Replaces ∞ among the numbers of an interval; its reciprocal replaces the numbers next to 0.
+    /// Stands for an infinite end; its reciprocal stands for the numbers next to 0.
     const HUGE: f64 = 1e100;
 
     fn intervals() -> Vec<Interval> {

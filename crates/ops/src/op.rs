@@ -5,7 +5,7 @@ use crate::class::{Class, Parity};
 /// A native operation: a node of the expression graph with its own interval rule.
 ///
 /// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm, so
-/// that the compiler lists every place that a new operation has to be added to.
+/// that the compiler lists every match that a new operation needs to be added to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)] // each variant is documented by its row
 pub enum Op {
@@ -155,7 +155,7 @@ pub enum Domain {
     Power,
 }
 
-/// Where an operation is continuous, within its domain.
+/// The continuity of an operation within its domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Continuity {
     /// Everywhere in its domain.

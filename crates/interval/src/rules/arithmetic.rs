@@ -71,8 +71,8 @@ impl<M: Machine> Rule<'_, M> {
             }
             (Sign::Nonneg, _) if a.range.singleton().is_some() => self.product_nonneg(a, b, guard),
             (Sign::Nonneg, Sign::Nonneg) => {
-                // Lower ends are finite, so only hi·hi can be 0·∞. Negating a costs nothing if it
-                // is constant.
+                // Lower ends are finite, so only hi·hi can be 0·∞. A constant is the first operand,
+                // and negating it is free.
                 let low = self.m.neg(a.value.neg_lo);
                 let neg_lo = self.m.mul(b.value.neg_lo, low);
                 let hi = self.m.mul(a.value.hi, b.value.hi);

@@ -1,7 +1,7 @@
 //! The interval rule of every operation, written once over [`Machine`].
 //!
-//! A rule relies on [`Operand::range`] and on nothing else, and is then sound for every box. If an
-//! operand may be infinite, rules replace NaN bounds by +∞, so that none is returned.
+//! A rule assumes only that operands lie within [`Operand::range`], and is then sound for every
+//! box. If an operand may be infinite, rules replace NaN bounds by +∞, so that none is returned.
 
 pub mod affine;
 mod arithmetic;

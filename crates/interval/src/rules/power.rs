@@ -15,7 +15,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.with(self.square_nonneg([neg_mig, mag]))
     }
 
-    /// [−lo, hi] of the square of a number that is not negative, from its own.
+    /// [−lo, hi] of the square of a number that is not negative, given its [−lo, hi].
     fn square_nonneg(&mut self, [neg_lo, hi]: [M::V; 2]) -> [M::V; 2] {
         let lo = self.m.neg(neg_lo);
         [self.m.mul(neg_lo, lo), self.m.mul(hi, hi)]
@@ -123,8 +123,8 @@ impl<M: Machine> Rule<'_, M> {
         value.facts.and(self.m, &own).with([quotient.neg_lo, quotient.hi])
     }
 
-    /// [−lo, hi] of the n-th power, n ≥ 1, of a number that is not negative, by squaring. No
-    /// product is 0·∞: lower ends stay finite, and the powers of an upper end are all 0 or all
+    /// [−lo, hi] of the n-th power, n ≥ 1, of a number that is not negative, given its [−lo, hi].
+    /// No product is 0·∞: lower ends stay finite, and the powers of an upper end are all 0 or all
     /// positive.
     fn power_nonneg(&mut self, ends: [M::V; 2], n: u32) -> [M::V; 2] {
         let times = |rule: &mut Self, [neg_lo, hi]: [M::V; 2], other: [M::V; 2]| {
@@ -164,8 +164,8 @@ impl<M: Machine> Rule<'_, M> {
         let negated = self.m.neg(magnitude);
         let [neg_lo, hi] = self.power_nonneg([negated, magnitude], n - 1);
         let lo = self.m.neg(neg_lo);
-        // The larger product of a and an end of |a|ⁿ⁻¹ is right for both signs of a. lo is finite;
-        // hi = ∞ only for a ≠ 0.
+        // The larger of a·lo and a·hi, where lo and hi bound |a|ⁿ⁻¹. No product is 0·∞: lo is
+        // finite, and hi = ∞ only for a ≠ 0.
         let far = self.m.mul(a, hi);
         let near = self.m.mul(a, lo);
         self.m.max(far, near)

@@ -89,7 +89,8 @@ impl<M: Machine> Rule<'_, M> {
             slopes,
             error: self.sum_of(a.error, b.error),
             magnitude: Some(magnitude),
-            // Units of a or b count for a part of the magnitude, so the larger number covers both.
+            // a's units apply to its share of the magnitude, b's to the rest: the larger number
+            // covers both.
             units: a.units.max(b.units) + 1.25,
             bounds: match (a.bounds, b.bounds) {
                 (Some(a), Some(b)) => Some([self.m.add(a[0], b[0]), self.m.add(a[1], b[1])]),
@@ -133,8 +134,7 @@ impl<M: Machine> Rule<'_, M> {
         let b = &factor.value;
         let exact = factor.range.singleton();
         let a = if exact.is_some() { a.value } else { self.settled(a).value };
-        // For an end beyond half the largest float, the middle of the bounds is not the number
-        // itself.
+        // The middle of [x, x] overflows if |x| exceeds half the largest float, so take x itself.
         let by = exact.map_or(b.centre, |number| self.number(number));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
         let size = match exact {
@@ -177,7 +177,7 @@ impl<M: Machine> Rule<'_, M> {
         let [a_size, b_size] = [a, b].map(|form| self.m.abs(form.centre));
         let a_magnitude = self.m.add(a_size, a_spread);
         let b_magnitude = self.m.add(b_size, b_spread);
-        // The square of the last symbol, depth, is within [0, 1], so half its coefficient joins the
+        // The last symbol is depth; its square is within [0, 1]. Half its coefficient goes to the
         // centre.
         let half = self.number(0.5);
         let (depth, centre, slopes) = self.m.nearly(|m| {
@@ -190,8 +190,7 @@ impl<M: Machine> Rule<'_, M> {
             });
             (depth, centre, slopes)
         });
-        // The error sums all products of symbols, except the half that joins the centre. The
-        // rounding of that half still counts.
+        // The error includes all products of symbols except that half, whose rounding still counts.
         let size = self.m.abs(depth);
         let tiny = self.tiny();
         let mut error = if N == 1 {

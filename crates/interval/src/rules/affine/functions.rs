@@ -238,8 +238,7 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// Hyperbolic sine or cosine, with `slope` as the other of the two: f′ is the other, and f″ =
-    /// f.
+    /// Hyperbolic sine or cosine: f′ is `slope`, the other of the two, and f″ = f.
     pub(super) fn shape_of_hyperbolic(&mut self, slope: Op, at: &Curve<M::V>) -> Shape<M::V> {
         let zero = self.zero();
         let derivative = enclose(self.m, self.format, slope, &[at.point]);

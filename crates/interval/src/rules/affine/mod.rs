@@ -129,7 +129,7 @@ pub fn linearise<M: Machine, const N: usize>(
     let mut rule = Rule { m, format };
     let settled: Vec<_>;
     let operands = if matches!(op.row().class, Class::Negation | Class::Sum | Class::Product) {
-        // The rounding of these operands may stay delayed.
+        // These operations pass delayed rounding on.
         operands
     } else {
         settled = operands.iter().map(|operand| rule.settled(operand)).collect();
@@ -319,7 +319,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// The operand's bounds for an interval rule: the intersection of the form's bounds, the bounds
-    /// stored beside it, and the range.
+    /// stored with it, and the range.
     fn operand<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let bounds = match (a.value.slopes, a.value.bounds) {
             (None, Some(bounds)) => bounds,
@@ -343,7 +343,7 @@ impl<M: Machine> Rule<'_, M> {
         a.with(a.value.facts.with(bounds))
     }
 
-    /// As [`Self::operand`], but without the form's own bounds if bounds are stored beside it.
+    /// As [`Self::operand`], but without the form's own bounds if bounds are stored with it.
     fn operand_beside<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let (Some(_), Some(bounds)) = (a.value.slopes, a.value.bounds) else {
             return self.operand(a);

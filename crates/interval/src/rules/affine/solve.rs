@@ -5,7 +5,8 @@ use crate::enclosure::Fact;
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
-/// Proven claims about the zeros on a segment, which the last symbol of the form runs along.
+/// Result of [`contract`]: claims about the zeros on a segment. The form's last symbol runs along
+/// it.
 #[derive(Clone, Copy, Debug)]
 pub struct Contraction<V> {
     /// New near end: on every ray, all zeros lie between the new ends.
@@ -19,8 +20,8 @@ pub struct Contraction<V> {
     pub crossing: Fact<V>,
 }
 
-/// Narrows the segment from `near` to `far`. In `form`, the last symbol ε has t = `middle` +
-/// `half`·ε along the segment.
+/// Narrows the segment from `near` to `far`. The last symbol ε of `form` stands for the position on
+/// it: t = `middle` + `half`·ε.
 ///
 /// Let w bound the other symbols and the error. Then 0 = c + r·ε ± w gives ε in (−c ± w)/r. Both
 /// bounds are kept as −lo and hi and rounded up, that is, outward. The parameter is t ≤ m + h·hi,

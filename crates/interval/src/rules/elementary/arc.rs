@@ -65,7 +65,7 @@ impl<M: Machine> Approximator<'_, M> {
     /// atan u for |u| ≤ 0.41422, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
     /// z = u² ≤ 0.17158: the tails z¹⁴/29 and z²²/45 are below 2⁻⁴⁰ and 2⁻⁶¹ of u. In `f64` the
-    /// terms from z²/5 on, 0.0053 of u, are rounded to a lane: by 2⁻⁵² five times.
+    /// terms from z²/5 on are at most 0.0053 of u and are rounded by 2⁻⁵² five times.
     fn atan_reduced(&mut self, u: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(13, 21);
         let coefficients: Vec<f64> = (1..=terms)
@@ -87,8 +87,8 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     /// acos x for |x| ≤ 1; exactly 0 at 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that
-    /// of [`Approximator::arc_sine`], which is at most half of the result if another term is added
-    /// to it.
+    /// of [`Approximator::arc_sine`]. If another term is added to the arc, the arc is at most half
+    /// the result.
     pub(crate) fn acos(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
         // π/2 − asin x; for x > ½ it is 2 asin √… itself, for x < −½ π minus that.
@@ -111,8 +111,8 @@ impl<M: Machine> Approximator<'_, M> {
     /// larger lanes. Error 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
     /// The argument w of the series has w² ≤ ¼: its tails, 1.34·c₁₄·w²⁸ and 1.34·c₂₆·w⁵², are below
-    /// 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on, 0.006 of w, are rounded to a lane: by
-    /// 2⁻⁵² five times.
+    /// 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on are at most 0.006 of w and are rounded
+    /// by 2⁻⁵² five times.
     fn arc_sine(&mut self, x: M::V) -> (DoubleDouble<M::V>, M::V) {
         let t = self.m.abs(x);
         let (one, half) = (self.number(1.0), self.number(0.5));
@@ -162,7 +162,7 @@ impl<M: Machine> Approximator<'_, M> {
         below.head = self.m.max(below.head, least);
         let u = self.over(above, below);
         let arc = self.atan_reduced(u);
-        // Left of the y-axis the angle is π minus that.
+        // Left of the y-axis the angle is π minus that of the mirrored point.
         let left = self.sign_of(x);
         let arc = self.flipped(arc, left);
         let (zero, half) = (self.constant([0.0; 2]), self.constant(HALF));
@@ -194,8 +194,8 @@ impl<M: Machine> Approximator<'_, M> {
         }
     }
 
-    /// |y| and |x|, scaled to a distance from the origin that is neither huge nor tiny, and with infinite
-    /// ones replaced.
+    /// Returns |y| and |x|, scaled to a distance from the origin that is neither huge nor tiny.
+    /// Infinite values become finite.
     fn moderate(&mut self, y: M::V, x: M::V) -> (M::V, M::V) {
         let (t, c) = (self.m.abs(y), self.m.abs(x));
         let (zero, one, infinity) =

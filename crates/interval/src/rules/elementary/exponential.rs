@@ -66,7 +66,7 @@ impl<M: Machine> Approximator<'_, M> {
         let low = self.m.mul(k, minus_lo);
         let mut rest = self.plus(rest, low);
         if let (Some(a), Some(b)) = (rest.tail, x.tail) {
-            // If x was clamped, its tail is void.
+            // If x was clamped, its tail does not count.
             let unlimited = self.m.eq(head, x.head);
             let b = self.m.and(unlimited, b);
             let tail = self.m.add(a, b);
@@ -90,9 +90,9 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// exp(x) in `f64`. Relative error below 2⁻⁵⁵.
     ///
-    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on, 0.0072, are rounded to a lane by six
-    /// ulps, relative to 0.707: 0.061 · 2⁻⁵². The tail of x is at most a few ulps of it if the
-    /// result is a float.
+    /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on are at most 0.0072 and err by six
+    /// ulps: 0.061 · 2⁻⁵² relative to the sum, which is at least 0.707. The tail of x is at most a
+    /// few ulps of it if the result is a float.
     pub(super) fn exp_of(&mut self, x: DoubleDouble<M::V>) -> Approximation<M::V> {
         let (k, r) = self.exponent_and_rest(x, [-760.0, 720.0]);
         let (one, half) = (self.number(1.0), self.number(0.5));
@@ -107,8 +107,8 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation { exponent: Some(k), ..Approximation::new(sum, 2f64.powi(-55)) }
     }
 
-    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. The relative
-    /// error of an exponential with exponent e is below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
+    /// `[−lo, hi]` of aᵇ in `f64` for finite a > 0; infinite ends of b are allowed. A value exp(e)
+    /// has a relative error below 2⁻⁵⁵ + 2⁻⁵⁹·|e|.
     ///
     /// The exponents are the products of the ends of ln a and b; the logarithm has a relative error
     /// of 2⁻⁶⁰. The extreme exponents are found by comparing heads, then tails.

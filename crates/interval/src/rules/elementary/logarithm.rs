@@ -141,7 +141,8 @@ impl<M: Machine> Approximator<'_, M> {
     /// 2 artanh s for |s| ≤ 0.1716, to 2⁻³⁶ in `f32`, 2⁻⁶¹ in `f64`.
     ///
     /// s² ≤ 0.02944, so the tails of the series are below 2⁻³⁹ and 2⁻⁶⁵. In `f64` only the terms
-    /// from z²/5 on, 0.00018 of s, are rounded to a lane: by 2⁻⁵² five times.
+    /// from z²/5 on are rounded to a lane. They are at most 0.00018 of s and are rounded by 2⁻⁵²
+    /// five times.
     fn twice_artanh(&mut self, s: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(6, 11);
         if self.has_tails() {

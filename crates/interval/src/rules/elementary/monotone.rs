@@ -103,7 +103,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// [lo, hi], raised to the least positive number of the format, where the logarithm is defined.
+    /// `[lo, hi]`, raised to the least positive number of the format, where the logarithm is defined.
     pub(in crate::rules) fn positive_ends(&mut self, a: &Operand<M::V>) -> [M::V; 2] {
         let lo = self.lo(&a.value);
         if a.range.lo > 0.0 {
@@ -172,7 +172,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.select(reached, infinity, bound)
     }
 
-    /// [lo, hi], clamped to a domain.
+    /// `[lo, hi]`, clamped to a domain.
     fn limited_ends(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> [M::V; 2] {
         let ends = [self.lo(&a.value), a.value.hi];
         if (Interval { lo: least, hi: most }).encloses(a.range) {
@@ -185,7 +185,7 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Claims of an operation that is defined on [`least`, `most`].
+    /// Claims of an operation that is defined from `least` to `most`.
     fn between(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> Claims<M::V> {
         if (Interval { lo: least, hi: most }).encloses(a.range) {
             return Claims::TOTAL;

@@ -116,9 +116,10 @@ impl<M: Machine> Rule<'_, M> {
     pub(crate) fn near_waves(&mut self, a: &Operand<M::V>) -> [Enclosure<M::V>; 2] {
         let lo = self.m.neg(a.value.neg_lo);
         let (lo, hi) = (self.near_end(lo), self.near_end(a.value.hi));
-        // Quarter turns between the two ends: those congruent to 1 modulo 4 are maxima of the sine.
-        // The next ones are, in turn, minima of the cosine, minima of the sine and maxima of the
-        // cosine. All comparisons are of integers, as subnormal floats with the same bits.
+        // Whole quarter turns between the ends are extrema: those congruent to 1 modulo 4 are
+        // maxima of the sine. The next three are minima of the cosine, minima of the sine and
+        // maxima of the cosine. All comparisons are of integers, read as subnormal floats with the
+        // same bits.
         let passed = self.m.int_sub(hi.quarters, lo.quarters);
         let [zero, one, two, three] = [0, 1, 2, 3].map(|bits| self.m.bits(self.format, bits));
         let [to_first, to_second] = [zero, one].map(|from| {
@@ -144,8 +145,8 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Sine and cosine at points up to the limit, with a relative error of at most [`NEAR_UNITS`]
-    /// units and at most a unit beyond ±1.
+    /// Sine and cosine at points up to the limit. The relative error is at most [`NEAR_UNITS`]
+    /// units, and values exceed ±1 by at most one unit.
     pub(crate) fn near_waves_at(&mut self, a: M::V) -> [M::V; 2] {
         let turned = self.near_reduce(a);
         let values = self.near_sums(&turned).map(|sum| [self.m.add(sum.head, sum.tail)]);
@@ -252,8 +253,9 @@ impl<M: Machine> Rule<'_, M> {
 /// than 1 − z/2, −z/2 is too low by less than ¼, and the tail errs by less than z/2. This covers
 /// six roundings of z²/24 by two units each, the polynomial, and n·s³/6 for an n of one unit.
 const COS_SLACK: [f64; 2] = [1.0, 0.75];
-/// Bound on the error of the sine's tail, in the same units of |s|. Three roundings of 0.1 in one
-/// direction, of two units each, make 0.61, the polynomial 0.07, n·(cos s − 1 + z/2) 0.03.
+/// Bound on the error of the sine's tail, in the same units times |s|. At most three roundings of
+/// 0.1 go in one direction, by two units each: 0.61. The polynomial adds 0.07, n·(cos s − 1 + z/2)
+/// 0.03.
 const SIN_SLACK: f64 = 0.75;
 
 /// Rounding the value up adds less than one unit of 2⁻²³ or 2⁻⁵² of itself. Half of [`COS_SLACK`]

@@ -113,7 +113,7 @@ impl<M: Machine> Approximator<'_, M> {
     /// sin r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
     /// The tails r¹³/13! and r¹⁹/19! are below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the terms from r⁵/120
-    /// on, 0.0032 of r, are rounded to a lane: by 2⁻⁵² five times.
+    /// on are at most 0.0032 of r and are rounded by 2⁻⁵² five times.
     fn sin_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(5, 8);
         self.odd_series(r, -ONE_SIXTH_TAIL, &alternating(terms, 3))
@@ -121,8 +121,8 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// cos r for |r| ≤ π/4, to 2⁻³⁵ in `f32`, 2⁻⁵⁴ in `f64`.
     ///
-    /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on,
-    /// 0.0159, are rounded to a lane: by 2⁻⁵² six times, relative to 0.707.
+    /// The tails r¹⁴/14! and r²⁰/20! are below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms from r⁴/24 on are
+    /// at most 0.0159 and are rounded by 2⁻⁵² six times, relative to cos r ≥ 0.707.
     fn cos_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let coefficients = alternating(self.pick(6, 9), 2);
         let one = self.number(1.0);
