@@ -28,7 +28,8 @@ pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'stat
 pub trait Input<T: Real>: Batch<T> {
     /// Number of lanes in use, from the first on: 1 to [`LANES`].
     fn count(&self) -> usize;
-    /// Whether the lanes in use are within `domain`; always true if the query does not require it.
+    /// Returns whether the lanes in use are within `domain`; always true if the query does not need
+    /// it.
     fn is_within(&self, domain: &[Interval; 3]) -> bool;
 }
 
@@ -132,11 +133,11 @@ batch! {
 batch! {
     /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. Each
     /// coordinate of the real point is within `error` of that sum, computed exactly from these
-    /// floats. The error also allows for what a kernel rounds ([`Segments::allow_rounding`]).
+    /// floats. The error includes the rounding in kernels ([`Segments::allow_rounding`]).
     Segments {
         /// Per axis, the point at t = 0.
         origin: [Lanes<T>; 3] = 3,
-        /// Per axis, what the point moves by while t grows by 1.
+        /// Per axis, the change of the point while t grows by 1.
         direction: [Lanes<T>; 3] = 3,
         /// Per axis, the largest error of the point.
         error: [Lanes<T>; 3] = 3,
@@ -186,8 +187,7 @@ batch! {
         /// Upper end of the part that may hold zeros.
         far: Lanes<T> = 1,
         ;
-        /// Lanes that may have a zero. If the bit is clear, there is none in the part of the
-        /// segment that lies in the domain.
+        /// Lanes that may have a zero. If the bit is clear, the segment has no zero in the domain.
         possible: u16,
         /// Lanes proven to have a zero if the whole segment lies in the domain: the function is
         /// continuous on it, and its values at the two ends have opposite signs, neither of them 0.
@@ -196,19 +196,19 @@ batch! {
 }
 
 batch! {
-    /// Where zeros may lie in tiles, and a linear function near the function. It has symbols `εₐ`,
-    /// `ε_b` and `ε` from −1 to 1, for the two screen axes and for t = `middle` + `half`·ε. The
-    /// function's value is within `error` of `value` + Σ `slope`·ε.
+    /// Where zeros may lie in tiles, and a linear approximation of the function. It has symbols
+    /// `εₐ`, `ε_b` and `ε` from −1 to 1, for the two screen axes and for t = `middle` + `half`·ε.
+    /// The function's value is within `error` of `value` + Σ `slope`·ε.
     Planes {
         /// Lower end of the part of t that may hold zeros, on any ray of the tile.
         near: Lanes<T> = 1,
         /// Upper end of that part.
         far: Lanes<T> = 1,
-        /// Value of the linear function where all symbols are 0.
+        /// Value of the approximation where all symbols are 0.
         value: Lanes<T> = 1,
         /// Coefficient of each symbol: the two screen axes, then t.
         slope: [Lanes<T>; 3] = 3,
-        /// Largest distance between the function and the linear function.
+        /// Largest error of the linear approximation.
         error: Lanes<T> = 1,
         /// Middle of the segment of t.
         middle: Lanes<T> = 1,
@@ -240,11 +240,11 @@ batch! {
     }
 }
 
-/// Where functions may be 0 in boxes. Masks have a bit per lane, the lowest for the first.
+/// Results of tests for zeros in boxes. Masks have a bit per lane, the lowest for the first.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Zeros {
-    /// Lanes that may have a zero. If the bit is clear, the function has none in the box.
+    /// Lanes that may have a zero. If the bit is clear, the box holds no zero.
     pub possible: u16,
     /// Lanes without known finite bounds: perhaps there is an asymptote and no zero.
     pub unbounded: u16,
@@ -278,8 +278,8 @@ batch! {
         /// Per axis, the upper ends of the partial derivative.
         gradient_hi: [Lanes<T>; 3] = 3,
         ;
-        /// Lanes in which the function is Lipschitz continuous in the box. Only there is the
-        /// gradient within its bounds, wherever it exists.
+        /// Lanes in which the function is Lipschitz continuous in the box. Only there do the bounds
+        /// of the gradient hold, at all points where it exists.
         lipschitz: u16,
         /// Lanes in which the function is differentiable at each point of the box, at least toward
         /// other points of the box.
@@ -307,12 +307,13 @@ batch! {
     }
 }
 
-/// Largest rounding error of a coordinate in a kernel, in units of the summed magnitudes of its
-/// terms: each term is rounded up to six times, by up to one unit ([`Real::UNIT`]) of itself.
+/// Largest rounding error of a coordinate in a kernel, in units ([`Real::UNIT`]) of the summed
+/// magnitudes of its terms. Each term is rounded up to six times, by up to one unit of itself.
 pub const PATH_UNITS: f64 = 8.0;
 
-/// Adds to `error` what a kernel rounds a coordinate by. The magnitudes of the terms add up to
-/// `magnitude`, intermediate results are at most `met`, and underflow is scaled by up to `scale`.
+/// Adds the rounding error of a coordinate in a kernel to `error`. The magnitudes of its terms add
+/// up to `magnitude`, intermediate results are at most `met`, and underflow is scaled by up to
+/// `scale`.
 #[inline]
 fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
     let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);

@@ -43,8 +43,8 @@ impl<T: Real> Binding<T> {
         &self.bounds
     }
 
-    /// Whether each parameter lies within its range. If so, code that was compiled for these ranges
-    /// is valid for this binding.
+    /// Returns whether each parameter lies within its range. If so, code that was compiled for
+    /// these ranges is valid for this binding.
     pub fn is_within(&self, ranges: &[Interval]) -> bool {
         let inside = |(b, range): (&Interval, &Interval)| range.lo <= b.lo && b.hi <= range.hi;
         self.bounds.len() == ranges.len() && self.bounds.iter().zip(ranges).all(inside)

@@ -1,8 +1,8 @@
 //! Zero tests of functions that jump: enclosures over the branches of a box, one at a time.
 //!
 //! At a jump, the enclosure of a function is the hull of both branches, and contains 0 even if
-//! neither does. A box has no zero if no branch has, of branches that cover it. The rules define
-//! which operations split a box, and how.
+//! neither does. If branches cover a box and none of them contains a zero, neither does the box.
+//! The rules define which operations split a box, and how.
 
 use crate::real::Real;
 use crate::tape::{Step, Tape, may_vanish};
@@ -15,7 +15,7 @@ use zeroset_ops::Op;
 
 /// Largest number of combinations of branches.
 const COMBINATIONS: usize = 8;
-/// Largest number of operations over all combinations; above it, fewer jumps are split.
+/// Largest number of operations over all combinations; with more, fewer jumps are split.
 const OPERATIONS: usize = 4_000;
 
 /// The steps of a tape that split boxes, and how their branches are combined.
@@ -171,7 +171,7 @@ struct Combination<V> {
 }
 
 impl<V: Copy> Combination<V> {
-    /// Whether `other` has the same branches for a set of choices.
+    /// Returns whether `other` has the same branches for a set of choices.
     fn agrees(&self, other: &Self, choices: u32) -> bool {
         let mut pairs = self.parts.iter().zip(&other.parts).enumerate();
         pairs.all(|(choice, (a, b))| choices >> choice & 1 == 0 || a == b)
@@ -179,8 +179,7 @@ impl<V: Copy> Combination<V> {
 }
 
 impl<T: Real> Tape<T> {
-    /// Computes in which lanes all outputs may be 0 together: those in which they may in some
-    /// combination of branches.
+    /// Computes in which lanes all outputs may be 0 together, in some combination of branches.
     pub(crate) fn possible_branches<M: Machine, D>(
         &self,
         m: &mut M,
@@ -234,7 +233,7 @@ impl<T: Real> Tape<T> {
     }
 }
 
-/// Encloses an operation in one combination; also the lanes in which its choice is then made.
+/// Encloses an operation in one combination. Also returns the lanes where its choice is then made.
 fn enclose_step<T: Real, M: Machine>(
     m: &mut M,
     branches: &Branches,
@@ -328,9 +327,9 @@ mod tests {
         }
     }
 
-    /// Seven jumps for three choices. The fourth and the seventh make the same choice, and the
-    /// fourth jumps in one branch of the second only. There the seventh must not choose again, so
-    /// that it depends on the second as well.
+    /// Seven jumps share three choices. The fourth and the seventh share one, and the fourth jumps
+    /// in only one branch of the second. There the seventh must not choose again, so it depends on
+    /// the second as well.
     #[test]
     fn a_choice_already_made_by_another_jump_is_not_made_again() {
         let mut sheet = Sheet::default();

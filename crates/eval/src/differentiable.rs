@@ -67,7 +67,8 @@ where
     }
 }
 
-/// The value of an operation. Facts must hold for its operands, and for itself over their bounds.
+/// The value and facts of an operation. A fact must hold for the operands, and for the operation
+/// over their bounds.
 fn smooth<T: Real, M: Machine>(
     m: &mut M,
     op: Op,
@@ -117,7 +118,7 @@ fn smooth<T: Real, M: Machine>(
                 differentiable: choose(b.differentiable, c.differentiable),
             };
         }
-        // Wherever the result is defined here, it equals the first operand.
+        // Where both are defined, the result equals the first operand.
         Class::Fallback | Class::Restriction(_) => {
             let defined = value.facts.defined.and(m, a.value.value.facts.defined);
             return Smooth {
@@ -166,7 +167,7 @@ fn below<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) ->
     Fact::Lanes(m.lt(a.value.value.hi, number))
 }
 
-/// Lanes in which an operand is nowhere `number`.
+/// Lanes in which an operand differs from `number` throughout the box.
 fn differs<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     let above = above::<T, M>(m, a, number);
     below::<T, M>(m, a, number).or(m, above)

@@ -31,7 +31,7 @@ pub(crate) struct Along;
 /// Tiles of rays, from a batch of [`Tiles`](crate::Tiles).
 pub(crate) struct Across;
 
-/// The domain of values that are affine forms of points on a path.
+/// The domain of affine forms of points on a path.
 struct Forms<'a, I, V, P, const N: usize> {
     loader: &'a mut I,
     depth: Depth<V>,
@@ -69,7 +69,7 @@ impl Path<1> for Along {
     ) -> Form<M::V, 1> {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
-        // `error` allows for what is rounded here.
+        // `error` includes the rounding of these operations.
         let (centre, slope) = m.nearly(|m| {
             let slope = m.mul(depth.half, direction);
             (m.mul_add(direction, depth.middle, origin), slope)
@@ -99,7 +99,7 @@ impl Path<3> for Across {
         let spread = m.mul(reach[0], sizes[0]);
         let spread = m.mul_add(sizes[1], reach[1], spread);
         let error = m.mul_add(spread, half, error);
-        // `error` allows for what is rounded here, too.
+        // `error` includes the rounding of these operations, too.
         let (centre, slopes) = m.nearly(|m| {
             let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
                 let per_unit = m.mul_add(middle, d, o);

@@ -107,8 +107,9 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
 #[derive(Clone, Copy, Debug)]
 pub struct Enclose;
 
-/// Whether a box may hold a zero of the function. A lane whose bit in [`Zeros::possible`] is clear
-/// has none. Nothing is claimed about other lanes, or about the function's values.
+/// A test whether a box may hold a zero of the function. If the bit of a lane in
+/// [`Zeros::possible`] is clear, the box holds no zero. Nothing is claimed about other lanes or
+/// about values.
 #[derive(Clone, Copy, Debug)]
 pub struct FindZeros;
 
@@ -117,12 +118,12 @@ pub struct FindZeros;
 #[derive(Clone, Copy, Debug)]
 pub struct EncloseGradient;
 
-/// The part of a segment of a ray that contains all zeros it has in the domain, and whether the
-/// signs at its ends prove a zero.
+/// Narrows a segment of a ray to a part that contains all its zeros in the domain. Also tells
+/// whether the signs at the ends of the segment prove a zero.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractSegments;
 
-/// The same as [`ContractSegments`] for all rays of a tile at once, and a linear approximation.
+/// The same as [`ContractSegments`] for all rays of a tile, with a linear approximation.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractTiles;
 

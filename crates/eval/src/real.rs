@@ -103,7 +103,7 @@ pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
     Interval { lo: -T::above(-bounds.lo).into(), hi: T::above(bounds.hi).into() }
 }
 
-/// Returns a number of `T` within the bounds and near their middle; 0 if they are all reals.
+/// Returns a number of `T` within the bounds and near their middle; 0 if the bounds are infinite.
 pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
     // Some constants have no known bounds, such as 0 times one beyond all floats.
     let middle = if bounds == Interval::ENTIRE { 0.0 } else { 0.5 * bounds.lo + 0.5 * bounds.hi };

@@ -102,8 +102,8 @@ impl fmt::Display for NoKernel {
 impl Error for NoKernel {}
 impl<T: Real> Kernels<T> for NoKernel {}
 
-/// Test of where a function may be 0, by up to three forms of it. Each is evaluated only if the one
-/// before leaves lanes undecided.
+/// A test for zeros by up to three forms of a function. Each is evaluated only if the one before
+/// leaves lanes undecided.
 pub struct ZeroTest<T: Real> {
     /// The function itself.
     pub function: Box<dyn Kernel<FindZeros, T>>,

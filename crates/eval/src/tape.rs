@@ -15,7 +15,7 @@ use zeroset_interval::{
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// What code takes for granted: boxes and parameters are always within these bounds.
+/// Bounds that code relies on: all boxes and parameters are within them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assumptions {
     /// Bounds of x, y and z.
@@ -68,7 +68,7 @@ pub struct Tape<T: Real = f32> {
     steps: Vec<Step>,
     ranges: Vec<Interval>,
     outputs: Vec<usize>,
-    /// Bounds with ends in `T`, as constants and ranges have.
+    /// Their ends are in `T`, as are those of constants and ranges.
     assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
     branches: Option<Arc<Branches>>,
@@ -151,7 +151,7 @@ impl<T: Real> Tape<T> {
         if self.branches.is_some() { 1 } else { self.outputs.len() }
     }
 
-    /// What the code takes for granted, with bounds rounded outward to `T`.
+    /// The bounds that the code relies on, rounded outward to `T`.
     pub fn assumptions(&self) -> &Assumptions {
         &self.assumptions
     }
@@ -170,7 +170,7 @@ impl<T: Real> Tape<T> {
         self.steps.iter().filter(|step| matches!(step, Step::Apply(..))).count()
     }
 
-    /// Whether the bounds of the first output are finite in every sample.
+    /// Returns whether the bounds of the first output are finite in every sample.
     pub(crate) fn is_bounded(&self) -> bool {
         let (range, largest) = (self.ranges[self.outputs[0]], T::LARGEST.into());
         -largest <= range.lo && range.hi <= largest
@@ -239,8 +239,8 @@ pub(crate) fn may_vanish<M: Machine>(
 struct Twins<V>(HashMap<(Op, usize), V>);
 
 impl<V> Twins<V> {
-    /// Returns `op` at a step: a stored value, or the first of the two that `both` returns; the
-    /// second is stored for the twin. `None` if they are not computed together.
+    /// Returns the value of `op` at a step: a stored one, or the first that `both` computes. The
+    /// second is stored for the twin. `None` if the two are not computed together.
     fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
         let twin = op.row().twin?;
         if let Some(value) = self.0.remove(&(op, operand)) {
@@ -252,8 +252,9 @@ impl<V> Twins<V> {
     }
 }
 
-/// Relative amount by which bounds of an elementary function over a part may exceed those over the
-/// whole, since approximations are not exactly monotone. Far above twice the error of any of them.
+/// Largest relative amount by which bounds of an elementary function over a part may exceed those
+/// over the whole, since approximations are not exactly monotone. Far above twice the error of
+/// each.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 
 /// A step's value over everything that `assumptions` allow. Since rules are isotone, it bounds
@@ -302,9 +303,9 @@ fn first<T: Real>(vector: Vector) -> f64 {
     lanes[0].into()
 }
 
-/// The range, widened by what bounds over a branch may exceed it by. This is relative, but at least
-/// `excess`: below the normal numbers, an enclosure of the operation is too wide by up to that. An
-/// end at 0 stays, because no approximation changes the sign of a value.
+/// Widens a range to contain the bounds over a branch, which may exceed it. The widening is
+/// relative to each end, but at least `excess`, the largest error of an enclosure below the normal
+/// numbers. An end at 0 stays, because no approximation changes the sign of a value.
 fn inflate(range: Interval, excess: f64) -> Interval {
     let out = |end: f64, sign: f64| match end {
         0.0 => end,

@@ -1,7 +1,6 @@
 //! Domains of values that a tape computes with, such as intervals or points.
 //!
-//! Tapes know the order of steps only. Each domain has its own implementation of what a step
-//! computes.
+//! Each domain implements the steps of a tape in its own way.
 
 use crate::real::{Real, middle};
 use zeroset_interval::{
@@ -10,7 +9,7 @@ use zeroset_interval::{
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
 
-/// A kind of values, such as intervals or points, in the lanes of a machine.
+/// A type of values, such as intervals or points, in the lanes of a machine.
 pub trait ValueDomain<T: Real, M: Machine> {
     /// A value in each lane.
     type Value: Copy;
@@ -37,7 +36,7 @@ pub trait ValueDomain<T: Real, M: Machine> {
     }
 }
 
-/// Loads what code reads.
+/// Loads the inputs and parameters of a kernel.
 pub trait Loader<M: Machine> {
     /// Returns the next lanes of the input's quantity with this number.
     fn input(&mut self, m: &mut M, quantity: usize) -> M::V;

@@ -1,8 +1,8 @@
 //! Builders of expressions that simplify on the spot: zeros, ones and exact numbers vanish.
 //!
-//! They serve passes whose many terms are mostly trivial. A factor 0 removes the other factor
-//! together with its domain of definition. So these builders are for derivatives and rational
-//! forms, not for [`simplify`](crate::simplify()).
+//! They serve passes that create many trivial terms. A factor 0 removes the other factor together
+//! with its domain of definition. So these builders are for derivatives and rational forms, not for
+//! [`simplify`](crate::simplify()).
 
 use crate::constant::Constant;
 use crate::graph::{Graph, NodeId};
@@ -16,12 +16,12 @@ fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
     graph.operands(id, Op::Neg).map(|operands| operands[0])
 }
 
-/// Whether `id` is the number 0.
+/// Returns whether `id` is the number 0.
 pub(crate) fn is_zero(graph: &Graph, id: NodeId) -> bool {
     is_integer(graph, id, 0)
 }
 
-/// Whether `id` is the number 1.
+/// Returns whether `id` is the number 1.
 pub(crate) fn is_one(graph: &Graph, id: NodeId) -> bool {
     is_integer(graph, id, 1)
 }

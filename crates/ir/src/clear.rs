@@ -1,7 +1,7 @@
 //! Rational forms: a function with poles as a quotient of two functions without poles.
 //!
 //! Near a pole every enclosure of `1/x − y` is unbounded and proves nothing. The numerator `1 −
-//! x·y` is bounded. Where it has no zero the function has none, at the pole or elsewhere.
+//! x·y` is bounded. If it has no zero, neither has the function, at the pole or elsewhere.
 
 use crate::algebra::{div, is_one, is_zero, mul, neg, powi, sum};
 use crate::graph::{Graph, Node, NodeId};
@@ -9,17 +9,17 @@ use crate::rank::{Variability, ranks};
 use std::collections::{BTreeMap, BTreeSet};
 use zeroset_ops::{Class, Op};
 
-/// Most distinct factors in a denominator. Quotients with more stay as they are, since each further
-/// factor costs a product of all others.
+/// Largest number of distinct factors in a denominator. Quotients with more are not cleared: each
+/// further factor costs a product of all others.
 const FACTOR_LIMIT: usize = 16;
-/// Largest exponent of a factor; higher powers stay as they are.
+/// Largest exponent of a factor; higher powers are not cleared.
 const EXPONENT_LIMIT: u32 = 64;
 
 /// A function f in rational form.
 ///
 /// Within the domain of definition of f, its zeros are the points where the numerator is 0. Where
-/// the denominator is 0, f is undefined. The quotient of the two is f, except after a division by a
-/// function with poles: then it may lack a factor of f that has no zero in the domain.
+/// the denominator is 0, f is undefined. The quotient equals f, except after a division by a
+/// function with poles: then they may differ by a factor that has no zero in the domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RationalForm {
     /// Node that is 0 where f is 0.
@@ -99,9 +99,9 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
 
 /// Adds the rational form of `root` to `graph`. `None` if `root` has no pole that can be cleared.
 ///
-/// Divisions, negative powers and tangents are cleared through sums, products, quotients and
-/// integer powers. Poles inside other functions stay. So do divisions by expressions without
-/// coordinates, which are not poles in space.
+/// Poles of divisions, negative powers and tangents are cleared, also within sums, products,
+/// quotients and integer powers. Poles inside other functions stay. So do divisions by expressions
+/// without coordinates, which are not poles in space.
 pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
     let mut ranks = ranks(graph);
     ranks.truncate(root.index() + 1);
@@ -121,7 +121,8 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
         fractions[id.index()] = fraction.and_then(Fraction::reduced).filter(|f| !f.is_whole());
     }
     let fraction = fractions[root.index()].take()?;
-    // Factors above have no zero in the domain. The numerator omits them, but they count as poles.
+    // Factors above the line have no zero in the domain. The numerator omits them; they count as
+    // poles.
     let mut below = fraction.below;
     for base in fraction.above.into_keys().chain(fraction.excluded) {
         below.entry(base).or_insert(1);
@@ -236,7 +237,7 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
 
 /// `1/a`, or `None` if `a` is the number 0 or has too many factors.
 fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Variability]) -> Option<Fraction> {
-    // The numerator's factors go below one by one, so that other denominators can share them.
+    // The numerator splits into factors of the denominator, which other denominators can share.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
     let mut pending = vec![(a.numerator, 1_u32)];

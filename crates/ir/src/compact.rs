@@ -1,4 +1,4 @@
-//! Copying of the nodes that some roots need to a new graph.
+//! Copying the nodes that some roots need into a new graph.
 
 use crate::graph::{Graph, Node, NodeId};
 
@@ -10,7 +10,7 @@ pub fn compact(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
     replaced(graph, roots, |_, _, _| None)
 }
 
-/// Like [`compact`], but `replacement` may put another node into the new graph in place of a node.
+/// Like [`compact`], but `replacement` may supply a node of the new graph in place of a copy.
 pub(crate) fn replaced(
     graph: &Graph,
     roots: &[NodeId],

@@ -7,8 +7,8 @@ use zeroset_interval::{Decorated, Exponent, Facts, Interval};
 
 /// Exact numerators and denominators stay below this many bits; larger results become enclosures.
 pub(crate) const EXACT_BITS: u64 = 512;
-/// Decimals of a larger or smaller order of magnitude are far outside the floats, and are enclosed
-/// at once.
+/// Largest order of magnitude of an exact decimal. Beyond it, up or down, decimals are far outside
+/// the floats, and are enclosed at once.
 const EXPONENT_LIMIT: i64 = 2000;
 /// Further digits cost quadratic time, but move either end of an `f64` enclosure by at most its
 /// last place. The enclosure is widened to cover them instead.
@@ -18,9 +18,9 @@ const KEPT_DIGITS: usize = 1200;
 /// otherwise two floats enclose it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Constant {
-    /// This rational number.
+    /// A rational number.
     Exact(BigRational),
-    /// This irrational number.
+    /// An irrational number with a name.
     Named(NamedConstant),
     /// Some real number within these bounds, which are stored as the bits of an [`Interval`] to be
     /// compared and hashed. Two constants with the same bounds need not be the same number.
@@ -195,12 +195,12 @@ impl Constant {
         Decorated { bounds: self.bounds(), facts: Facts::TOTAL, exponent: self.exponent() }
     }
 
-    /// Whether the number is exactly 0.
+    /// Returns whether the number is exactly 0.
     pub fn is_zero(&self) -> bool {
         self.exact().is_some_and(Zero::is_zero)
     }
 
-    /// Whether the number is exactly 1.
+    /// Returns whether the number is exactly 1.
     pub fn is_one(&self) -> bool {
         self.exact().is_some_and(One::is_one)
     }

@@ -13,7 +13,7 @@ use zeroset_ops::{Class, Notation};
 /// each use, so text may be exponentially longer than its graph.
 pub const TEXT_LIMIT: usize = 1 << 12;
 
-/// How tightly a piece of text binds. A looser piece in a tighter place needs brackets.
+/// Operator precedence of a piece of text. Brackets are needed where a higher one is required.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Binding {
     Sum,

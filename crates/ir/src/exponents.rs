@@ -1,8 +1,8 @@
 //! Replacement of parameters in exponents by their values.
 //!
-//! Where a power is defined depends on whether its exponent is an integer. So the exact value of a
-//! parameter in an exponent decides which function is meant, and changing it requires compiling
-//! again.
+//! The domain of definition of a power depends on whether its exponent is an integer. So the exact
+//! value of a parameter in an exponent decides which function is meant, and changing it requires
+//! compiling again.
 
 use crate::compact::{compact, copy_node, place};
 use crate::constant::Constant;
@@ -10,9 +10,9 @@ use crate::graph::{Graph, Node, NodeId};
 use crate::rank::{Variability, ranks};
 use zeroset_ops::Class;
 
-/// Returns the expressions after replacing parameters by `values`, which are indexed by parameter
-/// number, in all exponents that depend on no coordinate. The values of other parameters have no
-/// effect, not even on the order of nodes.
+/// Returns the expressions after replacing parameters by `values` in all exponents that depend on
+/// no coordinate. The index of a value is the parameter's number. The values of other parameters
+/// have no effect, not even on the order of nodes.
 ///
 /// # Panics
 /// If a root does not belong to `graph`, or a parameter to be replaced has no value.

@@ -41,7 +41,7 @@ impl NodeId {
     }
 }
 
-/// What a node computes.
+/// A computation: an input, a constant or an operation.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Node {
     /// A coordinate of the sample point.
@@ -105,7 +105,7 @@ impl Graph {
         self.nodes.len()
     }
 
-    /// Whether there is no node yet.
+    /// Returns whether the graph has no nodes.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -212,7 +212,7 @@ impl Graph {
         self.iter().map(|(id, _)| id).filter(|id| needed[id.index()]).collect()
     }
 
-    /// For each node, by index, whether it is a root or one of `roots` depends on it.
+    /// For each node, by index, whether one of `roots` depends on it. This includes the roots.
     pub fn reachable(&self, roots: &[NodeId]) -> Vec<bool> {
         let mut needed = vec![false; self.nodes.len()];
         for root in roots {

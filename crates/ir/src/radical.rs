@@ -1,4 +1,4 @@
-//! Functions with the same zeros, but simple ones: powers are dropped, since only zeros matter.
+//! Replacement of a function by one that has the same zeros, but simple ones, for equations.
 //!
 //! At a double root a function touches 0 without a change of sign, so no evaluation can prove the
 //! zero. The zeros of a square, or of a factor that is a square, are those of its base. A sum of
@@ -23,9 +23,9 @@ const LIKE_THEIR_OPERAND: [Op; 7] =
 const LIKE_THEIR_FIRST: [Op; 5] =
     [Op::Div, Op::WhereNonneg, Op::WherePositive, Op::WhereNonzero, Op::WhereDefined];
 
-/// Returns a function that is defined where `root` is and has the same zeros. Zeros that are
-/// multiple because a factor is a power, or in a polynomial in one variable, become simple. The
-/// function is added to `graph`; it is `root` itself if there is nothing to simplify.
+/// Returns a function that is defined where `root` is and has the same zeros. Multiple zeros become
+/// simple if they come from powers of factors, or from a polynomial in one variable. The function
+/// is added to `graph`; it is `root` itself if there is nothing to simplify.
 ///
 /// The sign may differ from that of `root`: it is that of a product in which squares count once.
 pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
@@ -45,7 +45,7 @@ pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
     simple
 }
 
-/// The product of the distinct factors of `root`; `None` if it is not simpler or has no factor.
+/// The product of the distinct factors of `root`; `None` if it is not simpler, or has no factors.
 fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     let mut found = Vec::new();
     let mut is_simpler = factors(graph, root, &[Op::Neg], &LIKE_THEIR_OPERAND, &mut found)?;
@@ -69,9 +69,9 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
 }
 
-/// Adds the factors of `root` to `found`, each once. Operands replace operations of `same` and
-/// `simpler`, and integer powers. Returns whether this is simpler: whether a repeated factor, a
-/// power or an operation of `simpler` was dropped. `None` if there are too many factors.
+/// Adds the factors of `root` to `found`, each once. Their operands replace operations of `same`
+/// and `simpler`, and positive integer powers. Returns whether this is simpler: a repeated factor,
+/// a power or an operation of `simpler` was dropped. `None` if there are too many factors.
 fn factors(
     graph: &Graph,
     root: NodeId,

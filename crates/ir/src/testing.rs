@@ -151,7 +151,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
 fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
     let (a, ea) = v[0];
     let (b, eb) = v.get(1).copied().unwrap_or((0.0, 0.0));
-    // Infinite if the operand may lie on either side of 0, an end of the domain.
+    // Returns an infinite error if the operand may be on either side of 0, where a domain ends.
     let unsure = |x: f64, e: f64| if x.abs() <= e { f64::INFINITY } else { 0.0 };
     let jump = |x: f64, e: f64| {
         if (x - x.round()).abs() <= e || (x + 0.5 - (x + 0.5).round()).abs() <= e {
@@ -315,7 +315,7 @@ impl Random {
         (self.next() % end as u64) as usize
     }
 
-    /// A coordinate in [-2, 2], often an integer or a half: there domains end and powers are exact.
+    /// A coordinate in [-2, 2], often an integer or a half, where domains end and powers are exact.
     pub(crate) fn coordinate(&mut self) -> f64 {
         match self.below(4) {
             0 => self.below(5) as f64 - 2.0,

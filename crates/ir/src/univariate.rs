@@ -22,8 +22,8 @@ pub(crate) const WORK_LIMIT: u64 = 2_500_000;
 type Polynomial = Vec<BigRational>;
 
 /// Adds a polynomial to `graph` that has the zeros of `root`, each of them simple. `None` if `root`
-/// is not a polynomial in one variable with a multiple root, or if it is too large. The cost is
-/// taken from `work`; `None`, too, when that is used up.
+/// is not a polynomial in one variable with a multiple root, if it is too large, or if `work` is
+/// used up. The cost is taken from `work`.
 pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Option<NodeId> {
     let (axis, polynomial) = expanded(graph, root, work)?;
     let common = gcd(polynomial.clone(), derivative(&polynomial), work)?;
@@ -133,8 +133,8 @@ fn product(a: &Polynomial, b: &Polynomial, work: &mut u64) -> Option<Polynomial>
     is_moderate(&product).then_some(product)
 }
 
-/// Takes the cost of one product of two numbers from `work`, including the common divisor that is
-/// needed to add the product to a third. `None` if `work` is used up.
+/// Takes from `work` the cost of one product of two numbers, and of the gcd needed to add it to
+/// another number. `None` if `work` is used up.
 fn spend(work: &mut u64, a: &BigRational, b: &BigRational) -> Option<()> {
     let words = |value: &BigRational| 1 + bits(value) / 64;
     *work = work.checked_sub((words(a) + words(b)).pow(2))?;
@@ -191,7 +191,7 @@ mod tests {
     use super::*;
     use crate::display::display;
 
-    /// The text of a polynomial with simple roots, from the coefficients of one in x, the constant
+    /// The squarefree part, as text, of a polynomial in x with these coefficients, the constant
     /// first.
     fn simple(coefficients: &[i64]) -> Option<String> {
         let mut graph = Graph::new();

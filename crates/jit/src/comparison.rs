@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 use zeroset_eval::{Binding, Input, Kernel, Loader, Query, Real, Tape};
 use zeroset_interval::{Format, Machine, has_fma};
 
-/// How results are rounded.
+/// A way to round results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Arithmetic {
     /// To nearest, without counting the rounding in affine forms. **Not sound**: bounds may miss
@@ -31,8 +31,7 @@ impl Arithmetic {
     pub const ALL: [Self; 3] = [Self::Unsound, Self::Widened, Self::Upward];
 }
 
-/// A kernel in some arithmetic. The same compiler tier compiles all, so only the arithmetic
-/// differs.
+/// A kernel in some arithmetic. All are compiled by the same tier, so only the arithmetic differs.
 pub struct Compared<Q: Query, T: Real = f32> {
     code: Code,
     arithmetic: Arithmetic,

@@ -23,12 +23,12 @@ use std::sync::OnceLock;
 use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Query, QueryResult, Real, Tape};
 use zeroset_interval::Fact;
 
-/// Most operations in a kernel: with more, even the fast tier takes too long.
+/// Largest number of operations in a kernel: with more, even the fast tier takes too long.
 const LIMIT: usize = 20_000;
-/// Most instructions in a kernel; some operations take a hundred and more. This many make 2 MB of
-/// code.
+/// Largest number of instructions in a kernel; some operations take a hundred and more. This many
+/// make 2 MB of code.
 const INSTRUCTIONS: usize = 200_000;
-/// Most bytes of stack that a kernel uses: a quarter of what a thread has by default.
+/// Largest stack of a kernel, in bytes: a quarter of a thread's default stack.
 const STACK: u32 = 512 << 10;
 /// Kernels with more instructions than this are compiled by the fast tier. Backtracking register
 /// allocation takes about 1.2 µs per instruction, so larger kernels would come near 2 ms. Code of
@@ -36,7 +36,7 @@ const STACK: u32 = 512 << 10;
 /// to get here).
 const FAST_TIER_FROM: usize = 1_200;
 
-/// How much effort code generation spends.
+/// The effort that code generation spends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tier {
     /// Backtracking register allocation.
@@ -119,8 +119,8 @@ pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code,
     generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
-/// Like [`compile`], but `other` computes the result on a machine around the emitter. The slower
-/// tier compiles it, whatever its size.
+/// Like [`compile`], but `other` computes the result on a machine that wraps the emitter. The
+/// slower tier compiles it, whatever its size.
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Query, T: Real>(
     tape: &Tape<T>,
@@ -131,7 +131,7 @@ pub fn compile_for_comparison<Q: Query, T: Real>(
 }
 
 /// Generates code in memory. `write` creates intermediate code for vectors of a given number of
-/// bytes; the widest possible up to `widest` are used. Without a `tier`, the code's size decides.
+/// bytes. The widest vectors come first, up to `widest`. Without a `tier`, the code's size decides.
 fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,

@@ -1,4 +1,4 @@
-//! A machine that counts operations: how long code will be, before any memory is spent on it.
+//! A machine that counts operations, to predict the length of code before it is generated.
 
 use zeroset_interval::{Format, Machine};
 

@@ -39,7 +39,7 @@ pub struct Emitter<'a, 'b> {
     width: usize,
     /// Constants in use, by type and bits.
     constants: HashMap<(Type, u128), Value>,
-    /// Fused multiply-adds, by operands: whatever is computed from a form requests its error again.
+    /// Fused multiply-adds, by operands: each use of an affine form computes its error again.
     fused: HashMap<[Value; 3], Value>,
 }
 
@@ -352,8 +352,8 @@ impl Machine for Emitter<'_, '_> {
     fn eq(&mut self, a: Vector, b: Vector) -> Vector {
         self.comparison(FloatCC::Equal, a, b)
     }
-    // A mask sets the sign bit of each lane that is set. A blend by sign bits is faster than the
-    // code for bitselect.
+    // A set lane of a mask has its sign bit set. A blend by sign bits is faster than the code for
+    // bitselect.
     fn select(&mut self, mask: Vector, a: Vector, b: Vector) -> Vector {
         self.select_signed(mask, a, b)
     }

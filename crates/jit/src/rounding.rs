@@ -40,8 +40,7 @@ pub unsafe fn call_rounding_to_nearest(
 /// Calls `entry` with the rounding mode set to +∞, and restores the default mode.
 ///
 /// # Safety
-/// `entry` must be a kernel, and the pointers valid for what it reads and writes. It must not
-/// unwind.
+/// `entry` must be a kernel that may read and write behind these pointers. It must not unwind.
 #[inline]
 pub unsafe fn call_rounding_up(
     entry: Entry,
@@ -52,10 +51,10 @@ pub unsafe fn call_rounding_up(
 ) {
     // SAFETY: the block declares every register that a function of this convention may change.
     // `entry` is in a register that the callee preserves, and MXCSR is left at the default that
-    // Rust assumes. The stack pointer is restored. Until then a kernel's stack, below a return
-    // address and a saved register, is aligned to the widest vectors: else each would span two
-    // cache lines. The two statics are plain memory. The caller vouches for what the callee reads
-    // and writes.
+    // Rust assumes. The stack pointer is restored. Until then it is aligned for a kernel's widest
+    // vectors, counting a return address and a saved register; otherwise each would span two cache
+    // lines. The two statics are plain memory. The caller vouches for the memory that the callee
+    // accesses.
     #[cfg(target_arch = "x86_64")]
     unsafe {
         std::arch::asm!(

@@ -1,7 +1,7 @@
 //! Widening of code from vectors of 128 bits, all that Cranelift has, to 256 and 512 bits.
 //!
 //! A kernel does the same to each lane, so an instruction for more lanes is the same instruction in
-//! a wider encoding. Batches have the further lanes next in memory. Constants are repeated, and
+//! a wider encoding. Batches have the further lanes next in memory. Each constant is repeated, and
 //! spilled values lie farther apart on the stack. Only moves of halves of vectors differ: the
 //! [emitter](crate::lanes) does two kinds, which are recognized here. With 512 bits a comparison
 //! gives a bit per lane, which is expanded to a vector. Code with an unknown instruction is not
@@ -22,7 +22,7 @@ use std::collections::HashMap;
 /// Bytes of the vectors in Cranelift's code.
 const NARROW: usize = 16;
 
-/// Address that code has while it is decoded. All references in it are relative.
+/// Address that is assumed for code while it is decoded. All references in it are relative.
 const ORIGIN: u64 = 0x1000;
 /// The stack may grow by less than this without a probe.
 const PAGE: i64 = 4096;
@@ -48,8 +48,8 @@ impl Width {
         }
     }
 
-    /// Whether this processor has instructions for such vectors and keeps its clock for them. The
-    /// first ones with 512 bits, before Ice Lake, lower it.
+    /// Returns whether this processor has instructions for such vectors, and keeps its clock rate
+    /// for them. The first ones with 512 bits, before Ice Lake, lower it.
     pub fn is_possible(self) -> bool {
         match self {
             Self::Zmm => {
@@ -59,7 +59,7 @@ impl Width {
         }
     }
 
-    /// Number of Cranelift's vectors that are together as wide.
+    /// Number of Cranelift's vectors in one of these.
     fn times(self) -> usize {
         self.bytes() / NARROW
     }
@@ -175,7 +175,7 @@ fn target(instruction: &Instruction) -> Option<u64> {
     (instruction.op0_kind() == OpKind::NearBranch64).then(|| instruction.near_branch_target())
 }
 
-/// Whether an instruction is one of those on integers that kernels use.
+/// Returns whether an instruction is an integer instruction that kernels use.
 fn is_of_integers(instruction: &Instruction) -> bool {
     use Mnemonic::{Add, And, Cmp, Lea, Mov, Or, Pop, Push, Shl, Shlx, Shr, Shrx, Sub, Test, Xor};
     match instruction.mnemonic() {
@@ -219,7 +219,7 @@ impl Constants {
     }
 }
 
-/// The layout of the stack: slots of a size that the code was told, then spilled values.
+/// The layout of the stack: slots as large as the code expects, then spilled values.
 struct StackLayout {
     slots: i64,
     /// Largest size allowed.
@@ -229,7 +229,7 @@ struct StackLayout {
 }
 
 impl StackLayout {
-    /// The new offset of what is at `offset`.
+    /// Returns the new offset of a value on the stack.
     fn moved(&self, offset: i64) -> i64 {
         if offset < self.slots { offset } else { self.slots + self.times * (offset - self.slots) }
     }

@@ -1,4 +1,4 @@
-//! Compiling and dropping kernels leaks no memory. This test has a file, and so a process, alone.
+//! Compiling and dropping kernels leaks no memory. This test is alone in its file and its process.
 //!
 //! A long run:
 //! `ZEROSET_CYCLES=200000 cargo test --release -p zeroset-jit --test memory -- --nocapture`.

@@ -10,12 +10,12 @@ struct Term {
     is_negative: bool,
     /// The term is 0 exactly where one of these nodes is 0. Each occurs once.
     bases: Vec<NodeId>,
-    /// Whether the term is other than the product of their squares, up to a constant factor.
+    /// Whether the term is not just the product of their squares, up to a constant factor.
     is_flat: bool,
 }
 
-/// The factors of a sum whose terms all have one sign: the bases that all terms share, and the sum
-/// of the squares of what remains of each term. `None` for other sums, and if nothing would change.
+/// Splits a sum whose terms all have one sign into factors: the bases that all terms share, and the
+/// sum of the squares of the remaining terms. `None` for other sums, and if nothing would change.
 pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
     let mut terms: Vec<Term> = Vec::new();
     let mut rest = vec![(root, false)];
@@ -62,7 +62,7 @@ pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
     Some(common)
 }
 
-/// A node as a term; `None` if the operations do not show its sign.
+/// Reads a node as a term; `None` if its operations do not show the sign.
 fn term(graph: &Graph, id: NodeId) -> Option<Term> {
     let mut term = Term::default();
     let mut rest = vec![id];

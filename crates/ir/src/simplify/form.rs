@@ -17,8 +17,7 @@ pub(super) enum Form {
     Product(Product),
 }
 
-/// A condition on where an expression is defined, beyond what its own operations demand: the node
-/// meets the restriction.
+/// An additional condition on where an expression is defined: the node meets the restriction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Condition(pub(super) Restriction, pub(super) NodeId);
 

@@ -115,7 +115,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Whether the operation of a node has integer results: rounding or `sign`.
+    /// Returns whether the operation of a node has integer results: rounding or `sign`.
     fn is_whole(&self, a: NodeId) -> bool {
         let is_integral =
             |op: &Op| matches!(op.row().class, Class::Function(Law::Rounding(_) | Law::Sign));
@@ -189,7 +189,8 @@ impl Rewriter<'_> {
         Form::Product(result)
     }
 
-    /// `otherwise(a, b)`. The conditions of a stay with a, since they decide which operand counts.
+    /// `otherwise(a, b)`. The conditions of `a` stay with it, since they decide which operand
+    /// counts.
     pub(super) fn fallback(&mut self, first: Form, second: Form) -> Form {
         let a = self.node_of(first);
         let b = self.node_of(second);

@@ -94,8 +94,8 @@ pub fn rewrite(
         parameters,
     };
     let mut values: Vec<Option<Form>> = vec![None; graph.len()];
-    // From the old graph: only an exponent that was written without coordinates and parameters
-    // counts as constant, however it simplifies.
+    // The old graph decides: an exponent is constant only if it was written without coordinates and
+    // parameters, however it simplifies.
     let ranks = ranks(graph);
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {

@@ -47,7 +47,8 @@ impl Rewriter<'_> {
             if fixed || self.rank(exponent) != Variability::Constant {
                 return power;
             }
-            // Enclosing yields an integer only if the range is one number, whose sign is known.
+            // The enclosure is an integer only if the range is a single number, whose sign is
+            // known.
             return self.real_power(power, base, self.range(exponent).hi > 0.0);
         }
         let Product { coefficient: number, conditions, .. } = exponent;

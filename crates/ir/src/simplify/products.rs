@@ -10,9 +10,9 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Most factors of a product that is remembered; longer ones are merged late.
+/// Largest number of factors of a product that is remembered; longer ones are merged late.
 const REMEMBERED: usize = 8;
-/// Most restrictions that are lifted out of an operand; further ones stay in it.
+/// Largest number of restrictions lifted out of an operand; further ones stay in it.
 const LIFTED: usize = 16;
 
 impl Rewriter<'_> {
@@ -38,7 +38,8 @@ impl Rewriter<'_> {
         if let Some(number) = self.graph.exact(id) {
             return Product { conditions, ..Product::number(number.clone()) };
         }
-        // A shared product stays one factor, so that it stays shared. A shared power is opened.
+        // A shared product stays one factor, so that it stays shared. A shared power is split into
+        // base and exponent.
         let power = self.products.get(&id).filter(|product| product.factors.len() == 1);
         let power = power.cloned().unwrap_or_else(|| Product::power(id, 1));
         Product { conditions, ..power }
@@ -84,8 +85,8 @@ impl Rewriter<'_> {
         Form::Node(self.node(Op::Div, &[a, b]))
     }
 
-    /// Merges equal bases and drops factors that exponents make needless. Conditions keep the
-    /// domain.
+    /// Merges equal bases and drops factors without effect. Conditions keep the domain of
+    /// definition.
     pub(super) fn settle(&mut self, mut p: Product) -> Product {
         p.loose = false;
         loop {
@@ -127,8 +128,8 @@ impl Rewriter<'_> {
         p.factors = merged;
     }
 
-    /// Applies `|u|^2k = u^2k`, `√u^2k = u^k` where u ≥ 0, and `∛u^3k = u^k`; whether anything
-    /// changed.
+    /// Applies `|u|^2k = u^2k`, `√u^2k = u^k` where u ≥ 0, and `∛u^3k = u^k`. Returns whether
+    /// anything changed.
     fn simplify_powers(&mut self, p: &mut Product) -> bool {
         let mut changed = false;
         for factor in p.factors.iter_mut().filter(|factor| factor.exponent != 0) {
@@ -151,7 +152,7 @@ impl Rewriter<'_> {
                 changed = true;
             }
         }
-        // A base that has come to light may be a number.
+        // A new base may be a number.
         let mut opened = Vec::new();
         for factor in std::mem::take(&mut p.factors) {
             let number =
@@ -281,7 +282,7 @@ impl Rewriter<'_> {
         product
     }
 
-    /// `base^exponent`, as squares of an odd power: the enclosure of a square is exact.
+    /// `base^exponent`, by squaring an odd power: the enclosure of a square is exact.
     fn emit_power(&mut self, base: NodeId, exponent: u64) -> NodeId {
         let (squarings, odd) = split_exponent(exponent);
         let mut node = base;

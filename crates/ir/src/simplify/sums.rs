@@ -1,7 +1,7 @@
 //! Collecting and emitting sums: `k + Σ cᵢ·tᵢ`.
 //!
-//! Comments state what a step saves on the gallery: operations of all tapes (919, for gradients
-//! 1498), or boxes that bisection down to 1/32 of a domain encloses.
+//! Comments state what a step saves on the gallery. They count operations of all tapes (919, for
+//! gradients 1498), or boxes enclosed by bisection down to 1/32 of a domain.
 
 use super::Rewriter;
 use super::form::{Condition, Product, Sum};
@@ -15,13 +15,13 @@ use zeroset_ops::{Op, Restriction};
 
 type Terms = Vec<(NodeId, BigRational)>;
 
-/// Most terms of a sum that is remembered, so that later sums can use its terms.
+/// Largest number of terms of a sum that is remembered, so that later sums can merge with it.
 const REMEMBERED: usize = 64;
-/// Most terms of a sum that is opened to complete squares. The common factor of longer sums is
-/// worth more.
+/// Largest number of terms of a sum that is opened to complete squares. In longer sums the common
+/// factor is worth more.
 const OPENED: usize = 4;
-/// Largest distance of a square's center from 0, as a multiple of the range's magnitude. Beyond it,
-/// rounding of the square outweighs the gain.
+/// Largest distance of a square's center from 0, as a multiple of the largest magnitude in the
+/// range. Beyond it, rounding of the square outweighs the gain.
 const CENTRE_LIMIT: f64 = 4.0;
 
 impl Rewriter<'_> {
@@ -101,10 +101,10 @@ impl Rewriter<'_> {
         });
     }
 
-    /// Replaces sums by their terms if this lets a square be completed with its base. Saves 1.4 %
-    /// of the boxes, some of them of Mitchell's surface.
+    /// Replaces sums by their terms if this brings a square and its linear term together, so that
+    /// it can be completed. Saves 1.4 % of the boxes, some of them of Mitchell's surface.
     fn open_squares(&self, terms: Terms, constant: &mut BigRational) -> Terms {
-        // Each term, also of sums that can be opened: node, coefficient and the sum that holds it.
+        // Each term, also inside sums that may be opened: node, coefficient and containing sum.
         let mut reach: Vec<(NodeId, BigRational, Option<NodeId>)> = Vec::new();
         for (term, c) in &terms {
             reach.push((*term, c.clone(), None));
@@ -132,7 +132,7 @@ impl Rewriter<'_> {
         self.open(terms, constant, |sum, _| sources.contains(&sum))
     }
 
-    /// Replaces sums by their terms if `chosen`, given the node and the terms, is true.
+    /// Replaces a sum by its terms if `chosen(node, terms)` is true.
     fn open(
         &self,
         terms: Terms,
@@ -199,7 +199,7 @@ impl Rewriter<'_> {
         changed
     }
 
-    /// Whether `(t + half)² − half²` has a tighter enclosure than `t² + 2·half·t`.
+    /// Returns whether `(t + half)² − half²` has a tighter enclosure than `t² + 2·half·t`.
     fn square_pays(&self, t: NodeId, half: &BigRational) -> bool {
         let range = self.range(t);
         // If both terms rise or fall together, interval evaluation is exact already.
@@ -251,7 +251,8 @@ impl Rewriter<'_> {
     }
 
     /// Like [`emit_signed`](Self::emit_signed) without a start. If all signs are minus, a
-    /// coefficient other than −1 absorbs the first (saves 9 operations of gradients).
+    /// coefficient other than −1 keeps its sign, which saves a negation (9 operations of
+    /// gradients).
     fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
         if terms.iter().all(|(_, c)| c.is_negative())
             && let Some(first) = terms.iter().position(|(_, c)| !c.abs().is_one())
@@ -332,7 +333,7 @@ impl Rewriter<'_> {
 }
 
 /// The factor to take out of a sum: the sign of the first term, times the size of all coefficients
-/// if they share one. Sums that differ by a factor are so shared (37 operations of gradients).
+/// if they share one. Sums that differ by a factor are thus shared (37 operations of gradients).
 fn content(terms: &[(NodeId, BigRational)], constant: &BigRational) -> BigRational {
     let first = &terms[0].1;
     let size = first.abs();

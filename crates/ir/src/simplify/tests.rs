@@ -269,8 +269,9 @@ fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) ->
     (bounds, facts)
 }
 
-/// Whether every exponent is a constant node. Interval rules take any exponent with one possible
-/// value for a constant, so other exponents may treat a base below 0 differently before and after.
+/// Returns whether every exponent is a constant node. Interval rules take any exponent with one
+/// possible value for a constant, so other exponents may treat a base below 0 differently before
+/// and after.
 fn exponents_are_numbers(graph: &Graph) -> bool {
     graph.iter().all(|(_, node)| match node {
         Node::Apply(Op::Pow, operands) => matches!(graph.node(operands[1]), Node::Constant(_)),
@@ -310,8 +311,8 @@ fn enclosures_do_not_widen() {
                 continue;
             }
             compared += 1;
-            // A coefficient that is no float may move an operand past the end of a domain that it
-            // just reached.
+            // A coefficient that is not a float may move an operand past the end of a domain that
+            // it just reached.
             let wider = at.map(|a| Interval { lo: a.lo - 1e-12, hi: a.hi + 1e-12 });
             let keeps_facts = new_facts.has(old_facts)
                 || !enclosure(&graph, root, &wider, &values).1.has(old_facts);

@@ -5,7 +5,7 @@ use iced_x86::{Encoder, Instruction};
 
 /// Encodes a function. If an instruction reads a constant, its displacement is the position among
 /// `constants`, which begin at a multiple of `alignment` bytes. A branch leads to the first
-/// instruction written in place of its target. `None` if there is none, if a branch has one byte
+/// instruction written in place of its target. `None` if that is missing, if a branch has one byte
 /// for its distance, or if an instruction has no encoding.
 pub fn bytes(written: &[Instruction], constants: &[u8], alignment: usize) -> Option<Vec<u8>> {
     let mut encoder = Encoder::new(64);

@@ -1,8 +1,8 @@
 //! Reuse of bits in mask registers.
 //!
 //! With vectors of 512 bits, a comparison writes a bit per lane to a mask register, and a choice
-//! reads one. Translated one by one, they pass a vector, which is expanded from bits and gathered
-//! to bits again. Within a block it is known which registers still hold the bits.
+//! reads one. Code translated instruction by instruction expands these bits to a vector and gathers
+//! them again. This module finds the registers that still hold them, within a block.
 
 use super::target;
 use iced_x86::{Code, Instruction, Mnemonic, OpKind, Register};
@@ -34,8 +34,8 @@ pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
     written.into_iter().filter(|_| is_needed.next() == Some(true)).collect()
 }
 
-/// Makes instructions use bits where they are. Before, there is one mask register, and each of its
-/// readers directly follows its writer. Here the bits go to all registers in turn.
+/// Lets instructions read bits from the registers that hold them. The given code uses one mask
+/// register, and each read directly follows its write. The result uses all registers in turn.
 fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>, Vec<usize>) {
     let (mut code, mut numbers) = (Vec::with_capacity(written.len()), Vec::new());
     let (mut bits, mut last) = (Bits::default(), usize::MAX);
@@ -119,7 +119,7 @@ impl Bits {
     }
 }
 
-/// The registers that the rest of a block and what follows it read, a bit for each.
+/// The registers read by the rest of a block and by what follows it, a bit for each.
 #[derive(Default)]
 struct Needs {
     /// Vectors that are written before they are read. All others may be read.
@@ -129,7 +129,7 @@ struct Needs {
 }
 
 impl Needs {
-    /// Whether anything needs the result of an instruction.
+    /// Returns whether the result of an instruction is needed.
     fn needs(&self, instruction: &Instruction) -> bool {
         let (to, code) = (instruction.op0_register(), instruction.code());
         if to.is_k() {
@@ -173,7 +173,7 @@ fn number(vector: Register) -> Option<usize> {
     Some(vector as usize - first as usize)
 }
 
-/// Whether an instruction is a fused multiply-add that reads the register which it writes.
+/// Returns whether an instruction is a fused multiply-add that reads the register it writes.
 fn reads_what_it_writes(instruction: &Instruction) -> bool {
     use Mnemonic::{
         Vfmadd132pd, Vfmadd132ps, Vfmadd213pd, Vfmadd213ps, Vfmsub132pd, Vfmsub132ps, Vfmsub213pd,
@@ -192,7 +192,7 @@ fn reads_what_it_writes(instruction: &Instruction) -> bool {
     )
 }
 
-/// Whether an instruction copies a vector from one register to another.
+/// Returns whether an instruction copies a vector from one register to another.
 fn is_move(instruction: &Instruction) -> bool {
     let moves = [Code::EVEX_Vmovups_zmm_k1z_zmmm512, Code::EVEX_Vmovupd_zmm_k1z_zmmm512];
     moves.contains(&instruction.code()) && instruction.op1_kind() == OpKind::Register
@@ -266,7 +266,7 @@ mod tests {
         with(Code::EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er, &[to, a, b])
     }
 
-    /// The mnemonics of what is left.
+    /// The mnemonics of the remaining code.
     fn left(written: Vec<Instruction>) -> Vec<Mnemonic> {
         let blocks = vec![0; written.len()];
         kept(written, blocks).iter().map(Instruction::mnemonic).collect()

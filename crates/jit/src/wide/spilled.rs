@@ -9,7 +9,7 @@ use iced_x86::{Code, Instruction, OpKind, Register};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// Number of registers beyond those that Cranelift uses, and the first of them.
+/// Number of registers that Cranelift does not know, and the first of them.
 const REGISTERS: u32 = 16;
 const FIRST: Register = Register::ZMM16;
 
@@ -51,7 +51,7 @@ pub fn keep_in(instruction: &mut Instruction, register: Register) {
     }
 }
 
-/// A range of instructions during which a place on the stack holds a vector, and those that use it.
+/// The instructions that use a place on the stack while it holds one vector, and their range.
 struct Span {
     uses: Vec<usize>,
     lasts: RangeInclusive<usize>,
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_vector_that_outlasts_its_block_keeps_its_register() {
-        // A loop that reads what its last iteration wrote.
+        // A loop in which an iteration reads a vector that the iteration before it wrote.
         let mut all = vec![read(0), write(16), read(16), write(0), write(32), read(32)];
         let back = Instruction::with_branch(Code::Jb_rel32_64, 1).expect("valid");
         all.push(back);

@@ -51,8 +51,8 @@ fn instructions_and_what_is_on_the_stack_become_wider() {
             Code::EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er,
         ),
     ] {
-        // The 64 bytes of slots stay in place. What is behind them moves, or goes to a register
-        // where there are more of them.
+        // The 64 bytes of slots stay in place. Vectors behind them move, or go to a register if
+        // there are more registers than Cranelift knows.
         for (offset, behind) in [(0, 0), (48, 0), (64, 0), (80, 1), (240, 11)] {
             let narrow = function(256, offset, narrow_sum());
             let code = widened(&narrow, width, 64, STACK).expect("known");
@@ -141,7 +141,7 @@ fn branches_lead_to_what_takes_an_instruction_s_place() {
         change(Code::Add_rm64_imm32, 64).expect("fits"),
         Instruction::with(Code::Retnq),
     ];
-    // Over the sum, to where the stack is freed.
+    // The branch skips the sum and leads to where the stack is freed.
     let end = ORIGIN + encoded(&all[..3]).len() as u64;
     all[1] = branch(Code::Jb_rel32_64, end);
     let found = instructions(&widened(&encoded(&all), Width::Ymm, 0, STACK).expect("known"));
