@@ -14,7 +14,8 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Ideas, METHODS, Method, Precision, Projection};
+use zeroset_trace::TraceOptions;
+use zeroset_trace::{Camera, METHODS, Method, Precision, Projection};
 
 /// Number of rounds, unless `--rounds` gives another.
 const ROUNDS: usize = 15;
@@ -31,11 +32,6 @@ fn main() {
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global().expect("first use of the pool");
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
     let given = |option: &str| std::env::args().any(|given| given == option);
-    let ideas = Ideas {
-        contract: !given("--no-contract"),
-        tiles: !given("--no-tiles"),
-        intervals: !given("--no-interval"),
-    };
     let precision = match (given("--f32"), given("--f64")) {
         (true, false) => Precision::F32,
         (false, true) => Precision::F64,
@@ -81,8 +77,13 @@ fn main() {
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect(name);
         let size = size.unwrap_or(Settings::default().width);
         let settings = Settings {
-            ideas,
-            precision,
+            options: TraceOptions {
+                precision,
+                contract: !given("--no-contract"),
+                tiles: !given("--no-tiles"),
+                intervals: !given("--no-interval"),
+                ..TraceOptions::default()
+            },
             width: size,
             height: size,
             keeps_normals: false,

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use zeroset_live::{DocumentSource, Live, Request};
 use zeroset_render::picture::Settings;
 use zeroset_testkit::Effort;
+use zeroset_trace::TraceOptions;
 
 const EDITS: u64 = 2_000;
 const SEED: u64 = 20_070_002;
@@ -25,7 +26,12 @@ fn resident() -> Option<usize> {
 fn no_edit_leaves_a_stale_picture() {
     let Effort { seed, cases: edits } = Effort::from_environment(SEED, EDITS);
     let mut random = fastrand::Rng::with_seed(seed);
-    let settings = Settings { width: 64, height: 64, max_depth: 8, ..Settings::default() };
+    let settings = Settings {
+        options: TraceOptions { depth: 8, ..TraceOptions::default() },
+        width: 64,
+        height: 64,
+        ..Settings::default()
+    };
     let live = Live::new(Request { settings, ..Request::default() });
     let started = Instant::now();
     let mut first = None;

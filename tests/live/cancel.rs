@@ -8,6 +8,7 @@ use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{METHODS, Status, UndecidedReason};
 
 /// Two surfaces, one of which casts a shadow on the other.
@@ -50,7 +51,12 @@ fn shadows_end_between_tiles() {
     let (document, region) = document();
     let model = Model::new(&document, &region, &Settings::default());
     let model = model.expect("compiles");
-    let plain = Settings { width: 256, height: 256, max_depth: 8, ..Settings::default() };
+    let plain = Settings {
+        options: TraceOptions { depth: 8, ..TraceOptions::default() },
+        width: 256,
+        height: 256,
+        ..Settings::default()
+    };
     let shadowed = Settings { shadow_depth: Some(7), ..plain.clone() };
     let dark = |picture: &Picture| picture.buffer.shadow.iter().filter(|dark| **dark > 0).count();
     let (_, before) = picture(&model, &plain, usize::MAX);

@@ -9,7 +9,7 @@ use zeroset_render::picture::{Precision, Settings};
 use zeroset_scene::gallery;
 use zeroset_scene::view;
 use zeroset_shade::Pattern;
-use zeroset_trace::Ideas;
+use zeroset_trace::TraceOptions;
 
 /// The picture that `zeroset render` draws from the same text and camera.
 fn rendered(frame: &Rendering) -> Vec<u8> {
@@ -155,7 +155,12 @@ fn typing_goes_on_from_the_last_text_that_could_be_read() {
 fn the_latest_edit_ends_the_work_for_those_before() {
     // A picture that takes at least seconds.
     let heavy = gallery::example("barth-decic").expect("there").text;
-    let settings = Settings { width: 3000, height: 3000, max_depth: 16, ..Settings::default() };
+    let settings = Settings {
+        options: TraceOptions { depth: 16, ..TraceOptions::default() },
+        width: 3000,
+        height: 3000,
+        ..Settings::default()
+    };
     let live = Live::new(Request { text: heavy.into(), settings, ..Request::default() });
     assert!(live.wait_for_news(LIMIT, 0), "no coarse picture");
     live.resize(40, 40);
@@ -226,7 +231,7 @@ fn commands_are_answered() {
     assert!(say(":tolerance 0.1").contains("within 0.1 pixels"));
     assert!(say(":depth").contains("the method affine does not use that, but knoll, raa do"));
     let exact = settled(&live);
-    assert_eq!(exact.request.settings.tolerance, 0.1);
+    assert_eq!(exact.request.settings.options.tolerance, 0.1);
     assert_eq!(exact.picture.statistics.pixels.undecided, 0);
     assert!(exact.summary().contains(" · affine auto 0.1 px · 0 undecided"), "{}", exact.summary());
     assert!(say(":status").contains("method      affine, auto, hits within 0.1 pixels"));
@@ -236,7 +241,7 @@ fn commands_are_answered() {
     assert!(say(":steps").contains("the method knoll does not use that, but sphere, march do"));
     live.enter(":precision f32").expect("a precision");
     assert!(say(":depth 12").starts_with("depth 12 of at most 20: slabs of at most "));
-    assert_eq!(live.settings().max_depth, 12);
+    assert_eq!(live.settings().options.depth, 12);
     let coarse = settled(&live);
     assert!(coarse.command("out.png").contains(" --method knoll --max-depth 12 --precision f32"));
     assert!(say(":status").contains("undecided   this method proves misses"));
@@ -251,7 +256,9 @@ fn commands_are_answered() {
     assert!(command.contains("--precision f64"), "{command}");
     assert!(say(":precision f32").starts_with("f32: depth 20 of at most 20"));
     let coarse = settled(&live);
-    assert!(coarse.picture.precision == Precision::F32 && coarse.request.settings.max_depth == 20);
+    assert!(
+        coarse.picture.precision == Precision::F32 && coarse.request.settings.options.depth == 20
+    );
     settled(&live);
     assert!(say(":status").contains("surface") && say(":status").contains("undecided"));
     live.enter(":set r = 3").expect("in range");
@@ -298,8 +305,12 @@ fn definitions_may_come_first() {
 
 #[test]
 fn ideas_that_are_left_out_are_told_and_repeated() {
-    let ideas = Ideas { tiles: false, ..Ideas::default() };
-    let settings = Settings { width: 24, height: 24, ideas, ..Settings::default() };
+    let settings = Settings {
+        options: TraceOptions { tiles: false, ..TraceOptions::default() },
+        width: 24,
+        height: 24,
+        ..Settings::default()
+    };
     let live =
         Live::new(Request { text: "x^2+y^2+z^2 = 1".into(), settings, ..Request::default() });
     let alone = settled(&live);
@@ -334,7 +345,12 @@ fn a_refused_value_leaves_the_one_from_the_command_line() {
 fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
     let text: Arc<str> = "r = 1\nq = 1\nx^2+y^2+z^2 = r^2+q".into();
     let overrides = vec![("r".to_owned(), "2".to_owned()), ("q".to_owned(), "2".to_owned())];
-    let settings = Settings { width: 8, height: 8, max_depth: 4, ..Settings::default() };
+    let settings = Settings {
+        options: TraceOptions { depth: 4, ..TraceOptions::default() },
+        width: 8,
+        height: 8,
+        ..Settings::default()
+    };
     for _ in 0..100 {
         let request = Request {
             text: Arc::clone(&text),
@@ -385,7 +401,12 @@ fn a_long_formula_is_simplified_without_the_lock() {
 #[test]
 fn a_picture_is_waited_for_only_until_another_is_asked_for() {
     let heavy = gallery::example("barth-decic").expect("there").text;
-    let settings = Settings { width: 3000, height: 3000, max_depth: 16, ..Settings::default() };
+    let settings = Settings {
+        options: TraceOptions { depth: 16, ..TraceOptions::default() },
+        width: 3000,
+        height: 3000,
+        ..Settings::default()
+    };
     let live = Live::new(Request { text: heavy.into(), settings, ..Request::default() });
     std::thread::scope(|scope| {
         let waiting = scope.spawn(|| live.finished(live.revision(), LIMIT).is_none());

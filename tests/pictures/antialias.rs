@@ -7,6 +7,7 @@ use zeroset_scene::gallery::example;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern, edges};
 use zeroset_syntax::{Options, read};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Precision};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
@@ -86,7 +87,10 @@ fn what_f32_cannot_tell_is_not_painted_along_edges() {
         "domain 3e11\n(x^2+y^2+z^2+(1.5e11)^2-(5e10)^2)^2=4(1.5e11)^2*(x^2+y^2)\nz=0",
     ] {
         let settings = settings(16);
-        let fine = Settings { precision: Precision::F64, ..settings.clone() };
+        let fine = Settings {
+            options: TraceOptions { precision: Precision::F64, ..settings.options },
+            ..settings.clone()
+        };
         let (model, camera) = scene(text, &fine);
         let fine = picture(&model, &camera, &fine);
         let (model, camera) = scene(text, &settings);

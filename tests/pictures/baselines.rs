@@ -48,9 +48,9 @@ fn every_method_draws_the_sphere_within_its_tolerance() {
     for (method, double) in METHODS.iter().flat_map(|method| [(method, false), (method, true)]) {
         for tolerance in [0.5, 0.01] {
             let (frame, picture) = picture(SPHERE, method.name, |settings| {
-                settings.tolerance = tolerance;
+                settings.options.tolerance = tolerance;
                 if double {
-                    settings.precision = zeroset_render::picture::Precision::F64;
+                    settings.options.precision = zeroset_render::picture::Precision::F64;
                 }
             });
             let mut seen = 0;
@@ -102,13 +102,13 @@ const SHELL: &str = "(x^2+y^2+z^2-1)*(x^2+y^2+z^2-1.002)";
 
 #[test]
 fn march_passes_over_what_is_thinner_than_its_steps() {
-    let coarse = |steps: u32| drawn(&picture(SHELL, "march", |s| s.steps = steps).1);
+    let coarse = |steps: u32| drawn(&picture(SHELL, "march", |s| s.options.steps = steps).1);
     let there = drawn(&picture(SHELL, "mitchell", |_| {}).1);
     assert!(there > 700, "{there}");
     assert!(coarse(32) < there / 10, "{} of {there}", coarse(32));
     assert!(coarse(16384) > there * 9 / 10, "{} of {there}", coarse(16384));
     // Rays without a sampled change of sign are undecided, not misses.
-    let (_, picture) = picture(SHELL, "march", |settings| settings.steps = 32);
+    let (_, picture) = picture(SHELL, "march", |settings| settings.options.steps = 32);
     assert_eq!(picture.buffer.reasons()[UndecidedReason::Unproven as usize], SIDE * SIDE);
     assert!(picture.why_undecided().expect("all").contains("proves nothing"));
 }
@@ -172,7 +172,7 @@ fn sphere_says_where_it_has_no_bound() {
 /// The setting `steps` limits the number of sphere tracing steps.
 #[test]
 fn sphere_takes_no_more_steps_than_it_may() {
-    let (_, few) = picture(SPHERE, "sphere", |settings| settings.steps = 3);
+    let (_, few) = picture(SPHERE, "sphere", |settings| settings.options.steps = 3);
     assert!(few.buffer.reasons()[UndecidedReason::Budget as usize] > 700);
     assert_eq!(few.buffer.counts().hit, 0);
 }

@@ -5,6 +5,7 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Projection};
 
 const SIZE: usize = 72;
@@ -39,8 +40,13 @@ fn pixels_are_counted_as_they_are() {
         let camera = Camera::new(DVec3::new(2.0, 1.5, 3.0), DVec3::ZERO, DVec3::Y, projection);
         let camera = camera.expect(text);
         for method in &METHODS {
-            let settings =
-                Settings { width: SIZE, height: SIZE, method, max_depth: 8, ..Settings::default() };
+            let settings = Settings {
+                options: TraceOptions { depth: 8, ..TraceOptions::default() },
+                width: SIZE,
+                height: SIZE,
+                method,
+                ..Settings::default()
+            };
             let model = Model::new(&document, &region, &settings).expect(text);
             let left = std::sync::atomic::AtomicUsize::new(calls);
             let order = std::sync::atomic::Ordering::Relaxed;

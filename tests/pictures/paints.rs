@@ -9,12 +9,18 @@ use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_space::{HalfSpace, Region};
 use zeroset_style::ColorMap;
 use zeroset_syntax::{Options, read};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, Projection, RayGrid};
 
 const SIDE: usize = 48;
 
 fn settings() -> Settings {
-    Settings { width: SIDE, height: SIDE, tolerance: 0.01, ..Settings::default() }
+    Settings {
+        options: TraceOptions { tolerance: 0.01, ..TraceOptions::default() },
+        width: SIDE,
+        height: SIDE,
+        ..Settings::default()
+    }
 }
 
 /// A camera that looks along x from 8 units before the origin, with parallel rays.
@@ -232,7 +238,7 @@ fn rays_followed_alone_find_points_as_exactly() {
     let region = Region::new(-2.0 * DVec3::ONE, 2.0 * DVec3::ONE).expect("a cube");
     let document = read(sphere, &Options::default()).expect("reads");
     let mut alone = settings();
-    alone.ideas.tiles = false;
+    alone.options.tiles = false;
     let picture = render(&document, &region, &camera(), &alone, &|_, _| {}).expect("a picture");
     let mut hits = 0;
     for n in (0..SIDE * SIDE).filter(|&n| picture.buffer.is_drawn(n)) {

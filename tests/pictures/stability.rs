@@ -10,6 +10,7 @@ use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Precision, Settings};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{
     Camera, METHODS, Method, Projection, Proves, RayGrid, Status, UndecidedReason,
 };
@@ -49,11 +50,14 @@ pub fn document(case: &Case) -> Document {
 
 fn settings() -> Settings {
     Settings {
+        options: TraceOptions {
+            precision: Precision::F32,
+            depth: DEPTH,
+            ..TraceOptions::default()
+        },
         width: SIDE,
         height: SIDE,
         method: Method::named("knoll").expect("a row"),
-        precision: Precision::F32,
-        max_depth: DEPTH,
         ..Settings::default()
     }
 }
@@ -318,7 +322,14 @@ fn no_claim_in_double_precision_is_false() {
     let mut walls = [0; 2];
     for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {
         for (precision, walls) in [Precision::F32, Precision::F64].into_iter().zip(&mut walls) {
-            let picture = picture_with(case, &truth, &Settings { precision, ..settings() });
+            let picture = picture_with(
+                case,
+                &truth,
+                &Settings {
+                    options: TraceOptions { precision, ..settings().options },
+                    ..settings()
+                },
+            );
             let tally = Tally::new(case, &truth, &picture, precision);
             *walls += tally.walls;
             if precision == Precision::F64 {
@@ -340,7 +351,14 @@ fn finer_slabs_in_double_precision_are_nearer_to_the_root() {
         }
         let extent = case.domain.chunks(2).map(|range| range[1] - range[0]).fold(0.0, f64::max);
         for max_depth in [12, 20, 28, 36] {
-            let settings = Settings { precision: Precision::F64, max_depth, ..settings() };
+            let settings = Settings {
+                options: TraceOptions {
+                    precision: Precision::F64,
+                    depth: max_depth,
+                    ..settings().options
+                },
+                ..settings()
+            };
             let buffer = picture_with(case, &truth, &settings).buffer;
             let rooted =
                 truth.pixels.iter().enumerate().filter(|(_, p)| p.zero.is_finite() && !p.open);

@@ -8,12 +8,19 @@ use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice};
 use zeroset_testkit::property::{Formula, Scene, picture as hold};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, Projection, Status, UndecidedReason};
 
 /// Settings with a tolerance near the reference's accuracy.
 fn settings() -> Settings {
     let (width, height) = (SIDE, SIDE);
-    Settings { width, height, tolerance: 5e-4, brackets: true, ..Settings::default() }
+    Settings {
+        options: TraceOptions { tolerance: 5e-4, ..TraceOptions::default() },
+        width,
+        height,
+        brackets: true,
+        ..Settings::default()
+    }
 }
 
 /// A description of the ray's claim, if its roots contradict it.

@@ -5,6 +5,7 @@ use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, UndecidedReason};
 
 const SIDE: usize = 41;
@@ -18,7 +19,11 @@ fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Pi
     let camera = Camera::new(along * -8.0, DVec3::ZERO, up, projection).expect("a camera");
     let (max_depth, tolerance) = (12, 0.01);
     let plain = Settings { width: SIDE, height: SIDE, ..Settings::default() };
-    let settings = Settings { method, max_depth, tolerance, ..plain };
+    let settings = Settings {
+        options: TraceOptions { depth: max_depth, tolerance, ..plain.options },
+        method,
+        ..plain
+    };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
     (camera.rays(SIDE, SIDE), picture)
 }

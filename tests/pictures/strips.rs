@@ -6,6 +6,7 @@ use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{Pattern, UndecidedStyle};
 use zeroset_syntax::{Options, read};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, GBuffer, RayResult};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
@@ -101,7 +102,10 @@ fn strips_are_parts_of_the_whole_bit_for_bit() {
     let sixteen = Pattern::of(16).expect("a pattern");
     let fine = Settings { antialias: sixteen, shadow_depth: Some(7), ..plain.clone() };
     let marked = Settings { undecided: UndecidedStyle::Hatch, brackets: true, ..plain.clone() };
-    let double = Settings { precision: Precision::F64, ..fine.clone() };
+    let double = Settings {
+        options: TraceOptions { precision: Precision::F64, ..fine.options },
+        ..fine.clone()
+    };
     for text in TEXTS {
         for settings in [&fine, &marked, &double] {
             let (model, camera) = scene(text, settings);

@@ -11,6 +11,7 @@ use zeroset_scene::gallery::example;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status};
 
 /// The depth that the table is computed with.
@@ -30,7 +31,11 @@ impl Slabs {
     fn settings(self) -> Settings {
         let Self(max_depth, precision) = self;
         let method = Method::named("knoll").expect("a row");
-        Settings { method, max_depth, precision, ..Settings::default() }
+        Settings {
+            options: TraceOptions { depth: max_depth, precision, ..TraceOptions::default() },
+            method,
+            ..Settings::default()
+        }
     }
 }
 
@@ -306,7 +311,11 @@ fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
     for truth in read("truth") {
         let slug = &truth.view.slug;
         for ((precision, tolerance), all) in CLAIMS.into_iter().zip(&mut all) {
-            let settings = Settings { brackets: true, precision, tolerance, ..Settings::default() };
+            let settings = Settings {
+                options: TraceOptions { precision, tolerance, ..TraceOptions::default() },
+                brackets: true,
+                ..Settings::default()
+            };
             let (frame, buffer) = picture(&truth, &settings);
             let (proofs, found) = Proofs::new(&truth, &frame, &buffer, tolerance);
             if proofs.undecided + proofs.phantoms > 0 {

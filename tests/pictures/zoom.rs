@@ -9,6 +9,7 @@ use zeroset_scene::view::{DomainChoice, region};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options, read};
 use zeroset_testkit::property::{Formula, Scene, picture as hold};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Precision, Projection, Status};
 
 const SURFACES: [&str; 5] = [
@@ -106,7 +107,12 @@ fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
     let projection = Projection::Perspective { fov: 40.0 };
     let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, projection).expect("a camera");
     for precision in [Precision::F32, Precision::Auto] {
-        let settings = Settings { width: 128, height: 128, precision, ..Settings::default() };
+        let settings = Settings {
+            options: TraceOptions { precision, ..TraceOptions::default() },
+            width: 128,
+            height: 128,
+            ..Settings::default()
+        };
         let picture =
             render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
         let (rays, buffer) = (camera.rays(128, 128), &picture.buffer);

@@ -16,7 +16,7 @@ fn every_method_has_its_row() {
         .collect();
     let expected = METHODS.iter().map(|row| {
         let options: Vec<String> =
-            row.reads.iter().map(|option| format!("`--{}`", option.name())).collect();
+            row.reads.iter().map(|option| format!("`--{}`", option.name)).collect();
         format!("| `{}` | {} | {} |", row.name, row.help, options.join(", "))
     });
     assert_eq!(rows, expected.collect::<Vec<_>>());

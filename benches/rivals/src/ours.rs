@@ -1,5 +1,6 @@
 //! zeroset's methods, called through the library.
 
+use zeroset_trace::TraceOptions;
 use crate::side::{Asked, Side};
 use crate::surfaces::Surface;
 use anyhow::Result;
@@ -26,11 +27,10 @@ impl Ours {
         size: usize,
         depth: u32,
     ) -> Result<Self> {
-        let settings = Settings {
+        let settings = Settings { options: TraceOptions { depth, ..TraceOptions::default() },
             width: size,
             height: size,
             method,
-            max_depth: depth,
             shadow_depth: None,
             normals: Some(Normals::Gradient),
             keeps_normals: false,

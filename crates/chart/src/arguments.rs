@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
-use zeroset_render::picture::is_tolerance;
+use zeroset_trace::is_tolerance;
 use zeroset_trace::{METHODS, Method, Precision};
 
 /// Measure and chart the methods of zeroset: speed against accuracy.
@@ -221,7 +221,7 @@ fn seconds(text: &str) -> Result<Duration, String> {
 
 fn tolerance(text: &str) -> Result<f64, String> {
     let pixels: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    let refuse = || zeroset_render::picture::TOLERANCES.to_owned();
+    let refuse = || zeroset_trace::TOLERANCES.to_owned();
     is_tolerance(pixels).then_some(pixels).ok_or_else(refuse)
 }
 

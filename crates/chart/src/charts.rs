@@ -11,7 +11,7 @@ use crate::plot::{Figure, Series, Shape};
 use crate::quantile::{Quartiles, geometric_mean};
 use crate::row::Row;
 use std::path::Path;
-use zeroset_trace::{METHODS, MethodOption, Precision};
+use zeroset_trace::{DEPTH, METHODS, Precision, STEPS, TOLERANCE};
 
 /// All charts that the rows can fill: those over all surfaces, then those of single surfaces.
 pub fn charts(rows: &[Row]) -> [Vec<Figure>; 2] {
@@ -141,11 +141,7 @@ fn families(rows: &Rows<'_>) -> Vec<Vec<Configuration>> {
 
 /// Legend of the letters in labels.
 fn letters(rows: &Rows<'_>) -> Vec<&'static str> {
-    let letters = [
-        (MethodOption::Tolerance, "t: tolerance in pixels"),
-        (MethodOption::Depth, "d: depth"),
-        (MethodOption::Steps, "s: steps"),
-    ];
+    let letters = [(TOLERANCE, "t: tolerance in pixels"), (DEPTH, "d: depth"), (STEPS, "s: steps")];
     let has = |option| rows.0.iter().any(|(_, one)| one.number(option).is_some());
     letters.into_iter().filter(|(option, _)| has(*option)).map(|(_, letter)| letter).collect()
 }

@@ -2,7 +2,9 @@
 
 use std::fmt;
 use zeroset_render::picture::Settings;
-use zeroset_trace::{Method, MethodOption, Precision};
+use zeroset_trace::{
+    DEPTH, Method, MethodOption, PRECISION, Precision, STEPS, TOLERANCE, TraceOptions,
+};
 
 /// The values that each option takes.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +19,7 @@ pub struct Values {
     pub precisions: Vec<String>,
 }
 
-/// A method and its options; `None` for options that it does not read.
+/// A method with some of its options set; `None` for options that it does not read.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Configuration {
     /// The method.
@@ -32,19 +34,6 @@ pub struct Configuration {
     pub steps: Option<u32>,
 }
 
-/// An option's description, with its unit.
-pub fn meaning(option: MethodOption) -> &'static str {
-    match option {
-        MethodOption::Precision => "precision",
-        MethodOption::Depth => "depth: how often the domain is halved",
-        MethodOption::Tolerance => "tolerance, in pixels",
-        MethodOption::Steps => "steps: samples on a ray's way, or steps along it at most",
-        MethodOption::NoContract => "segments are halved, not narrowed",
-        MethodOption::NoTiles => "each ray is followed alone",
-        MethodOption::NoIntervals => "no intervals where forms leave a segment open",
-    }
-}
-
 /// The precision with this name.
 pub fn precision(name: &str) -> Option<Precision> {
     [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
@@ -53,13 +42,10 @@ pub fn precision(name: &str) -> Option<Precision> {
 /// The options of a method that are varied. The switches are left to `benches/frame.rs`. If a
 /// method reads depth or steps, the tolerance only ends the refinement of hits and keeps its
 /// default.
-fn varied(method: &Method) -> impl Iterator<Item = MethodOption> {
-    let looks = |option: &MethodOption| matches!(option, MethodOption::Depth | MethodOption::Steps);
-    let has_other = method.reads.iter().any(looks);
-    let is_varied = move |option: &MethodOption| match option {
-        MethodOption::Precision | MethodOption::Depth | MethodOption::Steps => true,
-        MethodOption::Tolerance => !has_other,
-        MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => false,
+fn varied(method: &'static Method) -> impl Iterator<Item = MethodOption> {
+    let has_other = method.reads.iter().any(|option| [DEPTH, STEPS].contains(option));
+    let is_varied = move |option: &MethodOption| {
+        !option.axis.is_empty() && (*option != TOLERANCE || !has_other)
     };
     method.reads.iter().copied().filter(is_varied)
 }
@@ -89,23 +75,16 @@ impl Configuration {
 
     /// Copies of the configuration, one for each value of an option.
     fn with_each(self, option: MethodOption, values: &Values) -> Vec<Self> {
-        match option {
-            MethodOption::Precision => {
-                let precisions = values.precisions.iter().filter_map(|name| precision(name));
-                precisions.map(|value| Self { precision: Some(value), ..self }).collect()
-            }
-            MethodOption::Depth => {
-                values.depths.iter().map(|v| Self { depth: Some(*v), ..self }).collect()
-            }
-            MethodOption::Steps => {
-                values.steps.iter().map(|v| Self { steps: Some(*v), ..self }).collect()
-            }
-            MethodOption::Tolerance => {
-                values.tolerances.iter().map(|v| Self { tolerance: Some(*v), ..self }).collect()
-            }
-            MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
-                vec![self]
-            }
+        let Values { depths, tolerances, steps, precisions } = values;
+        if option == PRECISION {
+            let precisions = precisions.iter().filter_map(|name| precision(name));
+            precisions.map(|value| Self { precision: Some(value), ..self }).collect()
+        } else if option == DEPTH {
+            depths.iter().map(|value| Self { depth: Some(*value), ..self }).collect()
+        } else if option == STEPS {
+            steps.iter().map(|value| Self { steps: Some(*value), ..self }).collect()
+        } else {
+            tolerances.iter().map(|value| Self { tolerance: Some(*value), ..self }).collect()
         }
     }
 
@@ -118,9 +97,9 @@ impl Configuration {
     fn numbers(&self) -> impl Iterator<Item = (MethodOption, &'static str, f64)> {
         let Self { method: _, precision: _, depth, tolerance, steps } = *self;
         let numbers = [
-            (MethodOption::Depth, "depth", depth.map(f64::from)),
-            (MethodOption::Tolerance, "tolerance", tolerance),
-            (MethodOption::Steps, "steps", steps.map(f64::from)),
+            (DEPTH, "depth", depth.map(f64::from)),
+            (TOLERANCE, "tolerance", tolerance),
+            (STEPS, "steps", steps.map(f64::from)),
         ];
         numbers.into_iter().filter_map(|(option, word, number)| Some((option, word, number?)))
     }
@@ -133,23 +112,22 @@ impl Configuration {
 
     /// Settings of a square picture with this many pixels per side.
     pub fn settings(&self, size: usize) -> Settings {
-        let plain = Settings::default();
-        Settings {
-            width: size,
-            height: size,
-            method: self.method,
+        let plain = TraceOptions::default();
+        let options = TraceOptions {
             precision: self.precision.unwrap_or(plain.precision),
-            max_depth: self.depth.unwrap_or(plain.max_depth),
+            depth: self.depth.unwrap_or(plain.depth),
             tolerance: self.tolerance.unwrap_or(plain.tolerance),
             steps: self.steps.unwrap_or(plain.steps),
             ..plain
-        }
+        };
+        let method = self.method;
+        Settings { width: size, height: size, method, options, ..Settings::default() }
     }
 
     /// The flags of `zeroset render` for this configuration.
     pub fn flags(&self) -> String {
-        let flag = |option: MethodOption, value: String| format!(" --{} {value}", option.name());
-        let precision = self.precision.map(|p| flag(MethodOption::Precision, p.to_string()));
+        let flag = |option: MethodOption, value: String| format!(" --{} {value}", option.name);
+        let precision = self.precision.map(|p| flag(PRECISION, p.to_string()));
         let numbers = self.numbers().map(|(option, _, number)| flag(option, number.to_string()));
         let flags: String = precision.into_iter().chain(numbers).collect();
         format!("--method {}{flags}", self.method.name)
@@ -181,18 +159,14 @@ mod tests {
         };
         for method in &METHODS {
             let all = configurations(&[method], &values);
-            let number = |option| match option {
-                MethodOption::Precision | MethodOption::Tolerance | MethodOption::Steps => 2,
-                MethodOption::Depth => 3,
-                MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => 1,
-            };
+            let number = |option| if option == DEPTH { 3 } else { 2 };
             let expected: usize = varied(method).map(number).product();
             assert_eq!(all.len(), expected, "{}", method.name);
             for one in all {
                 let reads = |option| varied(method).any(|varied| varied == option);
-                assert_eq!(one.depth.is_some(), reads(MethodOption::Depth));
-                assert_eq!(one.tolerance.is_some(), reads(MethodOption::Tolerance));
-                assert_eq!(one.steps.is_some(), reads(MethodOption::Steps));
+                assert_eq!(one.depth.is_some(), reads(DEPTH));
+                assert_eq!(one.tolerance.is_some(), reads(TOLERANCE));
+                assert_eq!(one.steps.is_some(), reads(STEPS));
                 assert_eq!(one.settings(32).method.name, method.name);
             }
         }

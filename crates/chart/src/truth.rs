@@ -12,6 +12,7 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::{Precision, Settings};
 use zeroset_space::Ray;
 use zeroset_testkit::certified::{Certificate, Crossing, Function, Line};
+use zeroset_trace::TraceOptions;
 
 /// The truth about a ray. Distances are in world units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,7 +66,10 @@ impl<'a> Certifier<'a> {
     /// # Errors
     /// If the function cannot be compiled.
     pub fn new(surface: &'a Surface, budget: u32) -> Result<Self, ChartError> {
-        let settings = Settings { precision: Precision::F64, ..Settings::default() };
+        let settings = Settings {
+            options: TraceOptions { precision: Precision::F64, ..TraceOptions::default() },
+            ..Settings::default()
+        };
         let model = surface.model(&settings)?;
         let document = &surface.document;
         let parameters: Vec<_> = document.parameters.iter().map(|p| p.value.clone()).collect();

@@ -3,9 +3,9 @@
 
 use super::array::Arrays;
 use super::vector::{Size, point};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand};
+use clap::{Arg, ArgAction, ArgMatches, Args, FromArgMatches, Parser, Subcommand};
 use glam::DVec3;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ use zeroset_render::picture::{Normals, Precision};
 use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipTo, Cut, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
-use zeroset_trace::{Ideas, METHODS, Method, Projection};
+use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOptions};
 
 /// Rays in a pixel with an edge, unless told otherwise.
 pub const AA: usize = 16;
@@ -25,12 +25,21 @@ pub const AA: usize = 16;
 #[derive(Debug, Parser)]
 #[command(name = "zeroset", version, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(disable_help_flag = true, disable_help_subcommand = true)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Option<Command>,
 
     #[command(flatten)]
     pub interactive: InteractiveArgs,
+
+    /// Print the most used options
+    #[arg(short, long, global = true, action = ArgAction::HelpShort)]
+    help: Option<bool>,
+
+    /// Print all options
+    #[arg(long, global = true, action = ArgAction::HelpLong)]
+    help_all: Option<bool>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -246,55 +255,70 @@ impl CameraArgs {
     }
 }
 
-/// How surfaces are found, and how finely.
-#[derive(Debug, Args)]
+/// The method by which surfaces are found, and its options as they were typed.
+#[derive(Clone, Debug)]
 pub struct KernelArgs {
-    /// How rays are traced
-    #[arg(long, value_parser = methods(), default_value = METHODS[0].name)]
     pub method: &'static Method,
-
-    /// Kernel precision; enclosures are rigorous in all
-    #[arg(long, value_parser = one_of::<Precision>(), default_value = "auto")]
-    pub precision: Precision,
-
-    /// How far, in pixels, a hit may be from where it is reported: above 0, at most 100
-    #[arg(long, value_name = "PIXELS", default_value_t = 0.5, allow_hyphen_values = true)]
-    pub tolerance: f64,
-
-    /// How many times a ray's path through the domain is halved: at most 20, or 40 in f64; beyond
-    /// 14, rays that stay undecided are given up after 32768 steps
-    #[arg(long, visible_aliases = ["depth", "dstop"], value_name = "N", default_value_t = 10)]
-    pub max_depth: u32,
-
-    /// Samples on a ray's path through the domain, or the most steps along it: 2 to 1048576
-    #[arg(long, value_name = "N", default_value_t = 256)]
-    pub steps: u32,
-
-    #[command(flatten)]
-    pub without: WithoutArgs,
+    given: Vec<(&'static MethodOption, String)>,
 }
 
-/// Ideas that are left out, by methods that read these flags.
-#[derive(Clone, Copy, Debug, Args)]
-#[command(next_help_heading = "To see what each idea of a method brings")]
-pub struct WithoutArgs {
-    /// Halve segments, rather than narrow them to where an affine form may vanish
-    #[arg(long)]
-    no_contract: bool,
-
-    /// Follow each ray alone, rather than tiles of rays
-    #[arg(long)]
-    no_tiles: bool,
-
-    /// Ask no intervals where affine forms leave a segment open
-    #[arg(long)]
-    no_interval: bool,
-}
-
-impl WithoutArgs {
-    pub fn ideas(self) -> Ideas {
-        Ideas { contract: !self.no_contract, tiles: !self.no_tiles, intervals: !self.no_interval }
+impl KernelArgs {
+    /// The options of the method; those that were not typed have their defaults.
+    ///
+    /// # Errors
+    /// If a value is out of range.
+    pub fn options(&self) -> Result<TraceOptions> {
+        let mut options = TraceOptions::default();
+        for (option, text) in &self.given {
+            (option.set)(&mut options, text)
+                .map_err(|why| anyhow!("--{} {text}: {why}", option.name))?;
+        }
+        Ok(options)
     }
+}
+
+/// Flags, one for each row of the table of options.
+impl Args for KernelArgs {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        let method = Arg::new("method").long("method").value_parser(methods());
+        let method = method.default_value(METHODS[0].name).help("How rays are traced");
+        OPTIONS.iter().fold(command.arg(method), |command, option| command.arg(flag(option)))
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for KernelArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let text = |option: &'static MethodOption| {
+            let text = if option.is_switch() {
+                matches.get_flag(option.name).then(|| "on".to_owned())
+            } else {
+                matches.get_one::<String>(option.name).cloned()
+            };
+            text.map(|text| (option, text))
+        };
+        let method = matches.get_one::<&Method>("method").copied().unwrap_or_default();
+        Ok(Self { method, given: OPTIONS.iter().filter_map(text).collect() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// The flag of an option of methods.
+fn flag(option: &'static MethodOption) -> Arg {
+    let arg = Arg::new(option.name).long(option.name).help(option.help);
+    if option.is_switch() {
+        return arg.action(ArgAction::SetTrue).hide_short_help(true);
+    }
+    let default = (option.get)(&TraceOptions::default());
+    let arg = arg.value_name(option.value).visible_aliases(option.aliases.iter().copied());
+    arg.allow_hyphen_values(true).help(format!("{} [default: {default}]", option.help))
 }
 
 #[derive(Debug, Args)]
@@ -485,7 +509,7 @@ fn looks() -> impl TypedValueParser<Value = &'static Look> {
 fn methods() -> impl TypedValueParser<Value = &'static Method> {
     let values = METHODS.iter().map(|row| {
         let options: Vec<String> =
-            row.reads.iter().map(|option| format!("--{}", option.name())).collect();
+            row.reads.iter().map(|option| format!("--{}", option.name)).collect();
         PossibleValue::new(row.name).help(format!("{}; reads {}", row.help, options.join(", ")))
     });
     PossibleValuesParser::new(values).try_map(|name| Method::named(&name).ok_or("no such method"))

@@ -20,6 +20,7 @@ use zeroset_scene::program::{ClearedGraph, KernelSource, Program};
 use zeroset_scene::view;
 use zeroset_space::Region;
 use zeroset_trace::Method;
+use zeroset_trace::TraceOptions;
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
@@ -87,7 +88,11 @@ fn explain_in<T: KernelFloat>(
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
         // Asked for what a picture needs, so that the kernels listed are those that it makes.
-        let settings = Settings { method, precision, ..Settings::default() };
+        let settings = Settings {
+            options: TraceOptions { precision, ..TraceOptions::default() },
+            method,
+            ..Settings::default()
+        };
         make_kernels::<T>(&program, index, surface.kind, &region, &settings, &|| true)?;
         for (form, label) in
             [(KernelSource::Function, "operations"), (KernelSource::Gradient, "derivatives")]

@@ -311,7 +311,12 @@ mod tests {
 
     /// What is written around the domain ±2 in a window of this size.
     fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
-        let settings = Settings { width, height, max_depth: 4, ..Settings::default() };
+        let settings = Settings {
+            options: zeroset_trace::TraceOptions { depth: 4, ..Default::default() },
+            width,
+            height,
+            ..Settings::default()
+        };
         let text = "domain 2\nx^2+y^2+z^2 = 1".into();
         let live = Live::new(Request { text, settings, ..Request::default() });
         let limit = Duration::from_mins(1);

@@ -7,7 +7,7 @@ use zeroset_live::{Rendering, Request, quote};
 use zeroset_render::picture::Precision;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
-use zeroset_trace::{MethodOption, Proves, Status, UndecidedReason};
+use zeroset_trace::{DEPTH, Proves, Status, UndecidedReason};
 
 /// A place of the surface that is seen in a pixel.
 pub struct Pick<'a> {
@@ -35,11 +35,11 @@ impl<'a> Pick<'a> {
         let distance = buffer.drawn[pixel];
         let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
         let settings = &rendering.request.settings;
-        let reach = if settings.method.reads.contains(&MethodOption::Depth) {
+        let reach = if settings.method.reads.contains(&DEPTH) {
             let extent = 2.0 * rendering.model.region().half_extent();
-            extent * 0.5_f64.powi(settings.max_depth as i32)
+            extent * 0.5_f64.powi(settings.options.depth as i32)
         } else {
-            settings.tolerance * rays.footprint(distance)
+            settings.options.tolerance * rays.footprint(distance)
         };
         Some(Self { rendering, pixel, reach, point })
     }

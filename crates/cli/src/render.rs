@@ -11,22 +11,20 @@ use super::sequence;
 use super::subject::{self, Subject};
 use super::vector::Size;
 use super::{UNDECIDED, notes, report};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use glam::DVec3;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_render::framing;
 use zeroset_render::model::{Model, Strip};
-use zeroset_render::picture::{
-    Open, Picture, Precision, STEPS_RANGE, Settings, TOLERANCES, is_tolerance,
-};
+use zeroset_render::picture::{Open, Picture, Precision, Settings};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_space::Region;
 use zeroset_syntax::SrgbColor;
-use zeroset_trace::MethodOption;
+use zeroset_trace::{DEPTH, check_depth};
 
 /// What is drawn where the search for a domain ran out of time reaches so far from the origin along
 /// each axis.
@@ -72,7 +70,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
         let origin = Origin::typed(&subject.source.text);
         let size = [settings.width, settings.height];
-        let mut files = files.begin(size, settings.precision, &origin)?;
+        let mut files = files.begin(size, settings.options.precision, &origin)?;
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
             let seen = overview.unwrap_or(&*picture);
@@ -114,32 +112,13 @@ pub fn in_threads<T: Send>(
     pool.context("cannot start the threads")?.install(work)
 }
 
-/// # Errors
-/// If slabs would be too thin for floats of this precision, or none.
-pub fn check_depth(flag: &str, depth: u32, precision: Precision) -> Result<()> {
-    let most = precision.max_depth();
-    let hint = match precision {
-        Precision::Auto | Precision::F32 => {
-            format!(", or {} with --precision f64", Precision::F64.max_depth())
-        }
-        Precision::F64 => String::new(),
-    };
-    ensure!((1..=most).contains(&depth), "{flag} must be between 1 and {most}{hint}");
-    Ok(())
-}
-
-/// What is asked for of the way in which surfaces are found; the rest by default.
+/// The settings of a picture by this method; the rest by default.
 ///
 /// # Errors
 /// If a number is out of range.
 pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
-    let KernelArgs { method, precision, tolerance, max_depth, steps, without } = *kernels;
-    let ideas = without.ideas();
-    check_depth("--max-depth", max_depth, precision)?;
-    ensure!(is_tolerance(tolerance), "--tolerance {tolerance}: {TOLERANCES}");
-    let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
-    ensure!(STEPS_RANGE.contains(&steps), "--steps must be between {least} and {most}");
-    Ok(Settings { method, precision, tolerance, max_depth, steps, ideas, ..Settings::default() })
+    let (method, options) = (kernels.method, kernels.options()?);
+    Ok(Settings { method, options, ..Settings::default() })
 }
 
 /// With all that makes a picture look better.
@@ -155,7 +134,8 @@ pub fn beautiful(settings: &Settings) -> Settings {
 pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
     let settings = kernel_settings(&method.kernels)?;
     let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
-    check_depth("--shadow-depth", shadow_depth, settings.precision)?;
+    check_depth(shadow_depth, settings.options.precision)
+        .map_err(|why| anyhow!("--shadow-depth {shadow_depth}: {why}"))?;
     Ok(Settings {
         width,
         height,
@@ -233,6 +213,9 @@ fn remark(
         notes::note(&blank.describe(&|ends| format!("--domain {ends}")));
         return;
     }
+    for note in zeroset_live::fallback_notes(picture, settings.method) {
+        notes::note(&note);
+    }
     if let Some(why) = picture.why_undecided() {
         let all = pixels.miss + seen;
         let are = if pixels.undecided == 1 { "is" } else { "are" };
@@ -246,17 +229,17 @@ fn remark(
             budget.as_secs_f64(),
         ));
     }
-    let deepens = picture.method.reads.contains(&MethodOption::Depth);
+    let deepens = picture.method.reads.contains(&DEPTH);
     let passed_over = blank - unreached;
     if deepens && picture.statistics.work.given_up > 0 {
         notes::note(&format!(
             "some rays were given up after {} steps and stay undecided: a smaller --max-depth takes \
              less time, --precision f64 may decide more of them",
-            zeroset_trace::STEPS,
+            zeroset_trace::MOST_STEPS,
         ));
     } else if passed_over > 0 {
         // With the finest floats at work there is nothing to advise.
-        let advice = match (deepens, settings.precision) {
+        let advice = match (deepens, settings.options.precision) {
             (true, Precision::F64) => "; a larger --max-depth may decide more of them",
             (true, _) => "; a larger --max-depth or --precision f64 may decide more of them",
             (false, Precision::F32) => "; --precision f64 may decide more of them",

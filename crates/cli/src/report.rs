@@ -1,11 +1,11 @@
 //! What `zeroset render --json` prints.
 
 use super::subject::Subject;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Number, Value, json};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::domain::AutoDomain;
 use zeroset_space::Region;
-use zeroset_trace::{Camera, Count, Projection, UndecidedReason};
+use zeroset_trace::{Camera, Count, Fallback, OPTIONS, Projection, UndecidedReason};
 
 /// Times, counts, camera and domain of a picture.
 pub fn object(
@@ -45,13 +45,9 @@ pub fn object(
         .zip(statistics.open.reasons)
         .map(|(reason, count)| (reason.name().to_owned(), count.into()))
         .collect();
-    json!({
+    let mut report = json!({
         "surfaces": echoes,
         "method": picture.method.name,
-        "precision": picture.precision.to_string(),
-        "tolerance": settings.tolerance,
-        "max_depth": settings.max_depth,
-        "steps": settings.steps,
         "budget": settings.budget.map(|budget| budget.as_secs_f64()),
         "look": picture.look.name,
         "antialias": settings.antialias.count(),
@@ -97,5 +93,14 @@ pub fn object(
         "ball": region.ball().map(|ball| {
             [ball.centre.x, ball.centre.y, ball.centre.z, ball.radius]
         }),
-    })
+    });
+    for option in OPTIONS.iter().filter(|option| !option.key.is_empty()) {
+        let value = (option.get)(&settings.options);
+        report[option.key] = value.parse::<Number>().map_or(json!(value), Value::Number);
+    }
+    if !picture.fallbacks.is_empty() {
+        let fallback = |(surface, fallback): &(usize, Fallback)| json!({"surface": surface, "method": fallback.method.name, "why": fallback.why});
+        report["fallbacks"] = picture.fallbacks.iter().map(fallback).collect();
+    }
+    report
 }

@@ -175,7 +175,12 @@ mod tests {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("surface.zset");
         std::fs::write(&path, text).expect("written");
-        let settings = Settings { width: 24, height: 24, max_depth: 6, ..Settings::default() };
+        let settings = Settings {
+            options: zeroset_trace::TraceOptions { depth: 6, ..Default::default() },
+            width: 24,
+            height: 24,
+            ..Settings::default()
+        };
         let live = Live::new(Request { text: text.into(), settings, ..Request::default() });
         let live = Arc::new(live);
         let target = Arc::clone(&live);

@@ -5,14 +5,14 @@ use super::help::help;
 use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused, say};
 use super::session::Live;
-use super::settings::{depth, look, method, precision, shadows, steps, switch, tolerance};
+use super::settings::{look, method, option, shadows, switch};
 use super::values::TIME;
 use super::{cut, status};
-use zeroset_render::names::Named;
-use zeroset_render::picture::Precision;
+use std::sync::LazyLock;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Region;
 use zeroset_style::StandardView;
+use zeroset_trace::OPTIONS;
 
 /// What a line asks for.
 enum Line<'a> {
@@ -25,6 +25,7 @@ enum Line<'a> {
 }
 
 /// One command: how it is described and what it does.
+#[derive(Clone, Copy)]
 pub struct CommandRow {
     /// Its name, without the colon.
     pub name: &'static str,
@@ -36,12 +37,28 @@ pub struct CommandRow {
     run: fn(&Live, &str) -> Option<Result<Reply, Refusal>>,
 }
 
+/// Number of rows before those of the options of methods, which follow `method`.
+const OPTIONS_AFTER: usize = 18;
+
 /// The command that draws one more surface.
 const ADD: &str = "add";
 
-/// Every command, in the order of the help.
+/// Every command, in the order of the help: one row each, and one for each option of a method.
+pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
+    let options = OPTIONS.iter().filter(|option| !option.command.is_empty());
+    let rows = options.map(|option| CommandRow {
+        name: option.command,
+        arguments: option.value,
+        doc: option.prompt_help,
+        run: |_, _| None,
+    });
+    let (before, after) = ROWS.split_at(OPTIONS_AFTER);
+    before.iter().copied().chain(rows).chain(after.iter().copied()).collect()
+});
+
+/// The commands that are no option of a method.
 #[rustfmt::skip]
-pub const COMMANDS: &[CommandRow] = &[
+const ROWS: &[CommandRow] = &[
     CommandRow { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
         run: |_, name| Some(help(name)) },
     CommandRow { name: "list", arguments: "", doc: "show the document",
@@ -81,14 +98,6 @@ pub const COMMANDS: &[CommandRow] = &[
         run: |live, choice| Some(shadows(live, optional(choice, switch)?)) },
     CommandRow { name: "method", arguments: "[NAME]", doc: "how rays are traced",
         run: |live, name| Some(method(live, name)) },
-    CommandRow { name: "tolerance", arguments: "[PIXELS]", doc: "how far a hit may be from where it is drawn, in pixels",
-        run: |live, pixels| Some(tolerance(live, optional(pixels, |pixels| pixels.parse().ok())?)) },
-    CommandRow { name: "steps", arguments: "[N]", doc: "samples on a ray's path through the domain, or the most steps along it",
-        run: |live, number| Some(steps(live, optional(number, |number| number.parse().ok())?)) },
-    CommandRow { name: "depth", arguments: "[N]", doc: "how often a ray's path through the domain is halved",
-        run: |live, number| Some(depth(live, optional(number, |number| number.parse().ok())?)) },
-    CommandRow { name: "precision", arguments: "[auto|f32|f64]", doc: "kernel precision: f64 is slower but resolves more",
-        run: |live, name| Some(precision(live, optional(name, Precision::named)?)) },
     CommandRow { name: "time", arguments: "T", doc: "set the time t",
         run: |live, time| view::number(time).map(|_| live.set(TIME, time)) },
     CommandRow { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
@@ -133,8 +142,13 @@ impl Live {
                 Ok(Reply::Done)
             }
             Line::Text(line) => self.commit(line, false),
-            Line::Command(row, arguments) => (row.run)(self, arguments)
-                .unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage())))),
+            Line::Command(row, arguments) => {
+                if let Some(row) = OPTIONS.iter().find(|option| option.command == row.name) {
+                    return option(self, row, arguments);
+                }
+                (row.run)(self, arguments)
+                    .unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage()))))
+            }
         }
     }
 }
@@ -302,7 +316,7 @@ mod tests {
         live.enter(":view top").expect("a view");
         assert_eq!(live.request().choice.view, StandardView::named("top"));
         live.enter(":prec f64").expect("a precision");
-        assert_eq!(live.settings().precision, Precision::F64);
+        assert_eq!(live.settings().options.precision, zeroset_trace::Precision::F64);
         for line in [":set r = 2", ":set r=2", ":set r 2"] {
             live.clear();
             live.enter(line).expect(line);
@@ -333,7 +347,7 @@ mod tests {
         for text in [":tolerance -1", ":tolerance 0", ":tolerance nan", ":tolerance 101"] {
             assert!(message(text).contains("above 0"), "{text}");
         }
-        assert!(message(":depth 0").contains("between 1 and 20, or 40 after :precision f64"));
+        assert!(message(":depth 0").contains("between 1 and 20, or 40 in precision f64"));
         assert!(message(":set t = soon").contains("'soon' is not a finite number"));
         for text in [
             ":domain nonsense",
@@ -363,7 +377,7 @@ mod tests {
 
     #[test]
     fn every_row_is_found_by_its_own_name() {
-        for row in COMMANDS {
+        for row in COMMANDS.iter() {
             assert_eq!(super::row(row.name).map(|found| found.name), Ok(row.name));
             assert!(row.doc.len() > 2 && !row.doc.ends_with('.'), "{}", row.name);
         }

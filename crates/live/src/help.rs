@@ -78,7 +78,7 @@ fn everything() -> String {
     let mut text =
         String::from("Type a formula such as x^2+y^2+z^2 = 1, a definition such as r = 2, or:\n");
     let width = COMMANDS.iter().map(|row| row.usage().len()).max().unwrap_or(0);
-    for row in COMMANDS {
+    for row in COMMANDS.iter() {
         let _ = writeln!(text, "  {:width$}  {}", row.usage(), row.doc);
     }
     text.push_str("What the window's status line says: :help status\n");

@@ -6,11 +6,11 @@ use std::fmt::Write as _;
 use std::time::Duration;
 use zeroset_interval::Interval;
 use zeroset_render::names::Named;
-use zeroset_render::picture::Settings;
+use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::view::{self, ClipChoice, DomainChoice};
 use zeroset_shade::UndecidedStyle;
-use zeroset_trace::{MethodOption, Projection};
+use zeroset_trace::{Fallback, Method, MethodOption, OPTIONS, Projection};
 
 /// What is said of a function that may be 0 everywhere.
 pub const FLAT: &str =
@@ -33,15 +33,10 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     let found = rendering.searched.map_or("", |found| found.finding.describe());
     let _ = writeln!(text, "domain      x {x}, y {y}, z {z}  {found}");
     let settings = &rendering.request.settings;
-    let options = options(settings, |option| match option {
-        MethodOption::Depth => Some(format!(", depth {}", settings.max_depth)),
-        MethodOption::Precision => Some(format!(", {}", settings.precision)),
-        MethodOption::Tolerance => Some(format!(", hits within {} pixels", settings.tolerance)),
-        MethodOption::Steps => Some(format!(", {} steps", settings.steps)),
-        MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
-            left_out(settings, option, ", ")
-        }
-    });
+    let options: String = read_options(settings)
+        .filter(|option| option.short(&settings.options).is_some())
+        .map(|option| format!(", {}", (option.describe)(&settings.options)))
+        .collect();
     let _ = writeln!(text, "method      {}{options}", settings.method.name);
     let pixels = statistics.pixels;
     let _ = writeln!(
@@ -59,6 +54,9 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     }
     if let Some(why) = rendering.why_blank() {
         let _ = writeln!(text, "note        {why}");
+    }
+    for note in fallback_notes(&rendering.picture, settings.method) {
+        let _ = writeln!(text, "note        {note}");
     }
     for remark in &rendering.picture.remarks {
         let _ = writeln!(text, "note        {remark}");
@@ -83,25 +81,20 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     text
 }
 
-/// What is said of those options that the method reads.
-fn options(settings: &Settings, say: impl Fn(MethodOption) -> Option<String>) -> String {
-    let all = [
-        MethodOption::Depth,
-        MethodOption::Steps,
-        MethodOption::Precision,
-        MethodOption::Tolerance,
-        MethodOption::NoContract,
-        MethodOption::NoTiles,
-        MethodOption::NoIntervals,
-    ];
-    let read = all.into_iter().filter(|option| settings.method.reads.contains(option));
-    read.filter_map(say).collect()
+/// The options that the method reads, in the order of the table.
+fn read_options(settings: &Settings) -> impl Iterator<Item = &'static MethodOption> {
+    let method = settings.method;
+    OPTIONS.iter().filter(|option| method.reads.contains(option))
 }
 
-/// The name of an option that leaves out an idea, after `before`, if it is set.
-fn left_out(settings: &Settings, option: MethodOption, before: &str) -> Option<String> {
-    let is_set = settings.ideas.left_out().any(|set| set == option);
-    is_set.then(|| format!("{before}{}", option.name()))
+/// The note on each surface that another method traced than the one asked for.
+pub fn fallback_notes(picture: &Picture, asked: &Method) -> Vec<String> {
+    let surfaces = picture.fallbacks.iter();
+    let note = |(surface, fallback): &(usize, Fallback)| {
+        let (method, why) = (fallback.method.name, &fallback.why);
+        format!("surface {} was traced by {method}, not {}: {why}", surface + 1, asked.name)
+    };
+    surfaces.map(note).collect()
 }
 
 /// A time in milliseconds, to two digits or so.
@@ -132,16 +125,10 @@ impl Rendering {
             format!("compiled in {}", ms(times.simplify + times.compile))
         };
         let settings = &self.request.settings;
-        let options = options(settings, |option| match option {
-            MethodOption::Depth => Some(format!(" {}", settings.max_depth)),
-            MethodOption::Precision => Some(format!(" {}", settings.precision)),
-            MethodOption::Tolerance => (settings.tolerance != Settings::default().tolerance)
-                .then(|| format!(" {} px", settings.tolerance)),
-            MethodOption::Steps => Some(format!(" {}", settings.steps)),
-            MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
-                left_out(settings, option, " ")
-            }
-        });
+        let options: String = read_options(settings)
+            .filter_map(|option| option.short(&settings.options))
+            .map(|value| format!(" {value}"))
+            .collect();
         format!(
             "{} · {width}x{height} · {}{options} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
@@ -203,19 +190,9 @@ impl Rendering {
         if settings.method != usual.method {
             let _ = write!(command, " --method {}", settings.method.name);
         }
-        command += &options(settings, |option| match option {
-            MethodOption::Depth => Some(format!(" --max-depth {}", settings.max_depth)),
-            MethodOption::Precision => (settings.precision != usual.precision)
-                .then(|| format!(" --precision {}", settings.precision)),
-            MethodOption::Tolerance => (settings.tolerance != usual.tolerance)
-                .then(|| format!(" --tolerance {}", settings.tolerance)),
-            MethodOption::Steps => {
-                (settings.steps != usual.steps).then(|| format!(" --steps {}", settings.steps))
-            }
-            MethodOption::NoContract | MethodOption::NoTiles | MethodOption::NoIntervals => {
-                left_out(settings, option, " --")
-            }
-        });
+        for flag in read_options(settings).filter_map(|option| option.flag(&settings.options)) {
+            let _ = write!(command, " {flag}");
+        }
         if settings.undecided != UndecidedStyle::Shade {
             let _ = write!(command, " --undecided {}", settings.undecided.name());
         }

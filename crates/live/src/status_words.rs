@@ -88,8 +88,11 @@ impl Rendering {
         if self.picture.flat {
             parts.insert(0, "f may be 0 everywhere".to_owned());
         }
-        if full.method != Settings::default().method {
-            parts.push(format!("method {}", full.method.name));
+        let method = self.picture.method;
+        if method != full.method {
+            parts.push(format!("method {} instead of {}", method.name, full.method.name));
+        } else if method != Settings::default().method {
+            parts.push(format!("method {}", method.name));
         }
         parts.join(" · ")
     }

@@ -12,6 +12,7 @@ use zeroset_scene::view::{self, CameraChoice, SceneError};
 use zeroset_space::Region;
 use zeroset_style::StandardView;
 use zeroset_syntax::Document;
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, CameraError, Projection};
 
 /// Rows and columns of the small picture.
@@ -225,9 +226,12 @@ impl View {
     ) -> Result<Option<Vec<Spot>>, SceneError> {
         let camera = self.fitted(back, &corners(region), 1.0)?;
         let small = Settings {
+            options: TraceOptions {
+                precision: settings.options.precision,
+                ..TraceOptions::default()
+            },
             width: SIDE,
             height: SIDE,
-            precision: settings.precision,
             is_preview: true,
             normals: None,
             ..Settings::default()

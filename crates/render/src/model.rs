@@ -103,7 +103,7 @@ impl Model {
         settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Self>, ProgramError> {
-        let precision = settings.precision;
+        let precision = settings.options.precision;
         let mut watch = Stopwatch::start();
         let mut times = Times::default();
         let program = Program::new(document, view::bounds(reach))?;
@@ -278,33 +278,18 @@ impl Model {
     }
 }
 
-/// How exactly a surface is to be found.
-#[derive(Clone, Copy)]
-struct Effort {
-    depth: u32,
-    tolerance: f64,
-    /// Whether nothing is to be proven, only painted.
-    for_looks: bool,
-}
-
-impl Effort {
-    /// As a picture's settings say.
-    fn of(settings: &Settings) -> Self {
-        Self { depth: settings.max_depth, tolerance: settings.tolerance, for_looks: false }
-    }
-}
-
 /// What stays open in a picture that another one follows, and on rays that are only for looks, as a
 /// share of the longest bracket.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
-fn options(settings: &Settings, kind: SurfaceKind, aim: Effort) -> TraceOptions {
-    let Settings { precision, is_preview, steps, ideas, .. } = *settings;
-    let Effort { depth, tolerance, for_looks } = aim;
-    let least = if is_preview || for_looks { PREVIEWED } else { 0.0 };
-    // At a pole a surface has no point, but a solid may have a face.
-    let suppress_asymptotes = kind == SurfaceKind::Equation;
-    TraceOptions { precision, depth, tolerance, least, steps, suppress_asymptotes, ideas }
+/// The options of the method for a picture's own rays to a surface of this kind.
+fn options(settings: &Settings, kind: SurfaceKind) -> TraceOptions {
+    TraceOptions {
+        least: if settings.is_preview { PREVIEWED } else { 0.0 },
+        // At a pole a surface has no point, but a solid may have a face.
+        suppress_asymptotes: kind == SurfaceKind::Equation,
+        ..settings.options
+    }
 }
 
 /// Makes the kernels that pictures of a surface need, all at once, as long as they are `wanted`.
@@ -327,7 +312,7 @@ pub fn make_kernels<T: KernelFloat>(
         if !wanted() {
             return Ok(());
         }
-        let options = options(settings, kind, Effort::of(settings));
+        let options = options(settings, kind);
         settings.method.prepare(program.surface(surface), region, options).map(drop)
     };
     let other = || match settings.normals {

@@ -22,11 +22,7 @@ pub trait Named: Copy + PartialEq + Send + Sync + 'static {
 }
 
 impl Named for Precision {
-    const NAMES: &'static [(Self, &'static str, &'static str)] = &[
-        (Self::Auto, "auto", "32 bits, rounded outward, and 64 for what these leave undecided"),
-        (Self::F32, "f32", "32 bits, rounded outward"),
-        (Self::F64, "f64", "64 bits, rounded outward; at most half as fast"),
-    ];
+    const NAMES: &'static [(Self, &'static str, &'static str)] = Self::NAMES;
 }
 
 impl Named for Normals {

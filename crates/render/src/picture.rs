@@ -2,13 +2,14 @@
 
 use crate::legend::Legend;
 use glam::DVec3;
-use std::ops::{AddAssign, RangeInclusive};
+use std::ops::AddAssign;
 use std::time::{Duration, Instant};
 use zeroset_scene::kernels::Made;
 use zeroset_shade::{LinearRgb, Pattern, UndecidedStyle, hand_back_colors};
 use zeroset_style::Look;
 use zeroset_trace::{
-    GBuffer, Ideas, KernelStats, Method, PixelCounts, Proves, Status, UndecidedReason,
+    Fallback, GBuffer, KernelStats, Method, PixelCounts, Proves, Status, TraceOptions,
+    UndecidedReason,
 };
 
 pub use zeroset_trace::Precision;
@@ -23,22 +24,11 @@ pub struct Settings {
     pub height: usize,
     /// How surfaces are found.
     pub method: &'static Method,
-    /// What kernels compute in.
-    pub precision: Precision,
-    /// How often a ray's way through the domain is halved: at most [`Precision::max_depth`], beyond
-    /// which it is brought within.
-    pub max_depth: u32,
-    /// How far, in pixels, a hit may be from where it is drawn, for methods that bound it; proofs
-    /// do not depend on it.
-    pub tolerance: f64,
+    /// The options of the method.
+    pub options: TraceOptions,
     /// Whether another picture follows: places that are hard to decide are painted, and left
     /// undecided, sooner.
     pub is_preview: bool,
-    /// Ideas of the method `affine` that are made use of.
-    pub ideas: Ideas,
-    /// Samples on a ray's way through the domain, or steps along it at most, for methods that take
-    /// such; among [`STEPS_RANGE`].
-    pub steps: u32,
     /// Whether the brackets of hits are kept.
     pub brackets: bool,
     /// Whether normals are kept that no further step needs. A picture without them is made faster,
@@ -71,19 +61,6 @@ pub struct Settings {
     pub background: Option<LinearRgb>,
 }
 
-/// Which tolerances there are, and why.
-pub const TOLERANCES: &str = "a tolerance is a number of pixels, above 0, since no arithmetic finds a root exactly, and at \
-     most 100; 0.5 is the default";
-
-/// Whether a picture can be made with this tolerance.
-pub fn is_tolerance(pixels: f64) -> bool {
-    pixels > 0.0 && pixels <= 100.0
-}
-
-/// How many steps a picture can be made with: from the two ends of a ray's way to as many as make a
-/// picture take minutes.
-pub const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
-
 /// Where normals come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Normals {
@@ -99,12 +76,8 @@ impl Default for Settings {
             width: 512,
             height: 512,
             method: Default::default(),
-            precision: Precision::Auto,
-            max_depth: 10,
-            tolerance: 0.5,
+            options: TraceOptions::default(),
             is_preview: false,
-            ideas: Ideas::default(),
-            steps: 256,
             brackets: false,
             keeps_normals: true,
             budget: None,
@@ -125,7 +98,7 @@ impl Default for Settings {
 impl Settings {
     /// Halvings of a shadow ray's way, unless told otherwise: one fewer than of a ray from the eye.
     pub fn usual_shadow_depth(&self) -> u32 {
-        self.max_depth.saturating_sub(1).max(1)
+        self.options.depth.saturating_sub(1).max(1)
     }
 
     /// The same with all of the budget's time from now on.
@@ -184,8 +157,11 @@ pub struct Picture {
     pub buffer: GBuffer,
     /// Red, green and blue bytes (sRGB) of each pixel; empty if colors were not asked for.
     pub rgb: Vec<u8>,
-    /// How surfaces were found.
+    /// The method that traced the surfaces: another one than that of the settings if all were traced
+    /// by a fallback.
     pub method: &'static Method,
+    /// The surfaces, by number, that another method than that of the settings traced.
+    pub fallbacks: Vec<(usize, Fallback)>,
     /// What kernels computed in.
     pub precision: Precision,
     /// How it is lit.

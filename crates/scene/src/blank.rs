@@ -1,6 +1,6 @@
 //! Why a picture shows nothing, and where there is something to see.
 //!
-//! Knows neither flags nor commands: whoever asks says how a domain is asked for.
+//! Knows neither flags nor commands: the caller supplies the text that sets a domain.
 
 use crate::coordinate::coordinate;
 use crate::domain::{AutoDomain, REACH};
@@ -8,24 +8,25 @@ use crate::view;
 use zeroset_space::Region;
 use zeroset_syntax::Document;
 
-/// Why nothing is seen.
+/// Why nothing is visible.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Blank {
-    /// The document says that no surface is to be seen.
+    /// The document hides every surface.
     Hidden,
     /// The function has no value anywhere in the domain.
     Undefined,
-    /// The surface has no point in the region, nor anywhere else where it was looked for.
+    /// The surface is proven empty, in the region and wherever it was searched for.
     Empty,
-    /// It lies elsewhere, or is too small to be seen here.
+    /// The surface lies elsewhere, or is too small to be visible in this region.
     Elsewhere(AutoDomain),
-    /// Every ray misses it: by the camera, or since it is thin.
+    /// Every ray misses the surface, because of the camera or because the surface is thin.
     Missed,
 }
 
 impl Blank {
-    /// Why nothing is seen of `document` in `region`. A domain that was searched for already need
-    /// not be searched for again.
+    /// Finds out why nothing of `document` is visible in `region`. `undefined`: whether the
+    /// function has no value in the region. `searched`: the domain that was found, if there was a
+    /// search.
     pub fn find(
         document: &Document,
         region: &Region,
@@ -48,8 +49,8 @@ impl Blank {
         }
     }
 
-    /// One phrase, with what to do if something helps: `domain` writes how bounds of x, y and z are
-    /// asked for.
+    /// One phrase, with advice if there is any. `domain` turns bounds of x, y and z into the text
+    /// that sets them.
     pub fn describe(&self, domain: &dyn Fn(&str) -> String) -> String {
         match self {
             Self::Hidden => "nothing is seen: every surface is hidden".to_owned(),
@@ -68,8 +69,8 @@ impl Blank {
     }
 }
 
-/// Whether the domain found reaches beyond the region, or is so much smaller that what it holds may
-/// be lost in a pixel.
+/// Whether the found domain reaches beyond the region, or is so small that its contents may fall
+/// between pixels.
 fn differs(found: &AutoDomain, region: &Region) -> bool {
     let (low, high) = (region.low(), region.high());
     let beyond = (0..3).any(|axis| found.low[axis] < low[axis] || found.high[axis] > high[axis]);
@@ -77,7 +78,7 @@ fn differs(found: &AutoDomain, region: &Region) -> bool {
     beyond || largest < LOST * (high - low).max_element()
 }
 
-/// What is smaller than this share of the domain may lie between pixels.
+/// Features smaller than this share of the domain may fall between pixels.
 const LOST: f64 = 1.0 / 64.0;
 
 #[cfg(test)]

@@ -1,22 +1,22 @@
-//! How a coordinate is written so that it is read back: where it is a multiple of π, as such.
+//! Coordinates as text that reads back as the same float, with π where it fits.
 
 use crate::view::number;
 use std::f64::consts::FRAC_PI_4;
 
-/// A coordinate as text that reads as the same float: so many quarters of π, or a decimal.
+/// A coordinate as text that reads back as the same float: a multiple of π/4, or a decimal.
 pub fn coordinate(value: f64) -> String {
     let times = value / FRAC_PI_4;
     let is_near = times.abs() < 1e6 && (times - times.round()).abs() < 1e-9;
     let text = of_pi(times / 4.0);
-    // A float beside the nearest one is no multiple.
+    // A float next to the nearest one is not a multiple.
     if is_near && number(&text) == Some(value) { text } else { value.to_string() }
 }
 
-/// So many times π, a multiple of a quarter.
+/// The text of `times` π, where `times` is a multiple of 1/4.
 pub fn of_pi(times: f64) -> String {
     let quarters = (4.0 * times).round() as i64;
     let (sign, quarters) = (if quarters < 0 { "-" } else { "" }, quarters.unsigned_abs());
-    // Whole multiples have none.
+    // Whole multiples have no divisor.
     let divisor = [1, 2].into_iter().find(|d| quarters % (4 / d) == 0).unwrap_or(4);
     let factor = match quarters / (4 / divisor) {
         0 => return "0".to_owned(),

@@ -1,9 +1,9 @@
-//! Where to look when nobody says: `--domain auto`.
+//! Automatic domains: where to look if neither the caller nor the document says (`--domain auto`).
 //!
-//! If a surface can be proven to lie in some box, wherever and however large, that box is tightened
-//! by halving it; otherwise a window is chosen that shows what is particular. What may be spent is
-//! counted in evaluations, so the same document has the same domain on every machine. Knows neither
-//! cameras nor pictures.
+//! If a surface is proven to lie in some box, of whatever size, that box is tightened by halving
+//! it. Otherwise a window is chosen that shows the surface's features. The effort is limited in
+//! evaluations, so the same document has the same domain on every machine. Knows neither cameras
+//! nor pictures.
 
 mod centre;
 mod climb;
@@ -31,53 +31,55 @@ use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 use zeroset_space::{BOX_DEPTH, Cell, FINE_DEPTH, PLAIN, Search, places_about};
 
-/// Half the extent of the largest cube in which a surface is looked for that cannot be proven
-/// bounded everywhere.
+/// Half the extent of the largest cube that is searched for a surface that cannot be proven bounded
+/// everywhere.
 pub const REACH: f64 = 1_099_511_627_776.0; // 2^40
 
-/// Evaluations of all surfaces together that a search may take, and those of functions at infinity.
+/// Largest number of evaluations in a search, for all surfaces together. Evaluations at infinity
+/// have a limit of their own.
 const WORK: u64 = 400_000;
 const WORK_AT_INFINITY: u64 = 20_000;
 
-/// Of these, as many as one box is worth.
+/// Largest number of evaluations at infinity for one box.
 const WORK_AT_ONCE: u64 = 6_000;
 
 /// Space left around a bounded surface, as a share of its extent on each axis.
 const SPACE: f64 = 0.05;
 
-/// A domain, and what was found.
+/// A domain, and what was found in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AutoDomain {
     /// The corner with the smallest coordinates.
     pub low: [f64; 3],
     /// The corner with the largest coordinates.
     pub high: [f64; 3],
-    /// What was found.
+    /// The place of the surface, as far as it is known.
     pub finding: Finding,
-    /// Evaluations that it took.
+    /// Number of evaluations that the search took.
     pub work: u64,
 }
 
-/// What is known of where a surface lies. Of two surfaces together the greater is known.
+/// The place of a surface, as far as it is known. Several surfaces have the greatest of their
+/// findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Finding {
-    /// It has no point: proven.
+    /// The surface has no point: proven.
     Empty,
-    /// It has no point within ±[`REACH`]: proven.
+    /// The surface has no point within ±[`REACH`]: proven.
     EmptyNear,
-    /// Nothing of it lies outside the domain: proven.
+    /// No point of the surface lies outside the domain: proven.
     Bounded,
-    /// Nothing of it lies within ±[`REACH`] outside the domain: proven.
+    /// No point of the surface within ±[`REACH`] lies outside the domain: proven.
     BoundedNear,
-    /// As [`Finding::Unbounded`], but it looks better in the
+    /// As [`Finding::Unbounded`], but the surface looks better in the
     /// [ball](zeroset_space::Region::with_ball) in that box.
     UnboundedInBall,
-    /// It could not be shown to be bounded; the domain is a window, a box.
+    /// The surface could not be proven bounded. The domain is a window: a box.
     Unbounded,
 }
 
 impl Finding {
-    /// One phrase for a note.
+    /// One phrase that describes the finding.
     pub fn describe(self) -> &'static str {
         match self {
             Self::Bounded => "bounded: proven",
@@ -94,17 +96,18 @@ impl Finding {
         matches!(self, Self::Empty | Self::EmptyNear)
     }
 
-    /// Whether all of it is in the domain.
+    /// Whether the whole surface is in the domain.
     pub fn is_bounded(self) -> bool {
         matches!(self, Self::Bounded | Self::BoundedNear)
     }
 }
 
-/// Chooses a domain that shows all surfaces of `program`, which was made for all of space. `wanted`
-/// is asked between evaluations; once false, it must stay false, and the answer is `None`.
+/// Chooses a domain that shows all surfaces of `program`, which must have been built for all of
+/// space. `wanted` is queried between evaluations. Once it is false, it must stay false, and `None`
+/// is returned.
 ///
 /// # Errors
-/// If no code can be made.
+/// If a kernel cannot be compiled.
 pub fn find_while(
     program: &Program,
     wanted: &dyn Fn() -> bool,
@@ -132,11 +135,11 @@ pub fn find_while(
     };
     let work = WORK - search.work.get() + WORK_AT_INFINITY - at_infinity;
     let Cell { low, high } = proper(found);
-    // What was cut short has seen too little.
+    // A search that was cut short knows too little.
     Ok(wanted().then_some(AutoDomain { low, high, finding, work }))
 }
 
-/// A box around all that `whole` may hold: by intervals, and then by affine forms as well.
+/// A box around all surfaces in `whole`: first by intervals, then by affine forms too.
 fn snug<'a>(
     program: &'a Program,
     search: &mut Search<'a>,
@@ -152,13 +155,14 @@ fn snug<'a>(
     Ok(search.tight(hull, FINE_DEPTH))
 }
 
-/// Half a side of the box around a surface that is a point.
+/// Half a side of the domain around a surface that is a point.
 const POINT: f64 = 1.0;
-/// A side of so many floats is none, and one that is shorter than this may be.
+/// A box with sides of at most this many ulps is a point. A box smaller than `TINY` may be one.
 const FLOATS: f64 = 16.0;
 const TINY: f64 = 1e-6;
 
-/// The domain around all that lies in `hull`: with space, and with thickness where that is a curve.
+/// The domain around a bounded surface in `hull`: with space around it, and thicker where it is a
+/// curve.
 fn around(program: &Program, hull: &Cell) -> Cell {
     if is_point(program, hull) {
         let place = hull.centre().map(|along| rounded(along, POINT / 100.0));
@@ -167,10 +171,10 @@ fn around(program: &Program, hull: &Cell) -> Cell {
     thick(roomy(hull), THIN)
 }
 
-/// Whether a box is so small because floats ended: the surface is a point, or cannot be told from
-/// one. Then the box is a few floats wide; or no value within can be told from 0, as near the
-/// origin, where those of x²+y²+z² underflow. A surface with an inside has other values there,
-/// however small it is and whatever it is multiplied by.
+/// Whether the surface is a point, or cannot be told from one, and the box only shows how far
+/// floats resolve it. Either the box is a few ulps wide, or no value in it can be told from 0. The
+/// latter happens near the origin, where the values of x²+y²+z² underflow. A surface with an inside
+/// has other values there, however small it is and whatever factor its function has.
 fn is_point(program: &Program, hull: &Cell) -> bool {
     let (graph, parameters) = (program.graph(), program.values().to_vec());
     let may_vanish = |place: [f64; 3]| {
@@ -184,7 +188,7 @@ fn is_point(program: &Program, hull: &Cell) -> bool {
         || hull.largest() < TINY && places_about(hull.centre(), eighths).all(may_vanish)
 }
 
-/// Cubes of ±2 to these powers are tried as boxes that hold a whole surface.
+/// Exponents of two of the cubes that are tried as boxes around a whole surface.
 const LADDER: [u32; 6] = [4, 12, 20, 40, 60, 100];
 
 /// A box that all surfaces are proven to lie in, if there is a proof.
@@ -217,14 +221,15 @@ fn everything(program: &Program, search: &Search<'_>, work: &mut u64) -> Option<
     whole.filter(|whole| whole.high.iter().all(|half| half.is_finite()))
 }
 
-/// A box that all surfaces are proven to lie in as far as [`REACH`], if there is a proof.
+/// A box that all surfaces within ±[`REACH`] are proven to lie in, if there is a proof.
 fn everything_near(search: &Search<'_>) -> Option<Cell> {
     let cube = |exponent: i32| Cell::cube(f64::from(exponent).exp2());
     let is_clear = |exponent: &i32| search.nothing_between(&cube(*exponent), &cube(exponent + 1));
     (0..40).rev().take_while(is_clear).last().map(cube)
 }
 
-/// Weights with which the highest powers of the three axes alone weigh the same, if there are any.
+/// Weights for which the highest powers of the three axes have the same weighted degree, if there
+/// are any.
 fn pure_weights(graph: &Graph, root: NodeId) -> impl Iterator<Item = [u32; 3]> {
     let mut powers: Vec<[Option<u32>; 3]> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
@@ -298,15 +303,14 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
     Ok((whole.unwrap_or(Cell::cube(PLAIN)), all_round))
 }
 
-/// A side of a window that is shorter than this share of the longest is taken for none, and one of
-/// what is bounded if it is shorter than that, as around a curve.
+/// A side of a window shorter than this share of the longest is too thin. `THIN` is the share for
+/// bounded surfaces, such as curves.
 const FLAT: f64 = 0.01;
 const THIN: f64 = 1e-4;
-/// It is made this share of the longest.
+/// A side that is too thin gets this share of the longest.
 const THICK: f64 = 0.5;
 
-/// The box, with some thickness on every axis on which it has less than this share of the longest
-/// side.
+/// The box, thickened on every axis on which it is shorter than `share` of the longest side.
 fn thick(mut cell: Cell, share: f64) -> Cell {
     let largest = cell.largest();
     for (axis, middle) in cell.centre().into_iter().enumerate() {
@@ -319,7 +323,8 @@ fn thick(mut cell: Cell, share: f64) -> Cell {
     cell
 }
 
-/// The box, or one around the same place where floats leave none.
+/// A valid box: axes without finite, increasing bounds are replaced by a range around the same
+/// place.
 fn proper(mut cell: Cell) -> Cell {
     let largest = cell.largest();
     for axis in 0..3 {
@@ -336,23 +341,23 @@ fn proper(mut cell: Cell) -> Cell {
     cell
 }
 
-/// A place with digits down to `grain`.
+/// A coordinate rounded to the digits of `grain`.
 fn rounded(place: f64, grain: f64) -> f64 {
     let near = in_grains(place, grain, f64::round);
     if near.is_finite() { near } else { place }
 }
 
-/// A place whose number of grains, of the power of ten up to `grain`, was brought to a whole one;
-/// not finite where floats have no such digits.
+/// A coordinate rounded by `whole` to a multiple of the largest power of ten up to `grain`. Not
+/// finite where floats have no such digits.
 fn in_grains(place: f64, grain: f64, whole: impl Fn(f64) -> f64) -> f64 {
     let power = grain.log10().floor();
-    // Division by the power of ten's reciprocal gives the decimal nearest to what is meant.
+    // Division by the reciprocal of the power of ten gives the nearest decimal.
     let grain = 10.0_f64.powf(power.abs());
     if power < 0.0 { whole(place * grain) / grain } else { whole(place / grain) * grain }
 }
 
-/// The cube around a place with this half extent, both of few digits. Around the origin it is that
-/// exactly.
+/// The cube around a place with this half extent, both rounded to few digits. Around the origin,
+/// the half extent is exact.
 fn cube_about(place: [f64; 3], half: f64) -> Cell {
     let end = |along: f64, side: f64| {
         if along == 0.0 { side } else { rounded(along + side, half / 1000.0) }
@@ -363,22 +368,22 @@ fn cube_about(place: [f64; 3], half: f64) -> Cell {
 /// The box with some space on each side, its bounds rounded outward to few digits.
 fn roomy(cell: &Cell) -> Cell {
     let mut roomy = *cell;
-    // What has no extent on an axis has that of the smallest floats there.
+    // An axis without extent gets a millionth of the largest extent.
     let least = cell.largest() * 1e-6;
     for axis in 0..3 {
         let extent = cell.extent(axis).max(least);
         let space = SPACE * extent;
         let neat = |bound: f64, outward: fn(f64) -> f64| {
             in_grains(bound, extent / 100.0, |grains| {
-                // What is a whole number of them but for rounding is not moved by another; the
-                // space absorbs it.
+                // A bound that is a whole number of grains up to rounding is not moved outward by
+                // another grain; the space absorbs the difference.
                 let near = grains.round();
                 if (grains - near).abs() < 1e-6 { near } else { outward(grains) }
             })
         };
         let low = neat(cell.low[axis] - space, f64::floor);
         let high = neat(cell.high[axis] + space, f64::ceil);
-        // Far away there may be no such digits.
+        // Far from the origin, floats may not have such digits.
         roomy.low[axis] = if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
         roomy.high[axis] =
             if high.is_finite() { high.max(cell.high[axis]) } else { cell.high[axis] };

@@ -1,21 +1,22 @@
-//! What a formula can be, over a whole domain: bounds and facts from one pass over its graph.
+//! Bounds and facts of formulas over a whole domain, from one pass over their graph.
 
 use zeroset_eval::Assumptions;
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 use zeroset_ir::{Graph, Node, NodeId};
 
-/// Bounds of `root` and what is proven of it, for all points and parameters within `assumptions`.
+/// The bounds of `root`, and the facts proven of it, for all points and parameters within
+/// `assumptions`.
 ///
 /// # Panics
-/// If a parameter's number has no bounds in `assumptions`.
+/// If `assumptions` has no bounds for a parameter that is used.
 pub fn enclose(graph: &Graph, root: NodeId, assumptions: &Assumptions) -> (Interval, Facts) {
     enclose_all(graph, &[root], assumptions)[0]
 }
 
-/// The same of several roots, in one pass.
+/// As [`enclose`], for several roots in one pass.
 ///
 /// # Panics
-/// If a parameter's number has no bounds in `assumptions`.
+/// If `assumptions` has no bounds for a parameter that is used.
 pub fn enclose_all(
     graph: &Graph,
     roots: &[NodeId],

@@ -1,4 +1,4 @@
-//! The gallery: function files that are part of the program, so that no checkout is needed.
+//! The gallery: function files that are embedded in the program, so that no checkout is needed.
 
 use include_dir::{Dir, include_dir};
 
@@ -7,19 +7,19 @@ static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../examples");
 /// A surface of the gallery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Example {
-    /// The name to call it by: lower case, with hyphens.
+    /// The name that selects it: lower case, with hyphens.
     pub slug: &'static str,
-    /// Its function file.
+    /// The text of its function file.
     pub text: &'static str,
 }
 
 impl Example {
-    /// What it is called, from the file's first line.
+    /// The title, from the file's first line.
     pub fn title(&self) -> &'static str {
         self.comment(0)
     }
 
-    /// What it is and why it is hard, from the file's second line.
+    /// The description of the surface and its difficulty, from the file's second line.
     pub fn summary(&self) -> &'static str {
         self.comment(1)
     }
@@ -29,7 +29,7 @@ impl Example {
     }
 }
 
-/// Every example, in the order of their names.
+/// All examples, sorted by slug.
 pub fn examples() -> Vec<Example> {
     let mut examples: Vec<Example> = FILES
         .files()
@@ -42,7 +42,7 @@ pub fn examples() -> Vec<Example> {
     examples
 }
 
-/// The example called `name`: its slug or its title, in any case.
+/// The example whose slug or title is `name`, in upper or lower case.
 pub fn example(name: &str) -> Option<Example> {
     let name = name.trim();
     let called = |other: &str| other.eq_ignore_ascii_case(name);

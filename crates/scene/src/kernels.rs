@@ -1,8 +1,8 @@
-//! The kernels of surfaces: made when they are first asked for, compiled once whatever the
-//! parameters' values, counted.
+//! The kernels of surfaces. A kernel is compiled when it is first requested, once for all values of
+//! the parameters, and its code size is counted.
 //!
-//! What is simplified and which values parameters have is said elsewhere; what kernels are
-//! asked about is not known here.
+//! Simplification and parameter values come from other modules. Nothing here knows what kernels
+//! compute.
 
 use crate::simplified::{KernelSource, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
@@ -16,39 +16,39 @@ use zeroset_eval::{
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::Compiled;
 
-/// Machine code of all kernels of a document, at most: so much takes about a second to make, and
-/// the largest single surfaces that kernels hold need half of it.
+/// Limit of machine code for all kernels of a document, in bytes. This much takes about a second to
+/// compile. The largest single surface that kernels can hold needs half of it.
 const CODE_BYTES: usize = 8 << 20;
 
-/// What runs kernels.
+/// The evaluator that runs kernels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Evaluator {
     /// Native code.
     #[default]
     Native,
-    /// The reference: the same bits, some hundred times slower.
+    /// The reference evaluator: the same bits, but some hundred times slower.
     Reference,
 }
 
-/// A kernel that was made.
+/// A kernel that was compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Made {
-    /// The number of its surface.
+    /// Index of its surface.
     pub surface: usize,
-    /// What question it answers.
+    /// Name of the query that it answers.
     pub question: &'static str,
-    /// Of which form of the surface's function.
+    /// Form of the surface's function that it computes.
     pub form: KernelSource,
-    /// What it computes in.
+    /// Floating-point format that it computes in.
     pub format: Format,
     /// Size of the machine code in bytes; 0 for the reference evaluator.
     pub bytes: usize,
-    /// Bytes of the vectors that it computes with; 0 likewise.
+    /// Size of its vectors in bytes; 0 for the reference evaluator.
     pub vector_bytes: usize,
 }
 
 impl Made {
-    /// The name of the floats it computes in.
+    /// The name of the format that it computes in.
     pub fn floats(&self) -> &'static str {
         match self.format {
             Format::F32 => "f32",
@@ -56,7 +56,7 @@ impl Made {
         }
     }
 
-    /// Why a picture needs it.
+    /// The reason why a picture needs it.
     pub fn reason(&self) -> &'static str {
         match (self.form, self.question) {
             (_, question) if question == ContractTiles::NAME => "to find the surface, tile by tile",
@@ -88,12 +88,12 @@ impl fmt::Display for Made {
     }
 }
 
-/// All kernels of a program that were made so far, which together may be only so large.
+/// All kernels of a program that were compiled so far. Their total size is limited.
 #[derive(Debug, Default)]
 pub(crate) struct Ledger(Mutex<Vec<Made>>);
 
 impl Ledger {
-    /// All kernels made so far, by surface.
+    /// All kernels compiled so far, sorted by surface.
     pub fn made(&self) -> Vec<Made> {
         let mut made = self.list().clone();
         made.sort_by_key(|made| (made.surface, made.form, made.question, made.format as u8));
@@ -106,7 +106,7 @@ impl Ledger {
         within_limit(&list)
     }
 
-    /// An error once all code together is too long.
+    /// Fails once the code of all kernels is too large.
     fn is_open(&self) -> Result<(), ProgramError> {
         within_limit(&self.list())
     }
@@ -123,7 +123,7 @@ fn within_limit(made: &[Made]) -> Result<(), ProgramError> {
     Ok(())
 }
 
-/// Code before values are bound, and how values are.
+/// Code before values are bound, and the uniforms that it reads.
 struct Code<Q: Query, T: Real> {
     steps: Steps<Q, T>,
     uniforms: Uniforms,
@@ -134,11 +134,11 @@ enum Steps<Q: Query, T: Real> {
     Reference(Tape<T>),
 }
 
-/// Code that is made at most once, or the reason why there can be none; `None` where a surface has
-/// no such form.
+/// Code that is compiled at most once, or the reason why it is not available; `None` where a
+/// surface has no such form.
 ///
-/// The first place is for code in which what depends on parameters alone is computed beforehand,
-/// the other for values with which that has no value.
+/// Slot 0 has code whose uniforms are computed beforehand. Slot 1 has code without uniforms, for
+/// parameter values at which a uniform is undefined.
 type Slot<Q, T> = [Once<Option<Code<Q, T>>>; 2];
 
 /// The code of one surface in one precision.
@@ -164,7 +164,7 @@ struct BothCodes {
     double: Arc<Codes<f64>>,
 }
 
-/// The code of all surfaces of a program, made as kernels ask for it, and what it is made of.
+/// The code of all surfaces of a program, compiled on request, and its source.
 pub(crate) struct Store {
     pub simplified: Arc<Simplified>,
     pub ledger: Ledger,
@@ -186,7 +186,7 @@ impl Store {
         steps: Result<Option<(Tape<T>, Uniforms)>, ProgramError>,
     ) -> Result<Option<Code<Q, T>>, ProgramError> {
         let Some((tape, uniforms)) = steps? else { return Ok(None) };
-        // Others may have used up what there is.
+        // Other kernels may have used up the limit.
         self.ledger.is_open()?;
         let (question, format) = (Q::NAME, T::FORMAT);
         let mut made = Made { surface, question, form, format, bytes: 0, vector_bytes: 0 };
@@ -206,10 +206,10 @@ impl Store {
 /// A kernel with values bound.
 type Bound<Q, T> = Box<dyn Kernel<Q, T>>;
 
-/// What is made at most once.
+/// A value that is created at most once, or the reason why it is not available.
 type Once<K> = OnceLock<Result<K, KernelError>>;
 
-/// The kernels of one surface in one precision, for present values.
+/// The kernels of one surface in one precision, bound to the present parameter values.
 #[derive(Default)]
 struct BoundKernels<T: Real> {
     zeros: Once<Bound<FindZeros, T>>,
@@ -223,7 +223,7 @@ struct BoundKernels<T: Real> {
     gradients: Once<Bound<SampleGradient, T>>,
 }
 
-/// How these kernels are bound.
+/// The data that binds the kernels of one surface in one precision.
 struct Bindings<T: Real> {
     store: Arc<Store>,
     surface: usize,
@@ -232,7 +232,7 @@ struct Bindings<T: Real> {
     bound: BoundKernels<T>,
 }
 
-/// A surface for present values of its parameters.
+/// A surface with its parameters bound to their present values.
 pub(crate) struct BoundSurface {
     single: Bindings<f32>,
     double: Bindings<f64>,
@@ -269,7 +269,7 @@ impl<T: Real> Bindings<T> {
         Self { store, surface, values, codes, bound: BoundKernels::default() }
     }
 
-    /// A form's code with present values bound; `None` if the surface has no such form.
+    /// The code of a form, bound to the present values. `None` if the surface has no such form.
     fn bind<Q: Query>(
         &self,
         slot: &Slot<Q, T>,
@@ -277,7 +277,8 @@ impl<T: Real> Bindings<T> {
     ) -> Result<Option<Bound<Q, T>>, KernelError> {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
-                // KernelResult beforehand, so that no code is made which does not hold.
+                // Checked before compiling, so that no code is compiled that is not valid for the
+                // present values.
                 let steps = self.store.simplified.steps(self.surface, form, hoisted);
                 if let Ok(Some((_, uniforms))) = &steps
                     && uniforms.values(&self.values).is_none()
@@ -308,7 +309,7 @@ impl<T: Real> Bindings<T> {
         Ok(self.bind(slot, form)?.expect("a form of the surface"))
     }
 
-    /// The same, bound when it is first asked for.
+    /// The kernel of a form, bound when it is first requested.
     fn kernel<'a, Q: Query>(
         &self,
         bound: &'a Once<Bound<Q, T>>,
@@ -320,7 +321,8 @@ impl<T: Real> Bindings<T> {
 
     fn zero_test(&self) -> Result<Bound<FindZeros, T>, KernelError> {
         let function = self.bind_always(&self.codes.zeros, KernelSource::Function)?;
-        // The boundary of a solid is also where its function changes sign at a pole or in a jump.
+        // The boundary of a solid includes the places where its function changes sign at a pole or
+        // a jump.
         if self.is_solid() {
             return Ok(function);
         }
@@ -341,9 +343,9 @@ impl<T: Real> Bindings<T> {
         Ok(cleared.map_err(|error| Arc::new(error) as KernelError)?.is_some())
     }
 
-    /// The cleared form's numerator, or the function where there is none.
+    /// The numerator of the rational form, or else the function.
     fn without_poles(&self) -> Result<KernelSource, KernelError> {
-        // The boundary of a solid is also where its function changes sign at a pole.
+        // The boundary of a solid includes the places where its function changes sign at a pole.
         let is_cleared = !self.is_solid() && self.has_cleared()?;
         Ok(if is_cleared { KernelSource::Numerator } else { KernelSource::Function })
     }

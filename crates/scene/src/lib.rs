@@ -1,9 +1,9 @@
-//! A document over a domain: what it takes to draw it, and where to look at it.
+//! A document over a domain: its kernels, and where to look at it.
 //!
-//! A [`program::Program`] is a document simplified over a domain, with its parameters bound; its
-//! surfaces compile kernels when a method first wants them. [`domain`] finds a domain where none is
-//! given, and [`view`] makes region and camera of what the document and the caller say. Nothing here
-//! knows pixels, files or terminals.
+//! A [`program::Program`] is a document simplified over a domain, with values bound to its
+//! parameters. Its surfaces compile kernels when a method first requests them. [`domain`] finds a
+//! domain where none is given. [`view`] derives region and camera from the document and the
+//! caller's choices. Nothing here knows pixels, files or terminals.
 
 pub mod blank;
 pub mod coordinate;

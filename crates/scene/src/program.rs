@@ -1,5 +1,5 @@
-//! A document made ready to run: simplified over a domain, parameters bound, kernels made as they
-//! are asked for.
+//! A document prepared for evaluation: simplified over a domain, with parameters bound, its kernels
+//! compiled on request.
 
 use crate::enclosure;
 use crate::kernels::{BoundSurface, Evaluator, Made, Store};
@@ -17,15 +17,14 @@ pub use crate::simplified::{ClearedGraph, KernelSource, ProgramError};
 /// The surfaces of a document over one domain.
 pub struct Program {
     store: Arc<Store>,
-    /// The parameters' values, within what is assumed.
+    /// The parameters' values, within their assumed ranges.
     values: Arc<[Interval]>,
     surfaces: Vec<BoundSurface>,
-    /// Per surface, what its function can be.
+    /// Bounds and facts of its function, per surface.
     enclosures: Vec<(Interval, Facts)>,
 }
 
-/// Time is expected to stay within this of 0 if nobody says otherwise: beyond it code is compiled
-/// anew.
+/// Time without a range is assumed to stay within ± this. Beyond it, code is compiled again.
 const TIME: f64 = 16.0;
 
 impl Program {
@@ -39,7 +38,7 @@ impl Program {
         Ok(program)
     }
 
-    /// As [`Program::new`], but takes constant and undefined formulas too.
+    /// As [`Program::new`], but accepts constant and undefined formulas too.
     ///
     /// # Errors
     /// If a formula is too large.
@@ -47,7 +46,8 @@ impl Program {
         Self::made_of(document, domain, true)
     }
 
-    /// As [`Program::drawn`], but of the functions as typed, whose values can be asked for.
+    /// As [`Program::drawn`], but with the functions as typed, so that their values can be queried.
+    /// [`Program::new`] may replace a function by another with the same zeros.
     ///
     /// # Errors
     /// If a formula is too large.
@@ -64,7 +64,7 @@ impl Program {
         let parameters: Vec<Interval> = document.parameters.iter().map(assumed).collect();
         let solid = solid(document);
         let (mut symbolic, rewritten) = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
-        // What is drawn of an equation are its zeros, and those are proven where they are simple.
+        // Only the zeros of an equation are drawn, and they can be proven where they are simple.
         let drawn = |(root, is_solid): (&NodeId, &bool)| {
             if is_drawn && !is_solid { radical(&mut symbolic, *root) } else { *root }
         };
@@ -89,16 +89,16 @@ impl Program {
         Ok(Self::of(Arc::new(store), values(document)))
     }
 
-    /// The same program, its kernels run by `evaluator` and counted anew.
+    /// The same program, evaluated by `evaluator`, with its kernels counted anew.
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
         let store = Store::new(Arc::clone(&self.store.simplified), evaluator);
         Self::of(Arc::new(store), self.values.to_vec())
     }
 
-    /// The same program for the parameter values of another document, or `None` if that differs in
-    /// more than values, or if these are beyond what was assumed. A slider is assumed to stay
-    /// within its range.
+    /// The same program with the parameter values of another document. `None` if that document
+    /// differs in more than values, or if the values are outside the assumed bounds. A slider is
+    /// assumed to stay within its range.
     ///
     /// # Errors
     /// If a formula depends on no coordinate or is defined nowhere.
@@ -110,8 +110,8 @@ impl Program {
         Some(program.check(document).map(|()| program))
     }
 
-    /// Whether the code holds for a document: it differs in values only from the one that it was
-    /// made of, and these are within what was assumed.
+    /// Whether the code is valid for `document`. The document must differ in values only from the
+    /// one that the program was built from, and the values must be within the assumed bounds.
     pub fn serves(&self, document: &Document) -> bool {
         let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.store.simplified;
         let assumed = document.parameters.iter().map(assumed);
@@ -120,8 +120,8 @@ impl Program {
             && typed(document) == *before
     }
 
-    /// The same program for all times together that the document's loop has: what it says holds for
-    /// each.
+    /// The same program for the whole loop of the document's time at once. Its proofs hold at each
+    /// time.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
         let assumed = &self.store.simplified.assumptions.parameters;
@@ -150,8 +150,8 @@ impl Program {
         Self { store, values, surfaces, enclosures }
     }
 
-    /// Refuses what has no surface anywhere. What has none on this domain is left to
-    /// [`Program::remarks`].
+    /// Fails if a surface has no point anywhere. A surface without points in this domain only is
+    /// left to [`Program::remarks`].
     fn check(&self, document: &Document) -> Result<(), ProgramError> {
         let surfaces = 0..document.surfaces.len();
         if surfaces.clone().all(|k| !self.is_undefined(k) && self.constant(k).is_none()) {
@@ -178,7 +178,7 @@ impl Program {
         (!varies).then(|| self.enclosures[surface].0)
     }
 
-    /// One line for each surface whose function is constant on this domain, though not everywhere.
+    /// One line for each surface whose function is constant on this domain, but not everywhere.
     pub fn remarks(&self, document: &Document) -> Vec<String> {
         let remark = |(index, surface): (usize, &zeroset_syntax::Surface)| {
             let value = self.constant(index)?;
@@ -189,17 +189,17 @@ impl Program {
         document.surfaces.iter().enumerate().filter_map(remark).collect()
     }
 
-    /// The simplified graph of all surfaces.
+    /// The simplified graph of all surfaces together.
     pub fn graph(&self) -> &Graph {
         &self.store.simplified.graph
     }
 
-    /// The function of each surface in the graph.
+    /// The root of each surface's function in the graph.
     pub fn roots(&self) -> &[NodeId] {
         &self.store.simplified.roots
     }
 
-    /// The bounds of x, y and z that the code holds for.
+    /// The bounds of x, y and z that the code is valid for.
     pub fn domain(&self) -> [Interval; 3] {
         self.store.simplified.assumptions.domain
     }
@@ -209,13 +209,12 @@ impl Program {
         &self.values
     }
 
-    /// Nodes as typed and after simplification, all surfaces together.
+    /// Numbers of nodes, as typed and after simplification, of all surfaces together.
     pub fn nodes(&self) -> (usize, usize) {
         (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
 
-    /// Whether another function than the one typed is drawn, since it has the same zeros and none
-    /// of them is multiple.
+    /// Whether the typed function was replaced by another with the same zeros, all of them simple.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }
@@ -225,8 +224,8 @@ impl Program {
         self.enclosures[surface].1.has(Facts::NOWHERE)
     }
 
-    /// A surface, whose kernels are made as they are asked for; programs that differ in values only
-    /// share the code.
+    /// A surface, whose kernels are compiled on request. Programs that differ in values only share
+    /// the code.
     ///
     /// # Panics
     /// If there is no such surface.
@@ -242,12 +241,12 @@ impl Program {
         T::kernels(self.surface(surface))
     }
 
-    /// All kernels that were made so far, for these values of the parameters or others.
+    /// All kernels that were compiled so far, for any values of the parameters.
     pub fn made(&self) -> Vec<Made> {
         self.store.ledger.made()
     }
 
-    /// The steps that compute a form of a surface's function, or `None` if it has no such form.
+    /// The tape of a form of a surface's function, or `None` if the function has no such form.
     ///
     /// # Errors
     /// If the form is too large.
@@ -262,10 +261,10 @@ impl Program {
         Ok(self.store.simplified.steps(surface, form, true)?.map(|(tape, _)| tape))
     }
 
-    /// A surface's cleared form, or `None` if it has no poles that can be cleared.
+    /// A surface's rational form, or `None` if it has no poles that can be cleared.
     ///
     /// # Errors
-    /// If the cleared form is too large.
+    /// If the rational form is too large.
     ///
     /// # Panics
     /// If there is no such surface.
@@ -290,7 +289,8 @@ fn values(document: &Document) -> Vec<Interval> {
     document.parameters.iter().map(|parameter| parameter.value.bounds()).collect()
 }
 
-/// Where a parameter is assumed to stay: in its range, if it is there.
+/// The range that a parameter is assumed to stay in: its own range if its value is inside, else the
+/// value.
 fn assumed(parameter: &Parameter) -> Interval {
     let value = parameter.value.bounds();
     let range = match (&parameter.range, parameter.kind) {
@@ -305,7 +305,7 @@ fn count(graph: &Graph, roots: &[NodeId]) -> usize {
     graph.reachable(roots).into_iter().filter(|needed| *needed).count()
 }
 
-/// How a surface's formula was read, and whether it is an equation of two sides that were typed.
+/// The formula of a surface, and whether it is an equation of two typed sides.
 fn formula(surface: &zeroset_syntax::Surface) -> (String, bool) {
     match surface.echo.strip_suffix(" = 0") {
         Some(side) => (side.to_owned(), false),
@@ -313,8 +313,8 @@ fn formula(surface: &zeroset_syntax::Surface) -> (String, bool) {
     }
 }
 
-/// What is known of a constant; `plain` if it was typed as one expression, not as two that are
-/// compared.
+/// A phrase about a constant function. `plain`: whether it was typed as one expression, not as two
+/// sides that are compared.
 fn describe(bounds: Interval, plain: bool) -> String {
     let it = if plain { "it is" } else { "its two sides differ by" };
     let value = match bounds.singleton() {
@@ -352,8 +352,8 @@ mod tests {
         assert_eq!((tape.operations(), tape.parameters()), (4, 3));
     }
 
-    /// A value that does not exist is left to the steps, in code of its own; it serves again for
-    /// the next such value.
+    /// Where a uniform is undefined, code without uniforms is compiled. It is reused for the next
+    /// such value.
     #[test]
     fn code_is_made_once_for_values_that_exist_and_once_for_others() {
         let document = |r: f64| {
@@ -403,7 +403,7 @@ mod tests {
         for formula in ["1/0", "sqrt(-1)", "sqrt(-1-x^2)", "ln(-abs(x))-1"] {
             assert!(message(formula).contains("defined nowhere"), "{formula}");
         }
-        // Undefined on this domain only: a note, not an error.
+        // A formula that is undefined on this domain only is remarked on, not refused.
         let elsewhere = program("sqrt(x-5)+y").expect("defined elsewhere");
         assert!(elsewhere.is_undefined(0));
         assert!(!program("sqrt(x)+y").expect("defined").is_undefined(0));

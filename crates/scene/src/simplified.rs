@@ -1,6 +1,6 @@
-//! Simplified surfaces, whatever their parameters' values, and the steps that are made of them.
+//! Simplified surfaces, valid for any parameter values, and the tapes that are built from them.
 //!
-//! Which steps are asked for, and what becomes of them, is not known here.
+//! Does not know which tapes are requested, or what they are used for.
 
 use crate::uniforms::Uniforms;
 use std::fmt;
@@ -9,49 +9,51 @@ use thiserror::Error;
 use zeroset_eval::{Assumptions, KernelError, Real, Tape};
 use zeroset_ir::{Graph, IrError, NodeId, clear, compact, gradient, simplify};
 
-/// What does not depend on the parameters' values, as long as they are within what is assumed.
+/// The part of a program that does not depend on the parameters' values while they are within the
+/// assumptions.
 pub(crate) struct Simplified {
     pub graph: Graph,
     pub roots: Vec<NodeId>,
-    /// Before constants are folded to bounds, so that derivatives simplify as well as the
-    /// functions.
+    /// Graph and roots before constants are folded to bounds, so that derivatives simplify as well
+    /// as the functions.
     pub symbolic: (Graph, Vec<NodeId>),
-    /// As typed, but for exponents: what all of the above was made from.
+    /// Graph and roots as typed, with exponents fixed. All of the above was built from them.
     pub typed: (Graph, Vec<NodeId>),
     pub assumptions: Assumptions,
-    /// Nodes as typed.
+    /// Number of nodes as typed.
     pub nodes_before: usize,
-    /// Per surface, whether it bounds a solid.
+    /// Whether it bounds a solid, per surface.
     pub solid: Vec<bool>,
-    /// Per surface, whether it has the zeros of what was typed, but other values.
+    /// Whether its function was replaced by another with the same zeros, per surface.
     pub reduced: Vec<bool>,
-    /// Per surface, its cleared form.
+    /// The rational form, per surface.
     pub cleared: Vec<OnceLock<Result<Option<ClearedGraph>, IrError>>>,
 }
 
-/// Numerator and denominator of a function, and the function itself, in a graph of their own.
+/// Numerator and denominator of a function, and the function itself, in one graph.
 #[derive(Clone, Debug)]
 pub struct ClearedGraph {
     /// The graph.
     pub graph: Graph,
-    /// Vanishes where the function does.
+    /// Numerator: it is 0 where the function is.
     pub numerator: NodeId,
-    /// Vanishes at its poles.
+    /// Denominator: it is 0 at the poles.
     pub denominator: NodeId,
     /// The function.
     pub function: NodeId,
 }
 
-/// What kernels are made of: a form of a surface's function.
+/// The form of a surface's function that a kernel computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum KernelSource {
     /// The function.
     Function,
-    /// The numerator of its cleared form.
+    /// The numerator of its rational form.
     Numerator,
-    /// The denominator of its cleared form.
+    /// The denominator of its rational form.
     Denominator,
-    /// The function, and the numerator if there is one, branch by branch where it jumps.
+    /// The function, and the numerator if there is one, branch by branch. Only for a function that
+    /// may jump.
     Branches,
     /// The function and its three partial derivatives.
     Gradient,
@@ -69,45 +71,45 @@ impl fmt::Display for KernelSource {
     }
 }
 
-/// Why a document cannot be drawn, though it reads well.
+/// Why a document that parses cannot be drawn.
 #[derive(Debug, Error)]
 pub enum ProgramError {
-    /// A formula is the same at every point.
+    /// A formula has the same value at every point.
     #[error("'{echo}' is constant: {value}, so it has no surface")]
     Constant {
-        /// How the formula was read.
+        /// The formula as it was understood.
         echo: String,
-        /// What is known of its value.
+        /// The value, in words.
         value: String,
     },
     /// A formula has no value anywhere.
     #[error("'{echo}' is defined nowhere: it has no value at any point, so it has no surface")]
     Nowhere {
-        /// How the formula was read.
+        /// The formula as it was understood.
         echo: String,
     },
     /// The graph is too large.
     #[error(transparent)]
     Graph(#[from] IrError),
-    /// No code can be made.
+    /// A kernel cannot be compiled.
     #[error(transparent)]
     Code(#[from] zeroset_jit::Error),
-    /// All surfaces together need too much code, though each alone does not.
+    /// All surfaces together need too much code, although each alone does not.
     #[error(
         "all surfaces together need more than {limit} bytes of code; draw some of them at a time"
     )]
     TooMuchCode {
-        /// Bytes allowed.
+        /// Largest number of bytes allowed.
         limit: usize,
     },
-    /// A kernel that was asked for cannot be had.
+    /// A kernel is not available.
     #[error(transparent)]
     Kernel(#[from] KernelError),
 }
 
 impl Simplified {
-    /// The steps that compute a form, and how they are given values; those values that depend on
-    /// parameters alone are computed beforehand if `hoisted`. `None` if there is no such form.
+    /// The tape of a form, and the uniforms that it reads. With `hoisted`, values that depend on
+    /// parameters alone become uniforms. `None` if the surface has no such form.
     pub fn steps<T: Real>(
         &self,
         surface: usize,
@@ -157,8 +159,8 @@ impl Simplified {
         Ok(cleared.as_ref().map_err(Clone::clone)?.as_ref())
     }
 
-    /// A surface's function before constants are folded, in a graph of its own: what is done for
-    /// one surface must not take time for all others.
+    /// A surface's function before constants are folded, in a graph of its own: work on one surface
+    /// must not take time for all others.
     fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
         let (graph, roots) = &self.symbolic;
         let (graph, roots) = compact(graph, &[roots[surface]]);

@@ -1,31 +1,32 @@
-//! How code is given other parameter values without being compiled again.
+//! Values for compiled code that depend on parameters alone, so that other parameter values need no
+//! compilation.
 //!
-//! Code reads parameters, and values computed from parameters alone. It holds for parameters within
-//! assumed ranges; this computes what it reads from the parameters' present values, and tells when
-//! the code does not hold for them. Knows neither documents nor what the code computes.
+//! Code reads the parameters, and uniforms computed from them. It is valid for parameters within
+//! assumed ranges. This module computes the inputs of the code for the present parameters, and
+//! reports when the code is not valid for them. Knows neither documents nor what the code computes.
 
 use crate::enclosure;
 use zeroset_eval::Assumptions;
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{Graph, NodeId, compact, hoist};
 
-/// What some steps read beside coordinates: the parameters, then values computed from them.
+/// The inputs of a tape beside coordinates: the parameters, then the uniforms computed from them.
 #[derive(Clone, Debug)]
 pub struct Uniforms {
-    /// The expressions computed beforehand.
+    /// The expressions of the uniforms.
     graph: Graph,
     nodes: Vec<NodeId>,
-    /// Bounds of all that the steps read, as assumed.
+    /// Assumed bounds of all inputs.
     assumed: Vec<Interval>,
 }
 
 impl Uniforms {
-    /// Splits `roots` into what is computed beforehand from parameters and a graph with what is
-    /// left to the steps; all is left to them unless `hoisted`. The steps hold wherever the
-    /// parameters are within `assumptions`.
+    /// Splits the graph of `roots` into uniforms, which are computed beforehand, and a graph of the
+    /// rest. Without `hoisted`, there are no uniforms. The rest is valid wherever the parameters
+    /// are within `assumptions`.
     ///
     /// # Panics
-    /// If a parameter has no assumption.
+    /// If `assumptions` has no bounds for a parameter.
     pub fn split(
         graph: &Graph,
         roots: &[NodeId],
@@ -45,14 +46,14 @@ impl Uniforms {
         (Self { graph: needed, nodes, assumed }, hoisted.graph, hoisted.roots)
     }
 
-    /// Bounds of all that the steps read, as assumed.
+    /// Assumed bounds of all inputs: parameters, then uniforms.
     pub fn assumed(&self) -> &[Interval] {
         &self.assumed
     }
 
-    /// All that the steps read when the parameters have these values, or `None` if the steps do not
-    /// hold for them: where one is beyond what was assumed, or what is computed beforehand may be
-    /// undefined. A choice between branches need not reach that, so it must stay where it is.
+    /// The inputs for these values of the parameters. `None` if the tape is not valid for them: an
+    /// input is outside its assumed bounds, or a uniform may be undefined. An untaken branch may
+    /// never use that uniform, so code without uniforms is needed then.
     ///
     /// # Panics
     /// If a parameter has no value.
@@ -66,7 +67,7 @@ impl Uniforms {
     }
 }
 
-/// What is known of the parameters, and then of `nodes`.
+/// Bounds and facts of the parameters, and then of `nodes`.
 fn known(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Vec<(Interval, Facts)> {
     let assumptions =
         Assumptions { domain: [Interval::ENTIRE; 3], parameters: parameters.to_vec() };
@@ -83,7 +84,7 @@ mod tests {
         Interval { lo: value, hi: value }
     }
 
-    /// What the steps of a formula with one parameter r read when made for r in [0, 4].
+    /// The uniforms of a formula with one parameter r, assumed to be in [0, 4].
     fn split(formula: &str) -> Uniforms {
         let document = read(&format!("r = 2\n{formula}"), &Options::default()).expect("reads");
         let range = Interval { lo: 0.0, hi: 4.0 };

@@ -1,5 +1,5 @@
-//! Where a document is looked at: the domain and the camera, from what the caller says, else from
-//! the document, else by default.
+//! The domain and the camera of a document. The caller's choice comes first, then the document's,
+//! then a default.
 
 use crate::domain::{self, AutoDomain, Finding};
 use crate::program::{Program, ProgramError};
@@ -14,22 +14,22 @@ use zeroset_style::{FOV, StandardView};
 use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
 use zeroset_trace::{Camera, CameraError, Projection};
 
-/// Where to look.
+/// The domain to look at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum DomainChoice {
-    /// Where the document says; if it does not, as [`DomainChoice::Auto`].
+    /// The document's domain, or as [`DomainChoice::Auto`] if it gives no domain.
     #[default]
     Document,
-    /// Where intervals find the surface.
+    /// The domain in which intervals find the surface.
     Auto,
-    /// In this box: lower and upper bound of x, y and z.
+    /// This box: lower and upper bound of x, y and z.
     Bounds([f64; 6]),
 }
 
 impl FromStr for DomainChoice {
     type Err = String;
 
-    /// `auto`, one number or six; whether they bound anything is not looked at.
+    /// Reads `auto`, one number or six. Does not check that the numbers bound a box.
     fn from_str(text: &str) -> Result<Self, String> {
         if text.trim() == "auto" {
             return Ok(Self::Auto);
@@ -45,20 +45,20 @@ impl FromStr for DomainChoice {
     }
 }
 
-/// The plane that cuts a domain.
+/// The plane that clips a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ClipChoice {
-    /// What the document says.
+    /// The document's clipping plane, if it has one.
     #[default]
     Document,
-    /// None, whatever the document says.
+    /// No plane, even if the document has one.
     Off,
-    /// This one.
+    /// This half-space is kept.
     Plane(HalfSpace),
 }
 
 impl ClipChoice {
-    /// The plane, for a document with this one of its own.
+    /// The clipping plane, for a document whose own one is `own`.
     pub fn or(self, own: Option<HalfSpace>) -> Option<HalfSpace> {
         match self {
             Self::Document => own,
@@ -71,7 +71,7 @@ impl ClipChoice {
 impl FromStr for ClipChoice {
     type Err = String;
 
-    /// `off` or four numbers; whether they are a plane's is not looked at.
+    /// Reads `off` or four numbers. Does not check that they define a plane.
     fn from_str(text: &str) -> Result<Self, String> {
         if text.trim() == "off" {
             return Ok(Self::Off);
@@ -85,11 +85,11 @@ impl FromStr for ClipChoice {
     }
 }
 
-/// What a domain is clipped to.
+/// The shape that a domain is clipped to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClipTo {
-    /// What the document says; the ball where the domain was found and is a window that looks
-    /// better so; else the box.
+    /// The document's choice. Without one, the ball if the domain was found by a search and looks
+    /// better so, else the box.
     #[default]
     Auto,
     /// The [ball](Region::with_ball) in the domain's box.
@@ -98,12 +98,12 @@ pub enum ClipTo {
     Box,
 }
 
-/// What is cut away of a domain.
+/// Clipping of a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cut {
-    /// What is behind this plane.
+    /// The clipping plane.
     pub plane: ClipChoice,
-    /// What is outside of this.
+    /// The shape.
     pub to: ClipTo,
 }
 
@@ -113,10 +113,10 @@ impl From<Option<ClipChoice>> for Cut {
     }
 }
 
-/// Numbers, or constant expressions such as `2π`, with commas between.
+/// Reads numbers, or constant expressions such as `2π`, separated by commas.
 ///
 /// # Errors
-/// One phrase that says which of them is none.
+/// One phrase that names the part that is not a number.
 pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     let one = |part: &str| {
         let part = part.trim();
@@ -126,12 +126,12 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(one).collect()
 }
 
-/// From where to look. What is `None` is taken from the document, and what that leaves open is
-/// chosen to show the whole domain from [`(&VIEWS[0])`]; [`framing`](zeroset_render::framing) goes as
-/// near as what is visible allows.
+/// A choice of camera. A field that is `None` is taken from the document. If the document leaves it
+/// open too, it is chosen to show the whole domain from [`VIEWS[0]`](zeroset_style::VIEWS); the
+/// `framing` of the render crate then moves as near as what is visible allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
-    /// A named side; the document's eye and upward direction then do not count.
+    /// A standard view. It replaces the document's eye and upward direction.
     pub view: Option<&'static StandardView>,
     /// The eye.
     pub eye: Option<DVec3>,
@@ -139,32 +139,33 @@ pub struct CameraChoice {
     pub target: Option<DVec3>,
     /// The direction shown upright.
     pub up: Option<DVec3>,
-    /// Perspective or parallel, and how much is seen.
+    /// Perspective or parallel projection, and its field of view.
     pub projection: Option<Projection>,
 }
 
-/// Why a document cannot be looked at in this way.
+/// Why a document cannot be shown as requested.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// The camera is impossible.
+    /// The camera is invalid.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The domain or the clipping plane is impossible.
+    /// The domain or the clipping plane is invalid.
     #[error(transparent)]
     Region(#[from] RegionError),
-    /// There is nothing to draw.
+    /// The document has nothing to draw.
     #[error(transparent)]
     Program(#[from] ProgramError),
 }
 
-/// The domain of `document`, cut by `cut`, and what was found if it was searched for.
+/// Returns the region of `document` that is looked at, and the result of the search if there was
+/// one.
 ///
 /// # Errors
-/// If a range is empty or not finite, the plane has no normal, or a search is impossible because
+/// If a range is empty or not finite, if the plane has no normal, or if a search is needed but
 /// there is no surface.
 ///
 /// # Panics
-/// Never: the domain is wanted to the end.
+/// Never: this search is not cancelled.
 pub fn region(
     document: &Document,
     choice: DomainChoice,
@@ -173,10 +174,10 @@ pub fn region(
     Ok(region_while(&mut None, document, choice, cut, &|| true)?.expect("wanted to the end"))
 }
 
-/// As [`region`], but asks during the search whether the domain is still wanted; `None` if not.
-/// Once `wanted` is false, it must stay false. `search` is the program of the search before, which
-/// is made again without compiling if the documents differ in values only; the new one is left
-/// there.
+/// As [`region`], but can be cancelled: returns `None` once `wanted` is false, which is queried
+/// during the search. Once false, it must stay false. `search` is the program of the previous
+/// search. It is reused without compiling if the documents differ in values only. The program that
+/// was used is left there.
 ///
 /// # Errors
 /// As [`region`].
@@ -224,7 +225,7 @@ pub fn region_while(
     Ok(Some((region, searched)))
 }
 
-/// The clipping plane of a document's own.
+/// The document's own clipping plane.
 pub fn typed_clip(document: &Document) -> Option<HalfSpace> {
     document.picture.clip.as_ref().map(|numbers| {
         let [a, b, c, d] = numbers.each_ref().map(nearest);
@@ -232,7 +233,7 @@ pub fn typed_clip(document: &Document) -> Option<HalfSpace> {
     })
 }
 
-/// The box from `low` to `high`, clipped to its ball if `is_round`, and by this plane.
+/// The box from `low` to `high`, clipped to its ball if `is_round`, and by the plane `clip`.
 ///
 /// # Errors
 /// If the box is empty or not finite, or the plane has no normal.
@@ -247,21 +248,20 @@ pub fn clipped(
     clip.map_or(Ok(whole), |clip| whole.with_clip(clip))
 }
 
-/// The surface found by intervals, whatever domain the document gives: for its parameters as they
-/// are set, and for all of the loop of its time.
+/// Finds the surface by intervals, whatever domain the document gives. Parameters have their
+/// present values; time covers its whole loop.
 ///
 /// # Errors
-/// If there is no surface, or no code can be made.
+/// If there is no surface, or a kernel cannot be compiled.
 ///
 /// # Panics
-/// Never: the answer is wanted to the end.
+/// Never: this search is not cancelled.
 pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
     Ok(search_while(&mut None, document, &|| true)?.expect("wanted to the end"))
 }
 
-/// As [`search`], by the program of the search before if it serves, but asks between kernels and
-/// evaluations whether the answer is still wanted; `None` if not.
-///
+/// As [`search`], but can be cancelled, and reuses the program of the previous search if possible.
+/// Returns `None` once `wanted` is false, which is queried between kernels and evaluations.
 /// # Errors
 /// As [`search`].
 fn search_while(
@@ -277,8 +277,8 @@ fn search_while(
     domain::find_while(&program.over_time(document), wanted)
 }
 
-/// Whether [`search`] finds the same for two documents that differ in nothing but the values of
-/// parameters, of which each is within its range.
+/// Whether [`search`] gives the same result for two documents. They must differ only in values of
+/// parameters, each within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
     { parameters }.all(|(one, other)| {
@@ -287,13 +287,13 @@ pub fn same_search(one: &Document, other: &Document) -> bool {
     })
 }
 
-/// The box of a region as bounds of x, y and z.
+/// The bounds of x, y and z of a region's box.
 pub fn bounds(region: &Region) -> [Interval; 3] {
     [0, 1, 2].map(|axis| Interval { lo: region.low()[axis], hi: region.high()[axis] })
 }
 
-/// The corners of the box of a region, by number: each axis has a bit, which is set at its upper
-/// end.
+/// The corners of a region's box. Bit k of a corner's index is set if it lies at the upper end of
+/// axis k.
 pub fn corners(region: &Region) -> [DVec3; 8] {
     let (low, high) = (region.low(), region.high());
     std::array::from_fn(|n| {
@@ -304,7 +304,8 @@ pub fn corners(region: &Region) -> [DVec3; 8] {
 /// The camera for `document` in `region`.
 ///
 /// # Errors
-/// If eye and target coincide, the upward direction is useless, or a number is out of range.
+/// If eye and target coincide, the upward direction is parallel to the view, or a number is out of
+/// range.
 pub fn camera(
     document: &Document,
     region: &Region,
@@ -314,7 +315,7 @@ pub fn camera(
     let point = |numbers: &Option<[Constant; 3]>| {
         numbers.as_ref().map(|n| DVec3::from_array([0, 1, 2].map(|k| nearest(&n[k]))))
     };
-    // A side asked for replaces the document's own eye.
+    // A view chosen by the caller replaces the document's own eye.
     let (typed_eye, typed_up) = match choice.view {
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
@@ -325,8 +326,7 @@ pub fn camera(
     let given_eye = choice.eye.or(typed_eye);
     let eye = given_eye.unwrap_or(target + offset * region.half_extent());
     let up = choice.up.or(typed_up).unwrap_or_else(|| {
-        // An eye of the user's own may look straight down; then y points upward, as in the view
-        // from the top.
+        // A given eye may look straight down. Then y points upward, as in the view from the top.
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
         if vertical { DVec3::Y } else { view_up }
     });
@@ -338,9 +338,9 @@ pub fn camera(
     Camera::new(eye, target, up, projection)
 }
 
-/// The camera that shows the box of `region` from a standard side, at a fixed multiple of half its
-/// largest extent. With the default [`FOV`] the six sides show all of a cube; the default view shows
-/// all but the tips of some corners.
+/// The camera that shows the box of `region` from a standard view. Its distance is a fixed multiple
+/// of half the largest extent. With the default [`FOV`], the six sides show all of a cube; the
+/// default view shows all but the tips of some corners.
 ///
 /// # Errors
 /// If `projection` is out of range.
@@ -353,14 +353,14 @@ pub fn standard_camera(
     Camera::new(centre + offset * region.half_extent(), centre, view.up.into(), projection)
 }
 
-/// The `f64` nearest to a constant expression such as `1/3`; `None` if the text is none, or its
+/// The `f64` nearest to a constant expression such as `1/3`. `None` if the text is not one, or its
 /// value is not finite.
 pub fn number(text: &str) -> Option<f64> {
     let value = nearest(&zeroset_syntax::constant(text).ok()?);
     value.is_finite().then_some(value)
 }
 
-/// Whether a parameter of `document` is without effect, because it occurs in nothing that is drawn.
+/// Whether a parameter of `document` occurs in nothing that is drawn.
 pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
     let needed = document.graph.reachable(&roots);
@@ -375,14 +375,14 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     !is_drawn && !colors.chain(lines).any(paints)
 }
 
-/// Whether `t` occurs in what `document` draws.
+/// Whether the time `t` occurs in something that `document` draws.
 pub fn depends_on_time(document: &Document) -> bool {
     let mut times = document.parameters.iter().filter(|one| one.kind == ParameterKind::Time);
     times.any(|time| !is_idle(document, time))
 }
 
-/// The `f64` nearest to what was typed: cameras and domains are made of floats, so that a file and
-/// a flag with the same digits mean the same.
+/// The `f64` nearest to a typed number. Cameras and domains consist of floats, so that a file and a
+/// flag with the same digits mean the same.
 pub fn nearest(constant: &Constant) -> f64 {
     let bounds = constant.bounds();
     let exact = constant.exact().and_then(ToPrimitive::to_f64);

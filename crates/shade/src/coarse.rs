@@ -1,18 +1,18 @@
-//! What is near to what, as a smaller picture of the same scene knows it: for parts of a picture
-//! too large to be held whole.
+//! Ambient occlusion from a smaller picture of the same scene, for parts of a picture that is too
+//! large to be held whole.
 
 use crate::edges::slope;
 use rayon::prelude::*;
 use zeroset_trace::GBuffer;
 use zeroset_trace::RayGrid;
 
-/// A point of the smaller picture is on the same part of a surface if it is no farther away than
-/// this many of its pixels' widths, or as many times what the slope explains.
+/// Largest distance in depth, in widths of a pixel of the smaller picture, at which its point
+/// counts as on the same part of a surface. It is multiplied by the slope.
 const FAR: f64 = 4.0;
 
-/// Hides as much of what surrounds each painted point as is hidden around the same place in
-/// `small`: the mean of the four nearest pixels there, of those on the same part of the same
-/// surface. A picture of the same size gives its own values.
+/// Sets each painted point's occlusion to that around the same place in `small`: the mean of the
+/// four nearest pixels that are on the same part of the same surface. A picture of the same size
+/// gives its own values.
 pub fn borrow_occlusion(
     buffer: &mut GBuffer,
     rays: &RayGrid,
@@ -32,7 +32,7 @@ pub fn borrow_occlusion(
             }
             let [across, upward] = rays.screen(2 * column, 2 * row);
             let [across, upward] = [across, upward].map(|place| place / small_rays.unit);
-            // Columns and rows of the smaller picture, with fractions.
+            // Column and row in the smaller picture, with fractions.
             let x = 0.5 * (across + width as f64 - 1.0);
             let y = 0.5 * (height as f64 - 1.0 - upward);
             let [right, below] = [x, y].map(|place| place - place.floor());

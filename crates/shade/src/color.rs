@@ -1,4 +1,4 @@
-//! Colors as people write them and as light adds them.
+//! Colors in sRGB bytes and in linear light.
 
 use fearless_simd::{f32x16, prelude::*, u32x16};
 use std::sync::OnceLock;
@@ -8,30 +8,31 @@ use zeroset_eval::LANES;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearRgb(pub [f32; 3]);
 
-/// What finds the sRGB byte nearest to an amount of light, exactly, with one look and one sum.
+/// A table that converts an amount of light exactly to the nearest sRGB byte, by one lookup and one
+/// addition.
 ///
-/// Floats that agree in their upper half belong to two neighbouring bytes at most. The entry for
-/// that half has the lower byte above 16 bits that carry into it where the lower half reaches the
-/// next byte.
+/// Floats with the same upper 16 bits belong to at most two adjacent bytes. The entry for these
+/// bits has the lower byte, above 16 bits that carry into it when the lower half of the float is
+/// added and reaches the next byte.
 pub(crate) struct Codes([u32; ENTRIES]);
 
-/// Bits of the lower half.
+/// Number of bits in the lower half of a float.
 const LOWER: u32 = 16;
 
-/// Amounts up to this one are black: byte 1 begins at 1.5e-4.
+/// Largest amount that is black: byte 1 begins at 1.5e-4.
 pub(crate) const BLACK: f32 = 1.0 / 8192.0;
 
-/// Upper halves from black to full light differ in their last 11 bits, so an index need not be
-/// checked, only cut off.
+/// Number of entries. The upper halves from black to full light differ only in their last 11 bits,
+/// so an index is cut off and needs no check.
 const ENTRIES: usize = 2048;
 
 impl Codes {
-    /// The table, made when it is first asked for.
+    /// The table, built when it is first requested.
     pub fn get() -> &'static Self {
         static CODES: OnceLock<Codes> = OnceLock::new();
         CODES.get_or_init(|| {
-            // By byte, the least amount that belongs to the next one: where the curve is half way
-            // between the two, or just above.
+            // For each byte, the least amount that belongs to the next one: the curve's value half
+            // way between the two, rounded up.
             let next: Vec<u32> = (0..255)
                 .map(|byte| {
                     let half_way = decode((f64::from(byte) + 0.5) / 255.0);
@@ -60,7 +61,7 @@ impl Codes {
         ((entry + (bits & ((1 << LOWER) - 1))) >> LOWER) as u8
     }
 
-    /// The same of sixteen colors, given by their primaries.
+    /// The bytes of sixteen colors, given by their primaries.
     #[inline(always)]
     pub fn bytes<S: Simd>(&self, simd: S, primaries: [f32x16<S>; 3]) -> [[u8; 3]; LANES] {
         let mut all = u32x16::splat(simd, 0);
@@ -85,7 +86,7 @@ impl Codes {
     }
 }
 
-/// The amount of light that sRGB writes as this part of the full value (IEC 61966-2-1).
+/// The amount of light that sRGB encodes as this share of the full value (IEC 61966-2-1).
 fn decode(value: f64) -> f64 {
     if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
@@ -152,12 +153,12 @@ mod tests {
         for byte in 0..=255 {
             assert_eq!(LinearRgb::from_srgb([byte; 3]).to_srgb(), [byte; 3]);
         }
-        // Half of the light is much brighter than half of the code.
+        // Half of the light has a much larger byte than half of 255.
         assert_eq!(LinearRgb([0.5; 3]).to_srgb(), [188; 3]);
         assert_eq!(LinearRgb([f32::NAN, -1.0, 2.0]).to_srgb(), [0, 0, 255]);
     }
 
-    /// The curve itself, in f64.
+    /// The byte by the sRGB curve, in f64.
     fn exact(amount: f32) -> u8 {
         let amount = f64::from(amount);
         let encoded = if amount <= 0.003_130_8 {
@@ -170,7 +171,7 @@ mod tests {
 
     #[test]
     fn bytes_are_the_nearest() {
-        // Floats all over [0, 1], and those on either side of where bytes begin.
+        // Floats spread over [0, 1], and the floats around the limits between bytes.
         for bits in (0..=1.0_f32.to_bits()).step_by(997) {
             let amount = f32::from_bits(bits);
             assert_eq!(Codes::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");

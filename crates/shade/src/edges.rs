@@ -1,4 +1,4 @@
-//! Where one ray does not tell what a pixel shows: along the edges of what is seen.
+//! Pixels for which one ray is not enough: those along visible edges.
 
 use fearless_simd::{Level, dispatch, f32x16, f64x8, prelude::*, u16x16};
 use glam::{DVec3, Vec3};
@@ -9,15 +9,14 @@ use zeroset_trace::GBuffer;
 use zeroset_trace::painted::BAND;
 use zeroset_trace::{RayGrid, SIDE};
 
-/// Normals that differ by more than this cosine make an edge: 20 degrees.
+/// Least cosine of the angle between two normals, about 20 degrees, that makes no edge.
 const SAME_WAY: f32 = 0.94;
-/// A step in depth this many times as far as the surface's slope explains, and as far as a pixel is
-/// wide, makes an edge.
+/// A step in depth makes an edge if it is more than this many times a pixel's width, and more than
+/// this many times what the slope explains.
 const STEEPER: f64 = 3.0;
 
-/// Whether a pixel differs from one of the four beside it: in what surface it shows, if any, from
-/// which side, at what distance, or which way that faces. Row by row; what is thinner than a pixel
-/// and on no ray is not seen.
+/// For each pixel, row by row, whether it differs from one of the four beside it: in surface, side,
+/// depth or orientation. Features thinner than a pixel that no ray meets are not found.
 pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
     let (width, height) = (rays.width(), rays.height());
     let pairs = Pairs { buffer, rays, level: Level::new() };
@@ -33,7 +32,7 @@ pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
                 edges[edge + column..=edge + column + 1].fill(true);
             });
         }
-        // Pairs of rows, the one above the band and the one below it among them.
+        // Pairs of rows, including those with the rows just above and just below the band.
         for row in top.max(1)..=rows.end.min(height - 1) {
             let (above, below) = (pairs.painted(row - 1), pairs.painted(row));
             let here = row * width;
@@ -58,10 +57,10 @@ struct Pairs<'a> {
     level: Level,
 }
 
-/// What is compared of some pixels in a row: as many of each.
+/// The quantities of some pixels in a row that are compared.
 struct Side<'a> {
     drawn: &'a [f64],
-    /// Empty if there is one.
+    /// Empty if the picture has only one surface.
     surface: &'a [u16],
     cap: &'a [bool],
     normal: &'a [[f32; 3]],
@@ -79,12 +78,12 @@ impl<'a> Side<'a> {
     }
 }
 
-/// A bit for each lane.
+/// One bit per lane.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Which of sixteen pairs of pixels from the `k`th on may have an edge between them, as bits: most
-/// are told by these few comparisons. `even` is what step in depth is none, at the eye and by how
-/// much that grows with depth.
+/// The pairs that may have an edge between them, as bits, among the sixteen pairs from the `k`th
+/// on. These few comparisons decide most pairs. `even` is the largest step in depth that makes no
+/// edge: at the eye, and its growth with depth.
 #[inline(always)]
 fn differing<S: Simd>(
     simd: S,
@@ -101,7 +100,7 @@ fn differing<S: Simd>(
         let b = f64x8::from_slice(simd, &other.drawn[part]);
         let step = a - b;
         bits |= (!step.abs().simd_le(at_eye + growth * a.min(b))).to_bitmask() << half;
-        // Two that are infinite have no difference.
+        // Two infinite depths have no difference.
         empty |= step.is_nan().to_bitmask() << half;
     }
     if let (Some(a), Some(b)) = (one.surface.get(here.clone()), other.surface.get(here.clone())) {
@@ -128,8 +127,9 @@ fn differing<S: Simd>(
 }
 
 impl Pairs<'_> {
-    /// The columns of a row from the one before the first that is painted to the last, but no
-    /// farther than the last but one of the picture; if none is painted, none.
+    /// The columns of a row that may have an edge to the right. They reach from the one before the
+    /// first painted pixel to the last painted one, or the last but one of the row. Empty if none
+    /// is painted.
     fn painted(&self, row: usize) -> Range<usize> {
         let width = self.rays.width();
         let drawn = &self.buffer.drawn[row * width..][..width];
@@ -139,9 +139,9 @@ impl Pairs<'_> {
         first.saturating_sub(1)..(last + 1).min(width - 1)
     }
 
-    /// Tells the columns of a range in which there is an edge between two pixels: that of index
-    /// `pair.start` and the column together, which is left of the other or above it, and that of
-    /// `pair.end`.
+    /// Calls `edge` with each column in which there is an edge between two pixels. The first pixel
+    /// has the index `pair.start` plus the column; the other, to the right or below, has `pair.end`
+    /// plus the column.
     #[inline]
     fn each(
         &self,
@@ -164,7 +164,7 @@ impl Pairs<'_> {
             return;
         }
         for k in (0..count).step_by(LANES) {
-            // The last sixteen are all in the row; some of them may be looked at twice.
+            // The last sixteen are all in the row, so some may be compared twice.
             let k = k.min(count - LANES);
             let mut left = dispatch!(self.level, simd => differing(simd, &one, &other, k, even));
             while left != 0 {
@@ -174,24 +174,24 @@ impl Pairs<'_> {
         }
     }
 
-    /// Whether there is an edge between two pixels.
+    /// Returns whether there is an edge between two pixels.
     fn is_edge(&self, pixels: [usize; 2], is_row: bool) -> bool {
         let buffer = self.buffer;
         let [a, b] = pixels.map(|pixel| buffer.drawn[pixel]);
         let step = (a - b).abs();
         if !step.is_finite() {
-            // Two that are infinite have no difference.
+            // Two infinite depths have no difference.
             return !step.is_nan();
         }
         let [n, m] = pixels.map(|pixel| buffer.normal[pixel]);
         let [one, other] = pixels.map(|pixel| (buffer.surface[pixel], buffer.is_cap(pixel)));
-        // Towards the other side, too, if the other side is seen.
+        // Normals point toward f > 0, so they also differ if the pixels show different sides.
         let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= SAME_WAY;
         let footprint = self.rays.footprint(a.min(b));
         one != other || !is_even || step > STEEPER * footprint * self.slope(pixels, is_row).max(1.0)
     }
 
-    /// How far depth changes from pixel to pixel at the steeper of two, in pixels' widths.
+    /// The change of depth from pixel to pixel at the steeper of two pixels, in widths of a pixel.
     fn slope(&self, pixels: [usize; 2], is_row: bool) -> f64 {
         let axis = if is_row { self.rays.right() } else { self.rays.up() };
         let slope = |pixel: usize| slope_along(self.buffer.normal[pixel], self.rays, pixel, axis);
@@ -199,24 +199,23 @@ impl Pairs<'_> {
     }
 }
 
-/// How far depth changes along an axis of the picture where a surface has this normal, in pixels'
-/// widths.
+/// The change of depth along an axis of the picture for this normal, in widths of a pixel.
 fn slope_along(normal: [f32; 3], rays: &RayGrid, pixel: usize, axis: DVec3) -> f64 {
     let normal = DVec3::from_array(normal.map(f64::from));
     let along = rays.ray_of(pixel).direction.normalize();
     (normal.dot(axis) / normal.dot(along)).abs()
 }
 
-/// How far depth changes at most along the picture where a surface has this normal, in pixels'
-/// widths, seen along a unit vector.
+/// The largest change of depth across the picture for this normal, in widths of a pixel, seen along
+/// the unit vector `along`.
 pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
-    // The tangent of the angle between them.
+    // The tangent of the angle between normal and view.
     let cosine = Vec3::from_array(normal).dot(along);
     ((1.0 - cosine * cosine).max(0.0) / (cosine * cosine)).sqrt()
 }
 
-/// Whether a pixel of one surface shows a crease: its normal differs from that of one of the four
-/// pixels beside it.
+/// Returns whether a pixel shows a crease of a surface: its normal differs from that of one of the
+/// four pixels beside it.
 pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     let normal = |pixel: usize| Vec3::from_array(buffer.normal[pixel]);
     let differs = |other: usize| {
@@ -227,12 +226,12 @@ pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     rays.beside(pixel).into_iter().flatten().any(differs)
 }
 
-/// Whether all of a patch shows one smooth part of one surface, of which the patch's pixel of a
-/// coarser picture has this normal: nothing of it needs to be lit anew. `row` is the patch's in
-/// `buffer` and `rays`.
+/// Returns whether a whole patch shows one smooth part of one surface, so that it needs no shading
+/// of its own. `normal` is that of the coarser pixel which the patch refines. `row` is the patch's
+/// row in `buffer` and `rays`.
 ///
 /// # Panics
-/// If there is no such row of a patch.
+/// If there is no such row.
 pub fn is_smooth(buffer: &GBuffer, rays: &RayGrid, row: usize, normal: [f32; 3]) -> bool {
     let first = row * LANES;
     let drawn: &[f64; LANES] = buffer.drawn[first..].first_chunk().expect("a row");
@@ -270,7 +269,7 @@ mod tests {
     }
 
     fn around(change: impl Fn(&mut GBuffer, usize)) -> Vec<usize> {
-        // Rows 7 and 8 are of different bands.
+        // Rows 7 and 8 are in different bands.
         let (width, pixel) = (9, 8 * 9 + 4);
         let mut buffer = wall(width, 20);
         change(&mut buffer, pixel);
@@ -359,8 +358,8 @@ mod tests {
         assert_eq!(is_smooth(&|buffer| buffer.drawn[3] = f64::INFINITY), [false, true]);
         assert_eq!(is_smooth(&|buffer| buffer.drawn[31] = 3.0), [true, false]);
         assert_eq!(is_smooth(&|buffer| buffer.cap[20] = true), [true, false]);
-        // From row to row of a patch depth may change as it does along it, and no patch is the next
-        // one's neighbour.
+        // Depth may change from row to row of a patch as it does along a row. Patches are not
+        // neighbors of each other.
         assert_eq!(is_smooth(&|buffer| buffer.drawn[16..].fill(1.0)), [true; 2]);
     }
 

@@ -1,8 +1,8 @@
 //! From a G-buffer to colors: normals, light, ambient occlusion, edges, and shading.
 //!
-//! [`normals`] evaluates gradients at painted points; everything else reads the G-buffer only. No
-//! status, distance or bracket changes here: shading is looks, not proof. Nothing is known of
-//! documents or files.
+//! [`normals`] evaluates gradients at painted points; everything else reads only the G-buffer.
+//! Nothing here changes a status, distance or bracket: shading affects appearance, not proofs.
+//! Knows neither documents nor files.
 
 mod coarse;
 mod color;

@@ -1,4 +1,4 @@
-//! The one light of a picture.
+//! The light of a picture that casts shadows.
 
 use crate::occlusion::TURNS;
 use fearless_simd::{f32x16, f64x8, prelude::*};
@@ -6,34 +6,34 @@ use glam::{DVec3, Vec3};
 use zeroset_eval::Lanes;
 use zeroset_trace::RayGrid;
 
-/// Where light comes from, beside the ambient.
+/// The light's position or direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// From infinitely far away; the direction points at the light and has length 1.
+    /// Infinitely far away; the vector points toward the light and has length 1.
     Directional(DVec3),
-    /// From a point of space.
+    /// At a point of space.
     Positional(DVec3),
 }
 
-/// The half width of a light, as a share of how far it is.
+/// Half the width of a light, as a share of its distance.
 const WIDTH: f64 = 0.05;
 
 impl Light {
     /// A distant light above and to the left of the camera, which moves with it.
     pub fn above_left(rays: &RayGrid) -> Self {
-        // Some 50 degrees off the view and more above than beside it: in the default view of a
-        // cube, its three visible faces then differ clearly, the top the brightest.
+        // About 50 degrees off the view, and more above than beside it. In the default view of a
+        // cube, the three visible faces then differ clearly, and the top is the brightest.
         let towards = -rays.forward() + 1.1 * rays.up() - 0.35 * rays.right();
         Self::Directional(towards.normalize())
     }
 
-    /// The light as a disc rather than a point, by sixteen places on it: a 20th as wide to every
-    /// side as it is far from `centre`. The sun is a tenth of that.
+    /// The light as a disc: sixteen places on it. Its radius is a 20th of its distance from
+    /// `centre`, ten times that of the sun.
     pub fn widened(&self, centre: DVec3) -> [Self; TURNS] {
         let (way, distance) = self.towards(centre);
         let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
         std::array::from_fn(|turn| {
-            // Vogel's spiral: evenly over the disc. Turns that follow each other lie far apart.
+            // Vogel's spiral spreads places evenly over the disc. Successive turns lie far apart.
             let place = (7 * turn % TURNS) as f64;
             let (radius, angle) = (((place + 0.5) / TURNS as f64).sqrt(), place * 2.399_963_23);
             let aside = WIDTH * radius * (angle.cos() * across + angle.sin() * upward);
@@ -44,8 +44,8 @@ impl Light {
         })
     }
 
-    /// The way from `point` to the light: a unit vector and the distance, infinite for a distant
-    /// light. At the light itself the vector is zero.
+    /// The unit vector from `point` toward the light, and the distance, which is infinite for a
+    /// directional light. At the light itself the vector is zero.
     pub fn towards(&self, point: DVec3) -> (DVec3, f64) {
         match self {
             Self::Directional(direction) => (*direction, f64::INFINITY),
@@ -56,7 +56,7 @@ impl Light {
         }
     }
 
-    /// The unit vectors from sixteen points to the light, zero at the light itself.
+    /// The unit vectors from sixteen points to the light; zero at the light itself.
     #[inline(always)]
     pub(crate) fn all_towards<S: Simd>(
         &self,

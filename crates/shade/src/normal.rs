@@ -1,11 +1,11 @@
-//! Normals of painted points, asked for after the traversal and only where something is painted.
+//! Normals of painted points. They are computed after the traversal, and only for painted pixels.
 //!
-//! Of an undecided pixel the gradient half a pixel before the painted point is asked: on a surface
-//! that f only touches there is none. A gradient that does not exist (NaN, infinite or zero: a
-//! crease, a cusp, the edge of the function's domain) is replaced by that a little farther along
-//! the ray, then by central differences over growing steps, and at last by the direction to the
-//! eye, so that a picture never holds a NaN. Before all that `f64` is asked, if the picture's
-//! precision allows it.
+//! For an undecided pixel, the gradient is taken half a pixel before the painted point: where f
+//! only touches 0, the gradient at the point is 0. A gradient may not exist (NaN, infinite or zero)
+//! at a crease, a cusp or the edge of the domain of definition. Then several substitutes are tried:
+//! the gradient in `f64`, if the picture's precision allows it; gradients a little farther along
+//! the ray; central differences over growing steps; at last the direction to the eye. So a normal
+//! is never NaN.
 
 mod gradients;
 
@@ -19,40 +19,40 @@ use zeroset_trace::RayGrid;
 use zeroset_trace::Rows;
 use zeroset_trace::painted::BAND;
 
-/// Which kernel answers for normals.
+/// The kernel that normals are computed with.
 #[derive(Clone, Copy)]
 pub enum NormalSource<'a, T: Real = f32> {
     /// The exact derivative, rounded.
     Gradient(&'a (dyn Kernel<SampleGradient, T> + 'a)),
-    /// The same, and in `f64` where `T` has none.
+    /// The exact derivative, in `f64` for points at which `T` gives none.
     Refined {
-        /// Asked first.
+        /// The kernel that is evaluated first.
         kernel: &'a (dyn Kernel<SampleGradient, T> + 'a),
-        /// Has what is asked where the gradient is beyond the range of `T`.
+        /// The kernels for points at which the gradient is out of range in `T`.
         double: &'a (dyn Kernels<f64> + 'a),
-        /// Whether that is asked of all points, since `T` places them too coarsely.
+        /// Whether `double` is used for all points, since `T` places them too coarsely.
         everywhere: bool,
     },
-    /// Differences of the values one step to either side on each axis, as in Knoll et al. 2007.
+    /// Central differences of values one step to either side on each axis, as in Knoll et al. 2007.
     Central(&'a (dyn Kernel<Sample, T> + 'a)),
 }
 
-/// Points for which other ways to a normal are tried together.
+/// Number of points for which substitutes are computed together.
 const BATCH: usize = 256;
 
-/// Each failing step of the differences is followed by one this much longer.
+/// Factor from a failed step of the differences to the next.
 const STEP_GROWTH: f64 = 8.0;
 
-/// How many step lengths are tried.
+/// Number of step lengths that are tried.
 const STEPS: u32 = 3;
 
-/// Where along the ray gradients are asked for, in steps from the painted point: traversers paint
-/// the near end of the segment that holds a root, and there the function may not yet be defined.
+/// Places along the ray at which gradients are taken, in steps from the painted point. Tracers
+/// paint the near end of the segment that holds a root, where the function may not be defined yet.
 const AHEAD: [f64; 4] = [0.0, 0.5, 1.0, 2.0];
 
-/// Fills in the normal of each painted pixel that is not on a cap, towards f > 0. `step` is the
-/// reach of central differences in world units; a thousandth of the region's extent serves. Returns
-/// what was asked of the kernel.
+/// Computes the normal, toward f > 0, of each painted pixel that is not on a cap. `step` is the
+/// reach of central differences in world units, such as a thousandth of the region's extent.
+/// Returns the number of evaluations.
 pub fn normals<T: Real>(
     buffer: &mut GBuffer,
     rays: &RayGrid,
@@ -62,7 +62,7 @@ pub fn normals<T: Real>(
     buffer.each_rows(BAND, |mut rows| source.face(&mut rows, rays, step, None))
 }
 
-/// What is left of a ray behind the point that it paints, and the t that makes one step.
+/// The part of a ray behind its painted point, and the t that makes one step.
 struct Rest {
     ray: Ray,
     step: f64,
@@ -70,9 +70,9 @@ struct Rest {
 
 /// The normals of some rows.
 struct Normals<'a> {
-    /// Those of the picture; empty if it does not keep them.
+    /// The picture's normals; empty if it does not keep them.
     kept: &'a mut [[f32; 3]],
-    /// Otherwise those that are needed until there are colors; empty as long as there are none.
+    /// Otherwise, normals until colors are computed; empty until one is stored.
     own: Vec<[f32; 3]>,
     pixels: usize,
 }
@@ -92,8 +92,8 @@ impl Normals<'_> {
 }
 
 impl<T: Real> NormalSource<'_, T> {
-    /// As [`normals`], for some rows; and their colors, if there is somebody who wants them.
-    /// Normals that are not kept are found for colors only.
+    /// As [`normals`], for some rows. With a canvas, colors are computed too. Normals that are not
+    /// kept are computed for colors only.
     pub fn face(
         &self,
         rows: &mut Rows<'_>,
@@ -162,15 +162,15 @@ impl<T: Real> NormalSource<'_, T> {
             .collect()
     }
 
-    /// Twice the step times the gradient, by differences; one-sided where the function is undefined
-    /// on the other side, and 0 where it is on both.
+    /// Differences of values: twice the step times the gradient. One-sided where the function is
+    /// undefined on one side, and 0 where it is undefined on both.
     fn differences(
         &self,
         points: impl Iterator<Item = DVec3>,
         step: f64,
         work: &mut KernelStats,
     ) -> Vec<DVec3> {
-        // Seven samples per point: itself, then a pair for each axis.
+        // Seven samples per point: the point, then a pair for each axis.
         let stencil: Vec<DVec3> = points
             .flat_map(|p| {
                 let pair = move |axis: DVec3| [p + axis * step, p - axis * step];
@@ -217,7 +217,7 @@ impl<T: Real> NormalSource<'_, T> {
     }
 }
 
-/// Asks `vectors` for the directions of the points that have none yet, by their places.
+/// Computes the directions that are missing with `vectors`, which gets the indices of their points.
 fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<DVec3>) {
     let open: Vec<usize> = (0..normals.len()).filter(|&k| normals[k].is_none()).collect();
     if !open.is_empty() {
@@ -248,7 +248,7 @@ fn gradients<T: Real>(
 
 /// The vector at length 1, or `None` if it has no direction.
 fn unit(vector: DVec3) -> Option<[f32; 3]> {
-    // Gradients of steep functions overflow when squared even in f64; scaling first keeps the
+    // Gradients of steep functions overflow when squared, even in f64. Scaling first keeps the
     // direction.
     let largest = vector.abs().max_element();
     if !vector.is_finite() || largest == 0.0 {
@@ -264,7 +264,7 @@ mod tests {
     use zeroset_trace::Status;
     use zeroset_trace::{Camera, Projection};
 
-    /// A function of a point with values and, optionally, gradients.
+    /// A function with values and, optionally, gradients.
     struct Plain<F, G>(F, G);
 
     fn at(points: &Points, lane: usize) -> [f32; 3] {
@@ -298,7 +298,8 @@ mod tests {
         }
     }
 
-    /// One pixel that looks along +y from (0, −5, 0) at a point 4 away: (0, −1, 0).
+    /// The normal of one pixel. Its ray runs along +y from (0, −5, 0), to a point at distance 4:
+    /// (0, −1, 0).
     fn normal_of(source: NormalSource<'_>) -> [f32; 3] {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
@@ -341,7 +342,7 @@ mod tests {
 
     #[test]
     fn beyond_the_edge_of_the_domain_one_sided_differences_serve() {
-        // Undefined for y > −1, the very point painted.
+        // Undefined for y > −1, just behind the painted point.
         let edge = |[_, y, z]: [f32; 3]| if y > -1.0 { f32::NAN } else { y + z };
         let half = std::f32::consts::FRAC_1_SQRT_2;
         let normal = normal_of(NormalSource::Central(&Plain(edge, ())));
@@ -372,7 +373,7 @@ mod tests {
         }
     }
 
-    /// A gradient of any size along x + 2y + 3z in `f64`.
+    /// A gradient along x + 2y + 3z in `f64`, of any size.
     struct Steep(f64);
 
     impl Kernel<SampleGradient, f64> for Steep {
@@ -381,7 +382,7 @@ mod tests {
         }
     }
 
-    /// An orthographic picture painted in two pixels of three, seen along +y, with x from −4 to 4.
+    /// An orthographic picture along +y, with x from −4 to 4. Two pixels in three are painted.
     fn striped() -> (GBuffer, RayGrid) {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
@@ -407,7 +408,8 @@ mod tests {
 
     #[test]
     fn each_pixel_has_its_own_normal_whatever_its_neighbours_have() {
-        // No gradient right of x = 1, and caps left of x = −2, which have theirs.
+        // There is no gradient right of x = 1. Pixels left of x = −2 are caps, which have normals
+        // already.
         let gradient = |[x, _, z]: [f32; 3]| if x > 1.0 { [f32::NAN; 3] } else { [x, 0.0, z] };
         let kernel = Plain(|[x, _, _]: [f32; 3]| x, gradient);
         let (mut buffer, rays) = striped();

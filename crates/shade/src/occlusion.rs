@@ -1,8 +1,8 @@
-//! Ambient occlusion: what painted points have near them in a picture, how much of their
-//! surroundings that hides, and the mean over neighbours that see the same.
+//! Ambient occlusion: the share of each painted point's surroundings that is hidden by other
+//! painted points nearby. It is averaged over neighbors on the same part of a surface.
 //!
-//! Nothing is asked of functions: what a picture does not show hides nothing. So this is for looks,
-//! as shading is.
+//! No function is evaluated: parts of a surface that the picture does not show hide nothing. So
+//! this only affects appearance.
 
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -10,54 +10,55 @@ use zeroset_trace::GBuffer;
 use zeroset_trace::RayGrid;
 use zeroset_trace::SurfaceIds;
 
-/// Neighbouring pixels take turns in a square of this many: each looks elsewhere, and the mean over
-/// a square has looked everywhere.
+/// Number of neighboring pixels, in a square, that take turns. Each samples other directions, and
+/// the mean over a square covers all of them.
 pub const TURNS: usize = 16;
-/// Pixels on the side of such a square.
+/// Number of pixels on the side of such a square.
 const SIDE: usize = TURNS.isqrt();
 
-/// Whose turn a pixel is, by its column and row. Turns of neighbours are far apart (Bayer 1973).
+/// The turn of a pixel, by its column and row. Turns of neighbors are far apart (Bayer 1973).
 pub fn turn([column, row]: [usize; 2]) -> usize {
     const TURN: [[usize; SIDE]; SIDE] =
         [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
     TURN[row % SIDE][column % SIDE]
 }
 
-/// Places that are looked at around each point: sixteen times as many in the mean.
+/// Number of places sampled around each point. The mean is over sixteen times as many.
 const LOOKS: usize = 6;
-/// The golden angle: places at its multiples are spread evenly.
+/// The golden angle, in radians. Places at its multiples are spread evenly.
 const GOLDEN: f32 = 2.399_963_2;
-/// Nothing farther away in the picture than this share of its height counts, however near in space.
+/// Largest distance of sampled places in the picture, as a share of its height, however near they
+/// are in space.
 const WIDEST: f64 = 0.125;
-/// What rises less than this above the tangent plane, as a sine, hides nothing: pixels are no
-/// finer.
+/// Sine of the elevation above the tangent plane below which a point hides nothing: pixels resolve
+/// no less.
 const FLAT: f32 = 0.08;
-/// How dark what is found makes a point.
+/// Factor from the mean of what is found to the share that is hidden.
 const STRENGTH: f32 = 2.6;
 
-/// A painted point and what is known of it.
+/// A painted point, with its normal and surface.
 #[derive(Clone, Copy)]
 struct Place {
-    /// Relative to the centre.
+    /// Position relative to the scene's center.
     at: Vec3,
-    /// Towards the eye's side; zero where nothing is painted.
+    /// Normal toward the eye's side; zero where nothing is painted.
     normal: Vec3,
     surface: u16,
 }
 
-/// Ambient occlusion in screen space: the painted points of a picture, by quantity. One large piece
-/// of memory would not be given back to the system as soon.
+/// Ambient occlusion in screen space: the painted points of a picture, one array per quantity. A
+/// single large allocation would be given back to the system later.
 pub struct AmbientOcclusion<'a> {
     rays: &'a RayGrid,
     at: Vec<Vec3>,
     normal: Vec<Vec3>,
     surface: SurfaceIds,
-    /// For each turn, where is looked, in a circle of radius 1.
+    /// For each turn, the places to sample, in a circle of radius 1.
     looks: [[Vec2; LOOKS]; TURNS],
 }
 
 impl<'a> AmbientOcclusion<'a> {
-    /// Those of a buffer whose normals are known. Points are computed relative to `centre`.
+    /// The painted points of a buffer that has normals. Positions are relative to `centre`.
     pub fn new(buffer: &GBuffer, rays: &'a RayGrid, centre: DVec3) -> Self {
         let [mut at, mut normal] = [(); 2].map(|()| vec![Vec3::ZERO; buffer.drawn.len()]);
         let places = at.par_iter_mut().zip(&mut normal).enumerate().with_min_len(4096);
@@ -93,8 +94,9 @@ impl<'a> AmbientOcclusion<'a> {
         is_inside.then(|| self.place((row * width + column) as usize))
     }
 
-    /// How much of the surroundings of each painted point is hidden by what is painted within
-    /// `reach` of it, in world units. Rows that are no longer `wanted` stay as they are.
+    /// Sets `buffer.occlusion`: the share of each painted point's surroundings that is hidden by
+    /// points within `reach`, in world units. Once `wanted` is false, further rows stay as they
+    /// are.
     pub fn occlusion(&self, buffer: &mut GBuffer, reach: f64, wanted: &(dyn Fn() -> bool + Sync)) {
         let rays = self.rays;
         let widest = WIDEST * rays.height() as f64;
@@ -117,13 +119,13 @@ impl<'a> AmbientOcclusion<'a> {
         buffer.occlusion = occlusion;
     }
 
-    /// The share that is hidden of what surrounds a point, by what is within `pixels` of it in the
+    /// The share of a point's surroundings that is hidden by points within `pixels` of it in the
     /// picture (Mara, `McGuire`, Bukowski, Luebke, "Scalable Ambient Obscurance", 2012).
     fn hidden(&self, [column, row]: [usize; 2], pixels: f32, reach: f32) -> f32 {
         let Some(here) = self.pixel(column as isize, row as isize) else { return 0.0 };
         let mut sum = 0.0;
-        // Half a pixel more, so that cutting off rounds; what sticks out to the left or above is
-        // cut off to the first pixel.
+        // Half a pixel is added so that truncation rounds to nearest. A position just left of the
+        // picture or above it is truncated to the first pixel.
         let middle = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
         for look in self.looks[turn([column, row])] {
             let at = middle + pixels * look;
@@ -133,7 +135,7 @@ impl<'a> AmbientOcclusion<'a> {
             }
             let way = there.at - here.at;
             let (rise, square) = (way.dot(here.normal), way.length_squared());
-            // Most of what is seen lies in the tangent plane or behind it.
+            // Most points nearby lie in the tangent plane or behind it.
             if rise > 0.0 && square < reach * reach {
                 let near = 1.0 - square / (reach * reach);
                 sum += (rise / square.sqrt() - FLAT).max(0.0) * near;
@@ -142,8 +144,8 @@ impl<'a> AmbientOcclusion<'a> {
         (STRENGTH * sum / LOOKS as f32).min(1.0)
     }
 
-    /// The mean of `hidden` over the square of [`TURNS`] pixels around each, of those on the same
-    /// part of the same surface.
+    /// Replaces each value by the mean over the square of [`TURNS`] pixels around it, of those on
+    /// the same part of the same surface.
     pub fn mean(&self, hidden: &mut [u8]) {
         let width = self.rays.width();
         let before = hidden.to_vec();
@@ -171,7 +173,8 @@ impl<'a> AmbientOcclusion<'a> {
     }
 }
 
-/// Whether all of the square around a pixel has the same value; not known at the picture's edge.
+/// Returns whether the whole square around a pixel has the same value; `false` near the picture's
+/// edge.
 fn is_even(values: &[u8], width: usize, [column, row]: [usize; 2]) -> bool {
     let half = SIDE / 2;
     if column < half || row < half || column + half > width {
@@ -185,8 +188,8 @@ fn is_even(values: &[u8], width: usize, [column, row]: [usize; 2]) -> bool {
 }
 
 impl Place {
-    /// Whether a place nearby is on the same part of the same surface: it is near the tangent plane
-    /// and faces the same way.
+    /// Returns whether a place nearby is on the same part of the same surface: near the tangent
+    /// plane, with a similar normal.
     fn is_beside(&self, other: &Self) -> bool {
         let way = other.at - self.at;
         let is_near = way.dot(self.normal).abs() <= 0.3 * way.length();
@@ -199,8 +202,8 @@ mod tests {
     use super::*;
     use zeroset_trace::{Camera, Projection};
 
-    /// Two walls that meet in a right angle along the middle column, looked into or at from
-    /// outside.
+    /// Two walls that meet at a right angle along the middle column. The corner is seen from
+    /// inside, or else from outside.
     fn corner(inward: bool) -> (GBuffer, RayGrid) {
         let projection = Projection::Orthographic { height: 4.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
@@ -231,8 +234,8 @@ mod tests {
             let row: Vec<u8> = (0..64).map(column).collect();
             assert!(row[4] < 10 && row[60] < 10, "far from the corner");
             assert_eq!(row[31] > 60 && row[32] > 60, inward, "at the corner");
-            // The square reaches one pixel farther to the left than to the right; places looked at
-            // are not symmetric.
+            // The square reaches one pixel farther to the left than to the right, and sampled
+            // places are not symmetric.
             assert!((24..32).all(|k| row[k].abs_diff(row[64 - k]) < 16));
         }
     }
@@ -245,7 +248,7 @@ mod tests {
         let before = buffer.shadow.clone();
         near.mean(&mut buffer.shadow);
         assert_eq!(buffer.shadow, before);
-        // Over turns it is the same for all.
+        // The mean over all turns is the same for all pixels.
         let shadow = |pixel: usize| (16 * turn([pixel % 64, pixel / 64])) as u8;
         buffer.shadow = (0..64 * 64).map(shadow).collect();
         near.mean(&mut buffer.shadow);

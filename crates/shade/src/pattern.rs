@@ -1,30 +1,30 @@
-//! Several rays through a pixel, and the mean of what they show.
+//! Patterns of several rays through a pixel, and the mean of their colors.
 
 use crate::color::LinearRgb;
 use glam::Vec3;
 use zeroset_trace::SIDE;
 
-/// Where rays go through a pixel that is cut into columns and rows.
+/// The positions of a pixel's rays, in a square of columns and rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pattern {
-    /// Columns and rows of a pixel.
+    /// Number of columns, which is the number of rows.
     pub side: usize,
-    /// Those that have a ray, by column and row; `None` if all have.
+    /// The positions with a ray, by column and row; `None` if all have one.
     places: Option<&'static [[usize; 2]]>,
 }
 
-/// Four rays, one in each column and each row, so that no edge that is nearly upright or level
-/// meets two at once.
+/// Four rays, one in each column and each row, so that a nearly upright or level edge never meets
+/// two at once.
 const FOUR: [[usize; 2]; 4] = [[1, 0], [3, 1], [0, 2], [2, 3]];
 
 impl Pattern {
-    /// The ray through the centre.
+    /// One ray through the center.
     pub const ONE: Self = Self { side: 1, places: None };
 
-    /// How many rays there may be.
+    /// The numbers of rays that a pixel may have.
     pub const COUNTS: [usize; 4] = [1, 4, 16, 64];
 
-    /// That of so many rays; `None` if there is none.
+    /// The pattern with this number of rays; `None` if there is no such pattern.
     pub fn of(count: usize) -> Option<Self> {
         let (side, places): (_, Option<&'static [[usize; 2]]>) = match count {
             1 => (1, None),
@@ -36,28 +36,28 @@ impl Pattern {
         Some(Self { side, places })
     }
 
-    /// How many rays it has.
+    /// Number of rays.
     pub fn count(&self) -> usize {
         self.places.map_or(self.side * self.side, <[_]>::len)
     }
 
-    /// Whether there is a ray in every place.
+    /// Returns whether every position has a ray.
     pub fn is_full(&self) -> bool {
         self.places.is_none()
     }
 
-    /// The patches of a finer picture that a pixel consists of, by the columns and rows that lie
-    /// before them.
+    /// The patches of a finer picture that make up a pixel, by the number of columns and rows
+    /// before each.
     ///
     /// # Panics
-    /// Unless there are several rays.
+    /// If the pattern has only one ray.
     pub fn patches(&self) -> impl Iterator<Item = [usize; 2]> {
         assert!(self.side >= SIDE, "a pixel is a patch or several");
         let across = self.side / SIDE;
         (0..across * across).map(move |n| [n % across, n / across].map(|place| SIDE * place))
     }
 
-    /// Which places of a pixel have a ray: patch by patch, and row by row in each.
+    /// For each position of a pixel, whether it has a ray: patch by patch, and row by row in each.
     pub fn rays(&self) -> Vec<bool> {
         let mut rays = vec![self.is_full(); self.side * self.side];
         for [column, row] in self.places.unwrap_or_default() {
@@ -66,11 +66,11 @@ impl Pattern {
         rays
     }
 
-    /// The mean light of a pixel's rays as sRGB bytes, given those of its places as
-    /// [`Pattern::rays`] tells of them.
+    /// The mean light of a pixel's rays as sRGB bytes. `bytes` has the colors of all positions, in
+    /// the order of [`Pattern::rays`].
     ///
     /// # Panics
-    /// If there are not as many places.
+    /// If the number of colors differs from the number of positions.
     pub fn mean(&self, bytes: &[[u8; 3]]) -> [u8; 3] {
         assert_eq!(bytes.len(), self.side * self.side, "all places of one pixel");
         let light = |bytes: [u8; 3]| Vec3::from_array(LinearRgb::from_srgb(bytes).0);
@@ -130,7 +130,7 @@ mod tests {
             };
             let half = pattern.side / 2;
             let found = [mean(&|_| true), mean(&|_| false), mean(&|[x, _]| x < half)];
-            // What a ray in every row and column sees of the left half is half, which is code 188.
+            // Half of the rays meet the left half. Half of the light is sRGB byte 188.
             assert_eq!(found, [[255; 3], [0; 3], [188; 3]], "{count}");
             assert_eq!(mean(&|[_, y]| y < half), [188; 3]);
         }

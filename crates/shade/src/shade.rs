@@ -1,4 +1,4 @@
-//! From a G-buffer to colors: deferred shading, which asks nothing of the function.
+//! From a G-buffer to colors: deferred shading, which evaluates no function.
 
 mod lanes;
 mod shader;
@@ -18,34 +18,34 @@ use zeroset_trace::painted::{BAND, windows};
 /// The colors of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceColors {
-    /// Of the side on which f > 0.
+    /// Color of the side on which f > 0.
     pub positive: LinearRgb,
-    /// Of the side on which f < 0.
+    /// Color of the side on which f < 0.
     pub negative: LinearRgb,
-    /// Of the faces where a region cuts a solid open.
+    /// Color of the faces where a region cuts a solid open.
     pub cut: LinearRgb,
 }
 
-/// How an undecided pixel is told from a hit.
+/// Marking of undecided pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UndecidedStyle {
-    /// Not at all.
+    /// Not marked.
     Shade,
-    /// By diagonal stripes.
+    /// Marked by diagonal stripes.
     #[default]
     Hatch,
-    /// By a color mixed in.
+    /// Marked by a color mixed in.
     Tint,
-    /// It is left out.
+    /// Not painted.
     Miss,
 }
 
-/// What the light of one pixel's own point is, where it is not that of its surface.
+/// The color of one point, where it differs from that of its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paint {
-    /// Its color on either side; NaN for that of the surface.
+    /// Color of the point on either side; NaN for the surface's color.
     pub base: LinearRgb,
-    /// How much of a dark line covers it, from 0 to 1.
+    /// Share of the point that a dark line covers, from 0 to 1.
     pub ink: f32,
 }
 
@@ -54,34 +54,33 @@ impl Paint {
     pub const NONE: Self = Self { base: LinearRgb([f32::NAN; 3]), ink: 0.0 };
 }
 
-/// Everything about a picture that is a matter of taste.
+/// The settings of a picture's appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Appearance {
-    /// Colors by surface number; further surfaces start over. Empty: the default pairs.
+    /// Colors by surface id; they repeat for further surfaces. If empty, the default pairs.
     pub surfaces: Vec<SurfaceColors>,
-    /// Shown where nothing is painted.
+    /// Color of pixels where nothing is painted.
     pub background: LinearRgb,
     /// Share of the light that comes from everywhere, within [0, 1].
     pub ambient: f32,
-    /// How the surfaces are lit; its background and ambient share do not count.
+    /// Strengths of the lights. Its background and ambient share are ignored.
     pub look: Look,
-    /// Where the light comes from that casts shadows.
+    /// The light that casts shadows.
     pub light: Light,
-    /// How undecided pixels are marked.
+    /// Marking of undecided pixels.
     pub undecided: UndecidedStyle,
 }
 
 impl SurfaceColors {
-    /// Pairs for surfaces without colors of their own: the first warm and cool, told apart in
-    /// every common form of color blindness (Okabe and Ito, "Color Universal Design", 2008).
+    /// Colors for a surface without its own. The first pair is warm and cool, and can be told apart
+    /// in every common form of color blindness (Okabe and Ito, "Color Universal Design", 2008).
     pub fn default_for(surface: usize) -> Self {
         let pair = DEFAULT_PAIRS[surface % DEFAULT_PAIRS.len()];
         let [positive, negative] = pair.map(LinearRgb::from_srgb);
         Self { positive, negative, cut: cut(positive) }
     }
 
-    /// The sides of a surface whose outer one has this color: the inner one is darker and less
-    /// colorful.
+    /// The colors of a surface with this outer side. The inner side is darker and less colorful.
     pub fn around(outer: LinearRgb) -> Self {
         let [red, green, blue] = outer.0;
         let grey = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
@@ -96,7 +95,7 @@ impl SurfaceColors {
     }
 }
 
-/// The color of what is inside of a solid of this color: lighter, as if sawn.
+/// The color of a cut through a solid of this color: lighter, as if sawn.
 fn cut(outer: LinearRgb) -> LinearRgb {
     LinearRgb(outer.0.map(|part| 0.45 * part + 0.4))
 }
@@ -114,7 +113,7 @@ impl Appearance {
         }
     }
 
-    /// The colors of surfaces, from the first on until they start over.
+    /// The colors of surfaces; they repeat after the last.
     fn palette(&self) -> Vec<SurfaceColors> {
         if self.surfaces.is_empty() {
             (0..DEFAULT_PAIRS.len()).map(SurfaceColors::default_for).collect()
@@ -131,16 +130,17 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
     [[204, 121, 167], [92, 92, 104]], // reddish purple, grey
 ];
 
-/// The picture as rows of sRGB bytes, red, green, blue, from the top left.
+/// The picture as sRGB bytes: red, green, blue, row by row from the top left.
 ///
-/// A surface is lit on both sides: the normal is turned to the eye, and the side that is seen, f >
-/// 0 or f < 0, decides the color. In shadow only the ambient share is left.
+/// A surface is lit on both sides: the normal is turned to the eye. The color is that of the
+/// visible side, f > 0 or f < 0. In shadow only the ambient share is left.
 ///
-/// Points may have other colors than their surface has: there is one paint for each pixel, or none
-/// at all.
+/// `paint` gives points other colors than their surface has. It has one entry per pixel, or is
+/// empty.
 ///
 /// # Panics
-/// If there are paints, but not as many as pixels; or the rays are of a picture of another width.
+/// If `paint` is neither empty nor as long as there are pixels, or if the rays are of a picture of
+/// another width.
 pub fn shade(
     buffer: &GBuffer,
     rays: &RayGrid,
@@ -150,8 +150,8 @@ pub fn shade(
     shade_with(Level::new(), buffer, rays, appearance, paint)
 }
 
-/// The same with such vectors; the bytes do not depend on how wide they are, but for how sums of
-/// products are rounded.
+/// As [`shade`], with vectors of this level. The bytes do not depend on their width, except for the
+/// rounding of fused products and sums.
 fn shade_with(
     level: Level,
     buffer: &GBuffer,
@@ -174,7 +174,7 @@ fn shade_with(
     bytes
 }
 
-/// Memory for the colors of so many pixels, which holds those of no picture.
+/// Memory for the colors of this many pixels. Its contents are unspecified.
 pub fn unset_colors(pixels: usize) -> Vec<u8> {
     let mut bytes =
         SPARES.take().filter(|bytes| serves(bytes.capacity(), 3 * pixels)).unwrap_or_default();
@@ -182,8 +182,8 @@ pub fn unset_colors(pixels: usize) -> Vec<u8> {
     bytes
 }
 
-/// Leaves the memory of a picture to the next ones. Up to two pictures' are kept, until the end of
-/// the process.
+/// Leaves a picture's memory to later pictures. Up to two pictures' memory is kept until the
+/// process ends.
 pub fn hand_back_colors(bytes: Vec<u8>) {
     SPARES.hand_back(bytes);
 }

@@ -14,6 +14,7 @@ mod grid;
 mod kernel_stats;
 mod method;
 mod methods;
+mod options;
 mod packet;
 pub mod painted;
 mod ray_result;
@@ -30,10 +31,12 @@ pub use driver::{BAND_ROWS, Driver};
 pub use gbuffer::{GBuffer, Kept, PixelCounts};
 pub use grid::{Patch, RayGrid, SIDE, Ways};
 pub use kernel_stats::{Count, KernelStats};
-pub use method::{
-    Ideas, Method, MethodOption, Precision, Proves, Segment, Start, TraceOptions, Tracer,
+pub use method::{Fallback, Method, Proves, Segment, Start, Tracer};
+pub use methods::{METHODS, MOST_STEPS};
+pub use options::{
+    DEPTH, MethodOption, NO_CONTRACT, NO_INTERVALS, NO_TILES, OPTIONS, PRECISION, Precision, STEPS,
+    STEPS_RANGE, TOLERANCE, TOLERANCES, TraceOptions, check_depth, is_tolerance,
 };
-pub use methods::{METHODS, STEPS};
 pub use ray_result::{RayResult, Status, UndecidedReason};
 pub use region_caps::{cap, cap_rows};
 pub use rows::{Columns, Rows};

@@ -7,8 +7,8 @@
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
+use crate::options::{MethodOption, Precision, TraceOptions};
 use crate::ray_result::RayResult;
-use crate::scalar::Scalar;
 use crate::squares::{RAYS, patches, squares};
 use std::fmt;
 use zeroset_eval::{KernelError, SurfaceKernels};
@@ -54,150 +54,6 @@ pub enum Proves {
     Nothing,
 }
 
-/// An option that a method may read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MethodOption {
-    /// [`TraceOptions::precision`].
-    Precision,
-    /// [`TraceOptions::depth`].
-    Depth,
-    /// [`TraceOptions::tolerance`].
-    Tolerance,
-    /// [`TraceOptions::steps`].
-    Steps,
-    /// That [`Ideas::contract`] is left out.
-    NoContract,
-    /// That [`Ideas::tiles`] is left out.
-    NoTiles,
-    /// That [`Ideas::intervals`] is left out.
-    NoIntervals,
-}
-
-impl MethodOption {
-    /// What it is called where it is typed.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Precision => "precision",
-            Self::Depth => "max-depth",
-            Self::Tolerance => "tolerance",
-            Self::Steps => "steps",
-            Self::NoContract => "no-contract",
-            Self::NoTiles => "no-tiles",
-            Self::NoIntervals => "no-interval",
-        }
-    }
-}
-
-/// How a method is to work.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TraceOptions {
-    /// What kernels compute in.
-    pub precision: Precision,
-    /// How often the region is halved along a ray, from 1 to [`Precision::max_depth`]; what lies
-    /// beyond is brought within.
-    pub depth: u32,
-    /// How far, in pixels, a hit may be from where it is said to be. Proofs do not depend on it.
-    pub tolerance: f64,
-    /// How short the segments are that stay open, as a share of the longest bracket: 0 follows them
-    /// as far as arithmetic can tell, more leaves them sooner to be painted, for a picture that
-    /// another one follows. Read where proofs are.
-    pub least: f64,
-    /// Samples on a ray's way through the region, or steps along it at most; from 2 on.
-    pub steps: u32,
-    /// Whether a place where the function is unbounded counts as an asymptote rather than a root:
-    /// its pixel then is undecided, but not drawn there.
-    pub suppress_asymptotes: bool,
-    /// What is to be made use of, by methods that read these ideas.
-    pub ideas: Ideas,
-}
-
-impl TraceOptions {
-    /// How long, in pixels, the bracket of a hit may be: a hit is said to be in its middle.
-    pub(crate) fn longest(&self) -> f64 {
-        2.0 * self.tolerance
-    }
-}
-
-impl Default for TraceOptions {
-    fn default() -> Self {
-        Self {
-            precision: Precision::Auto,
-            depth: 10,
-            tolerance: 0.5,
-            least: 0.0,
-            steps: 256,
-            suppress_asymptotes: true,
-            ideas: Ideas::default(),
-        }
-    }
-}
-
-/// Ideas of methods, each of which can be left out to see what it brings. What is proven is true
-/// without them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Ideas {
-    /// Segments are narrowed to where a form may vanish; else they are only halved.
-    pub contract: bool,
-    /// Rays are looked at together, tile by tile; else each alone.
-    pub tiles: bool,
-    /// Intervals are asked of what forms leave open, to prove it empty or to prove a zero by signs
-    /// around it.
-    pub intervals: bool,
-}
-
-impl Ideas {
-    /// Those that are left out.
-    pub fn left_out(self) -> impl Iterator<Item = MethodOption> {
-        let Self { contract, tiles, intervals } = self;
-        let ideas = [
-            (contract, MethodOption::NoContract),
-            (tiles, MethodOption::NoTiles),
-            (intervals, MethodOption::NoIntervals),
-        ];
-        ideas.into_iter().filter_map(|(is_used, option)| (!is_used).then_some(option))
-    }
-}
-
-impl Default for Ideas {
-    fn default() -> Self {
-        Self { contract: true, tiles: true, intervals: true }
-    }
-}
-
-/// The floats in which kernels compute. Enclosures are rigorous in either.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Precision {
-    /// 32 bits, and 64 for what these leave undecided, in methods that do so; others take it as
-    /// [`Precision::F32`].
-    #[default]
-    Auto,
-    /// 32 bits: twice as fast.
-    F32,
-    /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their
-    /// surroundings.
-    F64,
-}
-
-impl Precision {
-    /// The greatest depth at which slabs are still thicker than what rounding adds to them.
-    pub fn max_depth(self) -> u32 {
-        match self {
-            Self::Auto | Self::F32 => f32::MAX_DEPTH,
-            Self::F64 => f64::MAX_DEPTH,
-        }
-    }
-}
-
-impl fmt::Display for Precision {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Auto => "auto",
-            Self::F32 => "f32",
-            Self::F64 => "f64",
-        })
-    }
-}
-
 /// A method made ready for one surface.
 pub trait Tracer: Sync {
     /// Follows rays, and says of each in `found` what became of it.
@@ -212,11 +68,25 @@ pub trait Tracer: Sync {
         work: &mut KernelStats,
     );
 
+    /// The method that traces these rays in the place of this one, if another one does.
+    fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
+        None
+    }
+
     /// Follows the rays through all pixels of a band, in which everything is a miss so far, as long
     /// as it [is wanted](Band::is_wanted).
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
         by_squares(self, rays, band, work);
     }
+}
+
+/// Another method in the place of the one that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fallback {
+    /// The method that traces instead.
+    pub method: &'static Method,
+    /// The reason, as a clause.
+    pub why: String,
 }
 
 /// [`Tracer::band`] for methods that know only rays.

@@ -1,5 +1,4 @@
-//! The table of methods, from which command line, prompt, status line and JSON follow, and a file
-//! for each.
+//! The table of methods, one file each. The command line, prompt, status line and JSON use it.
 
 mod affine;
 mod bracket_gap;
@@ -16,14 +15,14 @@ mod sphere;
 
 use crate::method::Method;
 
-pub use slabs::STEPS;
+pub use slabs::MOST_STEPS;
 
 /// All methods; the first is the default.
 pub static METHODS: [Method; 6] =
     [affine::METHOD, knoll::METHOD, raa::METHOD, mitchell::METHOD, sphere::METHOD, march::METHOD];
 
 impl Method {
-    /// The method with this name.
+    /// Returns the method with this name.
     pub fn named(name: &str) -> Option<&'static Self> {
         METHODS.iter().find(|method| method.name == name)
     }

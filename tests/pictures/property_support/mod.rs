@@ -12,6 +12,7 @@ use zeroset_scene::program::Program;
 use zeroset_space::Region;
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Method, Projection, Status};
 
 /// The claims of each method's picture about each pixel's ray. `None` if the scene's camera is
@@ -50,12 +51,15 @@ pub fn picture_with(
         .into_iter()
         .find(|precision| precision.to_string() == scene.precision)?;
     let settings = Settings {
+        options: TraceOptions {
+            precision,
+            depth: scene.depth,
+            tolerance: scene.tolerance,
+            ..TraceOptions::default()
+        },
         method,
         width,
         height,
-        precision,
-        max_depth: scene.depth,
-        tolerance: scene.tolerance,
         brackets,
         ..Settings::default()
     };

@@ -1,7 +1,7 @@
 //! The cost of options: work by tolerance and depth, time by precision.
 
 use super::{Rows, bar, color, families, mean, notes, series, shape};
-use crate::grid::{Configuration, meaning};
+use crate::grid::Configuration;
 use crate::groups::distinct;
 use crate::plot::{Figure, Mark, Series};
 use crate::quantile::quantile;
@@ -60,9 +60,9 @@ fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Figure> {
     ];
     let names = numbers.iter().map(f64::to_string).collect();
     let figure = Figure {
-        name: format!("work-{}", option.name()),
-        title: format!("Work against {}", option.name()),
-        x: meaning(option).to_owned(),
+        name: format!("work-{}", option.name),
+        title: format!("Work against {}", option.name),
+        x: option.axis.to_owned(),
         y: "evaluations of f a pixel (lanes of kernels)".to_owned(),
         places: if is_counted { names } else { Vec::new() },
         series: all,

@@ -14,6 +14,7 @@ use zeroset_scene::program::Program;
 use zeroset_scene::view::{self, CameraChoice, SceneError};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Errors};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, Proves};
 
 /// Halvings along the ray that a coarse picture keeps at least.
@@ -331,7 +332,7 @@ impl Worker {
         let old = last.as_ref().filter(|built| {
             built.request.domain == request.domain
                 && built.request.settings.normals == request.settings.normals
-                && built.request.settings.precision == request.settings.precision
+                && built.request.settings.options.precision == request.settings.options.precision
         });
         let same = old.filter(|built| {
             Arc::ptr_eq(&built.document, document) && built.request.clip == request.clip
@@ -409,12 +410,12 @@ impl Worker {
 /// The same picture with so many times fewer columns and rows, and slabs coarser to match. What is
 /// hard to decide is left to the picture after it.
 pub(super) fn coarser(full: &Settings, scale: f64) -> Settings {
-    let depth = full.max_depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
+    let depth = full.options.depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
     let fewer = |size: usize| ((size as f64 / scale).ceil() as usize).clamp(1, size);
     Settings {
+        options: TraceOptions { depth: depth.min(full.options.depth), ..full.options },
         width: fewer(full.width),
         height: fewer(full.height),
-        max_depth: depth.min(full.max_depth),
         is_preview: full.method.proves == Proves::HitsAndMisses,
         ..full.clone()
     }

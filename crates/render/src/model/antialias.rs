@@ -1,7 +1,7 @@
 //! Colors of pixels through which an edge goes: the mean over many rays, each followed and lit as
 //! the one through the centre was.
 
-use super::Effort;
+use super::PREVIEWED;
 use super::paint::Finish;
 use super::trace::{RenderPass, Tracers};
 use crate::picture::Settings;
@@ -12,6 +12,7 @@ use zeroset_scene::program::ProgramError;
 use zeroset_shade::{
     Pattern, UndecidedStyle, edges, hand_back_colors, is_creased, is_smooth, slope,
 };
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{GBuffer, Patch, RayGrid, Status};
 
 /// Pixels that are cut up at a time: few enough for the nearer caches.
@@ -35,11 +36,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         finish: &Finish<'_>,
         rgb: &mut [u8],
     ) -> Result<usize, ProgramError> {
-        let Settings { antialias: pattern, tolerance, .. } = *self.settings;
+        let Settings { antialias: pattern, options: TraceOptions { tolerance, .. }, .. } =
+            *self.settings;
         // Pixels of the finer picture are so much smaller. What is near a silhouette in depth is as
         // near to the eye.
         let tolerance = tolerance * pattern.side as f64;
-        let aim = Effort { tolerance, for_looks: true, ..Effort::of(self.settings) };
         let mut wanted = edges(picture, rays);
         for layer in layers {
             // What is seen through a surface has edges, too.
@@ -54,7 +55,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let wanted =
             (0..wanted.len()).filter(|&pixel| wanted[pixel] && is_own(pixel) && !is_marked(pixel));
         let wanted: Vec<usize> = wanted.collect();
-        let tracers = self.tracers(aim)?;
+        let tracers =
+            self.tracers(|options| TraceOptions { tolerance, least: PREVIEWED, ..options })?;
         let edge = Edges {
             shot: self,
             tracers: &tracers,

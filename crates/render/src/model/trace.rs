@@ -4,7 +4,7 @@ mod light;
 
 use super::paint::Painter;
 use super::strips::Overview;
-use super::{Effort, Model, Stopwatch, options};
+use super::{Model, Stopwatch, options};
 use crate::picture::{Normals, Open, Picture, Precision, Settings, Statistics, Times};
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -16,8 +16,8 @@ use zeroset_scene::program::ProgramError;
 use zeroset_shade::{NormalSource, Pattern, Shader, normals, unset_colors};
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
-    BAND_ROWS, Camera, Driver, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows, Tracer, cap,
-    cap_rows,
+    BAND_ROWS, Camera, Driver, Fallback, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows,
+    TraceOptions, Tracer, cap, cap_rows,
 };
 
 /// Told how many pixels were finished since it was last called; `false` ends the work.
@@ -59,7 +59,7 @@ impl Model {
         overview: Option<&Overview>,
         own: Option<Range<usize>>,
     ) -> Result<Picture, ProgramError> {
-        match settings.precision {
+        match settings.options.precision {
             Precision::Auto | Precision::F32 => {
                 RenderPass { overview, own, ..RenderPass::<f32>::new(self, settings, advance) }
                     .take(rays)
@@ -86,7 +86,7 @@ impl Model {
         advance: Advance<'_>,
     ) -> Result<Option<Picture>, ProgramError> {
         let rays = camera.rays(settings.width, settings.height);
-        match settings.precision {
+        match settings.options.precision {
             Precision::Auto | Precision::F32 => {
                 RenderPass::<f32>::new(self, settings, advance).settle(picture, &rays)
             }
@@ -113,7 +113,7 @@ impl Model {
             return self.trace(camera, settings, advance);
         }
         let rays = camera.rays(settings.width, settings.height);
-        match settings.precision {
+        match settings.options.precision {
             Precision::Auto | Precision::F32 => {
                 RenderPass::<f32>::new(self, settings, advance).relight(picture, &rays)
             }
@@ -135,6 +135,8 @@ struct Traced {
     work: KernelStats,
     /// Colors, if they are known already.
     rgb: Option<Vec<u8>>,
+    /// Surfaces that another method traced.
+    fallbacks: Vec<(usize, Fallback)>,
 }
 
 /// What all parts of a picture share; colors come from kernels of `T`.
@@ -154,13 +156,13 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
     }
 
-    /// The method at work on a surface.
+    /// The method prepared for a surface, its options changed by `change`.
     pub fn tracer(
         &self,
         surface: usize,
-        aim: Effort,
+        change: impl Fn(TraceOptions) -> TraceOptions,
     ) -> Result<Box<dyn Tracer + 'a>, ProgramError> {
-        let options = options(self.settings, self.model.styles[surface].kind, aim);
+        let options = change(options(self.settings, self.model.styles[surface].kind));
         let (surface, region) = (self.model.program.surface(surface), &self.model.region);
         Ok(self.settings.method.prepare(surface, region, options)?)
     }
@@ -201,7 +203,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let kernels = self.model.program.kernels::<T>(surface);
         Ok(match self.settings.normals {
             None => None,
-            Some(Normals::Gradient) if self.settings.precision == Precision::Auto => {
+            Some(Normals::Gradient) if self.settings.options.precision == Precision::Auto => {
                 let (region, kernel) = (&self.model.region, kernels.gradients()?);
                 let farthest = region.low().abs().max(region.high().abs()).max_element();
                 let everywhere = farthest > FAR * region.half_extent();
@@ -243,7 +245,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let mut buffer = picture.buffer.clone();
         buffer.replace(&settled.buffer, &unsettled);
         settled.buffer.hand_back();
-        let found = Traced { buffer, counts: None, work, rgb: None };
+        let found = Traced { buffer, counts: None, work, rgb: None, fallbacks: settled.fallbacks };
         self.finished(rays, found, times).map(Some)
     }
 
@@ -284,13 +286,14 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let Self { model, settings, advance, .. } = *self;
         let mut watch = Stopwatch::start();
         let (width, height) = (rays.width(), rays.height());
-        let mut work = KernelStats::default();
+        let (mut work, mut fallbacks) = (KernelStats::default(), Vec::new());
         let mut picture: Option<GBuffer> = None;
         let counted = Mutex::new(PixelCounts::default());
         let mut rgb = shader.map(|_| unset_colors(width * height));
         let last = model.seen().last();
         for surface in model.seen() {
-            let tracer = self.tracer(surface, Effort::of(settings))?;
+            let tracer = self.tracer(surface, |options| options)?;
+            fallbacks.extend(tracer.fallback(rays).map(|fallback| (surface, fallback)));
             let source = self.normals_of(surface)?;
             let is_solid = model.styles[surface].kind == SurfaceKind::Solid;
             let kernels = model.program.kernels::<T>(surface);
@@ -357,7 +360,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let is_counted = self.own.is_none() && model.seen().count() == 1;
         let counts =
             is_counted.then(|| counted.into_inner().unwrap_or_else(PoisonError::into_inner));
-        Ok(Traced { buffer, counts, work, rgb })
+        Ok(Traced { buffer, counts, work, rgb, fallbacks })
     }
 
     /// What was found of these rays, lit and accounted for.
@@ -368,7 +371,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         mut times: Times,
     ) -> Result<Picture, ProgramError> {
         let Self { model, settings, .. } = *self;
-        let Traced { mut buffer, counts, mut work, rgb } = found;
+        let Traced { mut buffer, counts, mut work, rgb, fallbacks } = found;
         let mut lit = self.light(rays, &mut buffer, rgb, &mut times)?;
         if let Some(own) = &self.own {
             buffer.crop(own.clone());
@@ -378,11 +381,13 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         work += lit.work;
         let made = model.program.made();
         let pixels = counts.unwrap_or_else(|| buffer.counts());
+        let drawn_by = fallbacks.first().filter(|_| fallbacks.len() == model.seen().count());
+        let method = drawn_by.map_or(settings.method, |(_, fallback)| fallback.method);
         let statistics = Statistics {
             times,
             pixels,
             open: if pixels.undecided > 0 {
-                Open::of(&buffer, settings.method.proves)
+                Open::of(&buffer, method.proves)
             } else {
                 Open::default()
             },
@@ -397,8 +402,9 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(Picture {
             buffer,
             rgb: lit.rgb,
-            method: settings.method,
-            precision: settings.precision,
+            method,
+            fallbacks,
+            precision: settings.options.precision,
             look: model.look(settings),
             legends: lit.legends,
             statistics,
@@ -409,8 +415,11 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     }
 
     /// The method at work on each surface that is seen, with its number.
-    pub fn tracers(&self, aim: Effort) -> Result<Tracers<'a>, ProgramError> {
-        let one = |surface| Ok((surface, self.tracer(surface, aim)?));
+    pub fn tracers(
+        &self,
+        change: impl Fn(TraceOptions) -> TraceOptions,
+    ) -> Result<Tracers<'a>, ProgramError> {
+        let one = |surface| Ok((surface, self.tracer(surface, &change)?));
         self.model.seen().map(one).collect()
     }
 }

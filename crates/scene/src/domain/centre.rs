@@ -1,8 +1,8 @@
-//! The place about which a function is arranged, read off its graph: the centre of a quadric, the
-//! tip of a paraboloid, what is subtracted from x, y and z where they enter roots and waves. It
-//! moves with the surface.
+//! The center of a function, read off its graph: the center of a quadric, the tip of a paraboloid,
+//! the offsets subtracted from x, y and z in roots and waves. It moves with the surface.
 //!
-//! Nothing here is a proof: it serves to choose where to look. Knows neither kernels nor boxes.
+//! Nothing here is a proof: the center only serves to choose a window. Knows neither kernels nor
+//! boxes.
 
 use super::REACH;
 use super::polynomial::{Polynomial, Pull};
@@ -10,21 +10,21 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// What a step of a function is, as far as it is a polynomial.
+/// A node of a function, as far as it is a polynomial.
 #[derive(Default)]
 struct Known {
-    /// The polynomial; of a sum, the terms that are one.
+    /// The polynomial. For a sum, only its polynomial terms.
     polynomial: Polynomial,
-    /// Whether that is all.
+    /// Whether the polynomial is the whole node.
     is_whole: bool,
 }
 
-/// Of all products in a function, so many terms are written out; what is left is not.
+/// Largest number of products of terms that are expanded in a function.
 const MOST_PRODUCTS: usize = 100_000;
 
-/// The centre of the function at `root`, for parameters within bounds: the mean of the middles of
-/// the largest polynomials in it. What is linear counts along those directions only of which others
-/// know nothing.
+/// The center of the function at `root`, for parameters within bounds: the mean of the centers of
+/// the largest polynomials in it. Linear polynomials count only along directions that no others
+/// determine.
 pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] {
     let needed = graph.reachable(&[root]);
     let mut work = MOST_PRODUCTS;
@@ -67,7 +67,7 @@ pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] 
     if centre.iter().all(|along| along.abs() <= REACH) { centre } else { [0.0; 3] }
 }
 
-/// An operation on polynomials, if it makes one that is not too long.
+/// The result of an operation on polynomials, if it is a polynomial that is not too long.
 fn combined(
     op: Op,
     a: Option<&Polynomial>,
@@ -111,7 +111,7 @@ mod tests {
             ("(x-5)^2+(y-3)^2-(z-2)^2=0.2", [5.0, 3.0, 2.0]),
             ("x^2+4x*y+5y^2-6y=z^2+z", [-6.0, 3.0, -0.5]),
             ("(x-2)*(y-3)*(z-4)=1", [2.0, 3.0, 4.0]),
-            // The tip of a paraboloid, and where a saddle of the third order is flat.
+            // The tip of a paraboloid, and the point where a saddle of the third order is flat.
             ("x-7=(y+1)^2+z^2", [7.0, -1.0, 0.0]),
             ("(x-4)^3-3(x-4)(y-2)^2=z-1", [4.0, 2.0, 1.0]),
             ("(x-1)^2=(y+2)^2*(z-3)", [1.0, -2.0, 3.0]),
@@ -120,10 +120,10 @@ mod tests {
             ("(x-1)^2+(y-2)^2=cosh(z-3)^2", [1.0, 2.0, 3.0]),
             ("z=x*exp(-(x-5)^2-(y-1)^2)", [5.0, 1.0, 0.0]),
             ("abs(x-1)+abs(y-2)=abs(z+3)", [1.0, 2.0, -3.0]),
-            // Along a cylinder, the origin is as good as any place.
+            // A cylinder has no center along its axis; the origin is chosen.
             ("(x-1)^2+(y-2)^2=3", [1.0, 2.0, 0.0]),
             ("(x+y-2)^2+z^2=3", [1.0, 1.0, 0.0]),
-            // Too long to be written out: the parts are.
+            // Too long to be expanded, but its parts are not.
             ("((x-1)^20+(y-2)^20-(z-3)^20)^2=1", [1.0, 2.0, 3.0]),
         ] {
             let document = read(text, &Options::default()).expect(text);

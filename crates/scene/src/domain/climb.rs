@@ -1,34 +1,34 @@
-//! The tops and bottoms of a graph, climbed to from points of its grid.
+//! The maxima and minima of a graph, found by climbing from points of its grid.
 //!
-//! All of it is sampled. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
 use super::heights::{AT_ONCE, Grid, Heights, ROUNDING, SIDE, places};
 
-/// The highest place around, or the lowest.
+/// A local maximum or minimum of a graph.
 #[derive(Clone, Copy, Debug)]
 pub struct Top {
-    /// Where on the ground.
+    /// The place on the ground.
     pub place: [f64; 2],
-    /// How high.
+    /// Its height.
     pub height: f64,
-    /// Whether it is so in all directions: else it is part of a ridge, or of a plateau.
+    /// Whether it is isolated; else it is part of a ridge or a plateau.
     pub is_alone: bool,
 }
 
-/// A top that is less than this share of the largest one high is not seen.
+/// A top lower than this share of the highest one is not visible.
 const SEEN: f64 = 0.02;
 
-/// Steps of the search for a top, and how often they are halved.
+/// Largest number of steps in the search for a top, and how often the step is halved.
 const STEPS: usize = 24;
 const HALVINGS: usize = 5;
 
-/// Ways out of a top that are tried, how often the highest is narrowed down to a fourth, and which
-/// share of the lowest way's fall a ridge does not fall.
+/// Number of directions tried around a top, and how often the interval around the highest is
+/// quartered. A ridge falls by less than `RIDGE` of the steepest fall.
 const WAYS: usize = 32;
 const NARROWED: usize = 5;
 const RIDGE: f64 = 1e-3;
 
-/// All that are found near points of a grid: the border apart.
+/// All tops that are found near points of a grid, except on its border.
 pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Top> {
     let Some([low, high]) = grid.ends() else { return Vec::new() };
     let (places, apart) = (places(grid.half), grid.apart());
@@ -38,7 +38,7 @@ pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Top> {
         let found = climb(heights, places[n], start, sign, apart);
         tops.extend(found.filter(|top| (top.height - start).abs() <= (high - low) / 2.0));
     }
-    // What dies away has tops that nobody sees.
+    // Decaying waves have tops that are too low to be visible.
     let [_, middle] = grid.without(0.5);
     let size = |top: &Top| (top.height - middle).abs();
     let most = tops.iter().map(size).fold(0.0, f64::max);
@@ -46,8 +46,8 @@ pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Top> {
     tops
 }
 
-/// Points of the grid that are at least as high as all around them, or as low, and higher or lower
-/// than some by more than rounding: with the sign of the way to a top.
+/// Points of the grid that are at least as high as all their neighbors, or at least as low, and
+/// differ from some by more than rounding. The sign is 1 for a maximum, −1 for a minimum.
 fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     let inner = |n: &usize| {
         (1..SIDE - 1).contains(&(n % SIDE))
@@ -68,7 +68,7 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     })
 }
 
-/// The top near a place: `None` if the way there is long, as along a valley.
+/// The top near a place. `None` if it is far away, as along a valley.
 fn climb(
     heights: &Heights<'_>,
     start: [f64; 2],
@@ -105,7 +105,7 @@ fn climb(
     None
 }
 
-/// Whether the paraboloid through the heights around a place has its top nearby, too: in a bent
+/// Whether the paraboloid through the heights around a place has its top nearby, too. In a bent
 /// valley it has not.
 fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> bool {
     let places: Vec<[f64; 2]> = (0..9)
@@ -118,13 +118,13 @@ fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> boo
     let bend = bend_x * bend_y - twist * twist;
     let way_x = (bend_y * slope_x - twist * slope_y) / bend * step;
     let way_y = (bend_x * slope_y - twist * slope_x) / bend * step;
-    // What has no paraboloid is no valley.
+    // Without a paraboloid there is no valley.
     let way = way_x.abs().max(way_y.abs());
     way.is_nan() || way <= apart
 }
 
-/// Whether a height that differs from all around does so at once, as where rounding leaves a number
-/// of a pole.
+/// Whether the height differs from its surroundings abruptly, as where rounding leaves a finite
+/// value at a pole.
 fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
     let falls = |far: f64| {
         let place = |n: i32| [x + f64::from(n % 3 - 1) * far, y + f64::from(n / 3 - 1) * far];
@@ -134,15 +134,15 @@ fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> 
     };
     let far = falls(apart).into_iter().fold(0.0, f64::max);
     let near = falls(apart * AT_ONCE);
-    // Along a line of poles it may not differ.
+    // Along a line of poles the height may not differ.
     let at_once = near.iter().filter(|fall| **fall > far / 2.0).count();
     at_once > 0 && 4 * at_once >= 3 * near.len()
 }
 
-/// Whether a top is higher than all places around it, not along some line only as a ridge is: on a
-/// square about it nothing is about as high.
+/// Whether a top is higher than all places around it. On a ridge, some place on the square around
+/// the top is about as high.
 fn is_alone(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
-    // How far along the square: each side is 2 long.
+    // `along` is the length along the square. Each side is 2 long.
     let on_square = |along: f64| {
         let (side, rest) = ((along.rem_euclid(8.0) / 2.0).floor(), along.rem_euclid(2.0) - 1.0);
         let [a, b] = match side as u32 {

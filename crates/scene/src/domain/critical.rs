@@ -1,26 +1,25 @@
-//! Critical points of a function that are on its surface or near it: nodes, and the middles of
-//! necks and handles.
+//! Critical points of a function on its surface or near it: nodes, and the middles of necks and
+//! handles.
 //!
-//! They are looked for by Newton's method from places that are spread about a centre, so that those
-//! of a surface that is moved are found moved. What counts is confirmed by a change of sign nearby
-//! that intervals do not rule out; that others were missed is possible. Knows neither cameras nor
-//! pictures.
+//! Newton's method starts from places spread about a center, so a surface that is moved has its
+//! critical points moved. A point counts if the sign changes nearby and intervals do not rule out a
+//! zero there. Others may be missed. Knows neither cameras nor pictures.
 
 use super::polynomial::{Vector, principal};
 use zeroset_eval::{Kernel, Sample};
 use zeroset_space::{Cell, Search, places_about};
 
-/// How far critical points near the surface are from the centre.
+/// Distances from the center to critical points near the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Found {
-    /// The farthest of those that are alone or along closed curves; 0 if none is found.
+    /// Distance to the farthest isolated point or point on a closed curve; 0 if no point is found.
     pub farthest: f64,
-    /// The nearest of those along curves that go on, if one is found.
+    /// Distance to the nearest point on a curve that is not closed, if one is found.
     pub nearest: Option<f64>,
 }
 
 impl Found {
-    /// What is found in both searches.
+    /// The combined result of two searches.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let both = self.nearest.into_iter().chain(other.nearest);
@@ -28,67 +27,68 @@ impl Found {
     }
 }
 
-/// Where critical points are looked for, and by what.
+/// A search for critical points of one function.
 pub struct Seeker<'a> {
     pub search: &'a Search<'a>,
     pub values: &'a dyn Kernel<Sample, f64>,
     /// Whether the function depends on each axis.
     pub depends: [bool; 3],
-    /// They are looked for around this place,
+    /// The center of the search.
     pub centre: [f64; 3],
-    /// so far on each axis; some are found farther.
+    /// Half the side of the cube that starts are spread in. Some points are found farther away.
     pub half: f64,
 }
 
-/// So many starts are spread in the cube, and what goes so many times farther is lost.
+/// Number of starts in the cube. A path that leaves the center by more than `FARTHEST` half sides
+/// is lost.
 const STARTS: u32 = 32;
 const FARTHEST: f64 = 4.0;
-/// Steps of Newton's method at most, and how short the last one is, as a share of the half side.
+/// Largest number of Newton steps. A path ends at a step shorter than `SETTLED` half sides.
 const STEPS: usize = 20;
 const SETTLED: f64 = 1e-5;
 
-/// Derivatives are taken of values that are so far apart, as a share of the half side: first and
-/// second ones of polynomials then have half of the digits of a value.
+/// Distance between the values that derivatives are computed from, as a share of the half side.
+/// First and second derivatives of polynomials then have half the digits of a value.
 const APART: f64 = 1e-3;
 
-/// Values around a place: there, one step either way along each axis, and along two at once.
+/// Number of values that a Newton step uses: at the place, one step either way along each axis, and
+/// along two axes at once.
 const AROUND: usize = 13;
 
-/// A critical point is alone if the determinant of the second derivatives, each axis scaled to its
-/// own, is at least this.
+/// A critical point is isolated if the determinant of the second derivatives, with each axis scaled
+/// to its own, is at least this.
 const ALONE: f64 = 1e-2;
-/// What bends along an axis less than this share of what it does along another is taken for
-/// straight there.
+/// A second derivative below this share of the largest one counts as 0.
 const FLATTEST: f64 = 1e-4;
 
-/// The curve along which others are is closed if so many are found, and none farther than this
-/// share of the half side.
+/// A curve of critical points counts as closed if at least `SOME` are found, all within this share
+/// of the half side from the center.
 const SOME: usize = 8;
 const CLOSED: f64 = 0.75;
 
-/// The surface is near a critical point if it comes nearer than this share of the way from the
-/// centre; looked for at that, its half and its quarter, the shortest first.
+/// The surface is near a critical point if it comes within this share of the point's distance from
+/// the center. The distance, half of it and a quarter are tried, the shortest first.
 const NEAR: f64 = 0.5;
 const HALVINGS: i32 = 3;
 
-/// What is no more than this share of the values nearby is 0.
+/// A value below this share of the values nearby counts as 0.
 const NOTHING: f64 = 1e-6;
 
-/// What is found again lies within this share of the half side.
+/// Two points within this share of the half side count as one.
 const SAME: f64 = 1e-4;
 
-/// How a way ends.
+/// The end of a path.
 #[derive(Clone, Copy, PartialEq)]
 enum End {
-    /// At a critical point that is alone.
+    /// At an isolated critical point.
     Alone,
-    /// At one of others along a curve.
+    /// At a critical point on a curve of others.
     Among,
-    /// Too far away, or where there is no next step.
+    /// Too far away, or at a place without a next step.
     Lost,
 }
 
-/// A place on its way to a critical point.
+/// A place on its path to a critical point.
 #[derive(Clone, Copy)]
 struct Way {
     place: Vector,
@@ -96,12 +96,12 @@ struct Way {
 }
 
 impl Seeker<'_> {
-    /// Looks for critical points.
+    /// Finds the critical points.
     pub fn find(&self) -> Found {
         let starts: Vec<Vector> = (1..=STARTS).map(|n| self.start(n)).collect();
         let ends = self.descend(&starts);
         let among = || ends.iter().filter(|(_, end)| *end == End::Among).map(|(place, _)| *place);
-        // Of a curve that goes on, points are found wherever it is looked for them.
+        // On a curve that is not closed, points are found at every distance that is searched.
         let farthest = among().map(|place| distance(place, self.centre)).fold(0.0, f64::max);
         let is_closed = among().count() >= SOME && farthest <= CLOSED * self.half;
         let (mut known, mut found) = (Vec::<Vector>::new(), Found::default());
@@ -122,8 +122,8 @@ impl Seeker<'_> {
         found
     }
 
-    /// One of a sequence of places that fill a cube evenly: multiples of 1/g, 1/g² and 1/g³ with g⁴
-    /// = g + 1 (Roberts, 2018: the sequence R₃).
+    /// The nth start, of a sequence that fills the cube evenly: multiples of 1/g, 1/g² and 1/g³
+    /// with g⁴ = g + 1 (Roberts, 2018: the sequence R₃).
     fn start(&self, n: u32) -> Vector {
         let strides = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
         [0, 1, 2].map(|axis| {
@@ -133,7 +133,7 @@ impl Seeker<'_> {
         })
     }
 
-    /// The critical points at which these starts end.
+    /// The critical points at which paths from these starts end.
     fn descend(&self, starts: &[Vector]) -> Vec<(Vector, End)> {
         let way = |place: &Vector| Way { place: *place, end: None };
         let mut ways: Vec<Way> = starts.iter().map(way).collect();
@@ -153,8 +153,8 @@ impl Seeker<'_> {
         ended.filter(|(_, end)| *end != End::Lost).collect()
     }
 
-    /// The places whose values tell how a function changes around one: that, those a step away
-    /// along each axis and back, and those along two axes and back.
+    /// The places whose values give the derivatives at `place`: itself, one step either way along
+    /// each axis, and one step either way along each pair of axes.
     fn around(&self, place: Vector) -> Vec<Vector> {
         let alone: [[i8; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
         let both: [[i8; 3]; 3] = [[0, 1, 1], [1, 0, 1], [1, 1, 0]];
@@ -203,8 +203,8 @@ impl Seeker<'_> {
         };
     }
 
-    /// How far a critical point is from the centre; `None` if the surface is not near it, or if the
-    /// point is on a line through the centre along an axis: on those the surface itself is looked
+    /// The distance of a critical point from the center. `None` if the surface is not near it. Also
+    /// `None` on the lines through the center along the axes, where the surface itself is searched
     /// for.
     fn distance_if_near(&self, place: Vector) -> Option<f64> {
         let far = distance(place, self.centre);
@@ -216,7 +216,7 @@ impl Seeker<'_> {
             let steps = self.depends.map(|depends| if depends { radius } else { 0.0 });
             let around: Vec<Vector> = places_about(place, steps).collect();
             let values = self.search.values(self.values, &around);
-            // That in the middle is the critical point.
+            // The middle one of 27 places is the critical point.
             let here = values[13];
             let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let is_on = here.abs() <= NOTHING * most;
@@ -228,22 +228,23 @@ impl Seeker<'_> {
     }
 }
 
-/// The largest difference along an axis.
+/// The largest difference of a coordinate.
 fn distance(a: Vector, b: Vector) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).abs()).fold(0.0, f64::max)
 }
 
-/// What a symmetric matrix brings to a wanted vector.
+/// The solution of a symmetric system, and how reliable it is.
 struct Step {
     way: Vector,
-    /// How far along each axis it may be from where the step leads, since there it hardly bends.
+    /// How far each coordinate of the solution may be off, along directions with hardly any second
+    /// derivative.
     rest: Vector,
-    /// The matrix's determinant where each axis is scaled so that its largest number is 1.
+    /// The determinant, with each axis scaled so that its largest number is 1.
     determinant: f64,
 }
 
-/// The step that a symmetric matrix brings to `wanted`. Where its determinant is too small for
-/// [`ALONE`], the shortest: nothing is known of steps along a curve. `None` if there is no scale.
+/// Solves `matrix` · step = `wanted`. Where the determinant is below [`ALONE`], the shortest
+/// solution is taken, since steps along a curve are arbitrary. `None` if the result is not finite.
 fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<Step> {
     let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
     let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);

@@ -1,17 +1,17 @@
 //! The part of the ground over which a graph has heights.
 //!
-//! All of it is sampled. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
 use super::heights::{Grid, Heights, SIDE, place};
 
-/// An end of the ground is shown unless this share of its side is without heights there.
+/// An end of the ground is cut off if more than this share of its side has no heights.
 const BARE: f64 = 0.1;
 
-/// Between two rows of the grid the end is narrowed down by so many halvings.
+/// Number of halvings that locate an end between two rows of the grid.
 const HALVINGS: u32 = 10;
 
-/// Where the ground begins and ends along its two axes; `None` for an end that has heights, or
-/// hardly any less.
+/// Both ends of the ground along its two axes. `None` for an end that reaches the border of the
+/// grid, or nearly so.
 pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
     let place = |row: usize| place(grid.half, row);
     [0, 1].map(|axis| {
@@ -19,7 +19,7 @@ pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
             let n = if axis == 0 { row + k * SIDE } else { k + row * SIDE };
             grid.sampled[n].is_finite()
         };
-        // A number here and there, as some powers of negative ones are, is no ground.
+        // Isolated heights, as powers of some negative numbers have, are not ground.
         let is_ground = |row: &usize| {
             let is_height = |k: usize| has_height(*row, k) && has_height(row + 1, k);
             (1..SIDE).any(|k| is_height(k - 1) && is_height(k))
@@ -34,7 +34,7 @@ pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
     })
 }
 
-/// The end of the ground between a row of the grid and the next one, which is beyond it.
+/// The end of the ground between a row of the grid and the next row, which lies beyond it.
 fn end(heights: &Heights<'_>, half: f64, axis: usize, [mut row, mut beyond]: [f64; 2]) -> f64 {
     for _ in 0..HALVINGS {
         let middle = row.midpoint(beyond);

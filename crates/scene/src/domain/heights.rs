@@ -1,59 +1,59 @@
-//! The heights of a graph over a window on the ground: its tops and bottoms, and how much of them
-//! is fit to be seen.
+//! The heights of a graph over a window on the ground, and how much of them is shown.
 //!
-//! All of it is sampled. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
-/// Heights at places of the ground; not a number where there are none.
+/// Returns the heights at places on the ground; NaN where undefined.
 pub type Heights<'a> = dyn Fn(&[[f64; 2]]) -> Vec<f64> + 'a;
 
-/// A graph over a square around the origin.
+/// A graph sampled over a square around the origin.
 pub struct Grid {
     /// Half the side of the square.
     pub half: f64,
-    /// Heights at all of the grid's points, row by row; not a number where there are none.
+    /// Heights at all points of the grid, row by row; NaN where undefined.
     pub sampled: Vec<f64>,
-    /// Heights at the grid's points that exist, in ascending order.
+    /// All finite heights, in ascending order.
     sorted: Vec<f64>,
-    /// The lowest and the highest point of the border.
+    /// The lowest and the highest height on the border.
     border: [f64; 2],
 }
 
-/// Points in a row of the grid; one of them is the origin.
+/// Number of points in a row of the grid. The middle one is the origin.
 pub const SIDE: usize = 65;
 
-/// A graph is at most so many times higher than wide; if it is its tops that are high, so many
-/// times.
+/// Largest ratio of height to width of a window. Tops and bottoms are shown up to the ratio
+/// `TALLEST`.
 const TALL: f64 = 1.3;
 const TALLEST: f64 = 3.0;
 
-/// Of heights that grow to the border this share is shown; of what grows one way only, that.
+/// Share of the heights that is shown of a graph that rises and falls to the border, and of one
+/// that does only one of both.
 const MOST: f64 = 0.95;
 const MOST_ONE_WAY: f64 = 0.785;
 
-/// What is left out is shown too if it is no more than this share of what is shown; if it is this
-/// many times as much, it is a pole.
+/// Heights left out are shown too if they are within this share of the shown height. Beyond `POLE`
+/// times the shown height, they belong to a pole.
 const NEARLY: f64 = 0.15;
 const POLE: f64 = 4.0;
 
-/// The median is compared with what lies between these shares about it, and another is taken if it
-/// is off by this share of what is shown.
+/// The median is compared with the middle of the heights between these shares about it. The latter
+/// replaces it if they differ by more than `GAP` of the shown height.
 const NEARBY: f64 = 0.05;
 const GAP: f64 = 0.02;
 
-/// A bowl is shown to its rim if that is at least this share of what is shown.
+/// A bowl is shown up to its rim if the rim is higher than this share of the shown height.
 const RIM: f64 = 0.7;
 
 /// Space above and below a graph, as a share of its height.
 const SPACE: f64 = 0.02;
 
-/// Heights that differ by less than this share of them may be the same but for rounding, as where
-/// little is added to much.
+/// Heights that differ by less than this share may be equal up to rounding, as where little is
+/// added to much.
 pub const ROUNDING: f64 = 1e-12;
 
-/// What happens within this share of the way between two points of the grid does so at once.
+/// Share of the distance between two grid points within which a change counts as abrupt.
 pub const AT_ONCE: f64 = 1.0 / 1024.0;
 
-/// Where a row of the grid is.
+/// The coordinate of a row of the grid.
 pub fn place(half: f64, row: usize) -> f64 {
     half * (2.0 * row as f64 / (SIDE - 1) as f64 - 1.0)
 }
@@ -64,7 +64,7 @@ pub fn places(half: f64) -> Vec<[f64; 2]> {
 }
 
 impl Grid {
-    /// Samples the square that reaches `half` to each side.
+    /// Samples the square from `-half` to `half` on both axes.
     pub fn new(heights: &Heights<'_>, half: f64) -> Self {
         let sampled = heights(&places(half));
         let mut sorted: Vec<f64> = sampled.iter().copied().filter(|h| h.is_finite()).collect();
@@ -75,21 +75,21 @@ impl Grid {
         Self { half, sampled, sorted, border }
     }
 
-    /// How far its points are apart.
+    /// Distance between neighboring grid points.
     pub fn apart(&self) -> f64 {
         2.0 * self.half / (SIDE - 1) as f64
     }
 
-    /// The heights below which this share lies, and above which as much does; not numbers if there
-    /// are none.
+    /// The heights below which and above which this share of all heights lies. NaN if no height is
+    /// finite.
     pub fn without(&self, share: f64) -> [f64; 2] {
         let Some(last) = self.sorted.len().checked_sub(1) else { return [f64::NAN; 2] };
         let left_out = (share * last as f64) as usize;
         [self.sorted[left_out], self.sorted[last - left_out]]
     }
 
-    /// The median; where that is at one side of a gap, as between two branches, the middle of what
-    /// is about it.
+    /// The median. Where that is at the edge of a gap, as between two branches, the middle of the
+    /// heights around it.
     fn middle(&self, height: f64) -> f64 {
         let [median, _] = self.without(0.5);
         let [below, above] = self.without(0.5 - NEARBY);
@@ -98,13 +98,12 @@ impl Grid {
         if (middle - median).abs() > least { middle } else { median }
     }
 
-    /// The lowest and the highest of all.
+    /// The lowest and the highest height.
     pub fn ends(&self) -> Option<[f64; 2]> {
         self.sorted.first().zip(self.sorted.last()).map(|(lowest, highest)| [*lowest, *highest])
     }
 
-    /// Whether some heights are as far below most others, and some as far above, as where there are
-    /// poles.
+    /// Whether some heights are far below most others, and some far above, as at poles.
     pub fn is_far_out(&self) -> bool {
         let [quarter, rest] = self.without(0.25);
         let far = POLE * (rest - quarter);
@@ -112,8 +111,8 @@ impl Grid {
     }
 }
 
-/// The lowest and the highest of a graph over one axis, which has no heights beside it: a pole is
-/// seen close to a row of the grid if it is on that.
+/// The lowest and the highest height of a graph over one axis. Samples close to each row of the
+/// grid detect a pole on the row.
 pub fn ends_of_ridge(heights: &Heights<'_>, half: f64) -> [f64; 2] {
     let apart = 2.0 * half / (SIDE - 1) as f64;
     let near = [0.0, 1.0 / 32.0, -1.0 / 32.0, AT_ONCE, -AT_ONCE];
@@ -122,20 +121,20 @@ pub fn ends_of_ridge(heights: &Heights<'_>, half: f64) -> [f64; 2] {
     ends(heights(&places).into_iter().filter(|height| height.is_finite()))
 }
 
-/// The lowest and the highest; infinite if there are none.
+/// The lowest and the highest height; infinite if the list is empty.
 fn ends(heights: impl Iterator<Item = f64>) -> [f64; 2] {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     heights.fold(none, |[low, high], height| [low.min(height), high.max(height)])
 }
 
-/// Which heights are shown: all tops and bottoms, and of what rises or falls to the border as much
-/// as is fit to be seen. `None` if there are no heights.
+/// The range of heights that is shown: all tops and bottoms, and a suitable part of the heights
+/// that rise or fall to the border. `None` if there are no heights.
 pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
     let Grid { half, sorted, border, .. } = grid;
     let [lowest, highest] = grid.ends()?;
     let quantile = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
     let [bottom, top] = ends(tops.iter().copied());
-    // Whether there is nothing lower, or higher, than what is found within.
+    // Whether no height is below the lowest bottom, and none above the highest top.
     let (from_below, from_above) = (bottom <= lowest, top >= highest);
     let [mut low, mut high] = match (from_below, from_above) {
         (true, true) => [bottom, top],
@@ -168,14 +167,14 @@ pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
                 (low, high) = (middle - most / 2.0, middle + most / 2.0);
             }
             (false, false) => {
-                // Where most of it is, but no farther than it goes.
+                // Near the middle of the heights, but not beyond their ends.
                 low = (grid.middle(most) - most / 2.0).min(highest - most).max(lowest);
                 high = low + most;
             }
         }
     }
     let space = SPACE * (high - low);
-    // A bowl is cut at its rim, where all of it that is shown is round.
+    // A bowl is cut at its rim, so that the part shown is round.
     let is_rim =
         |end: f64, inner: f64| (end - inner).abs() > RIM * (high - low) && low < end && end < high;
     match (from_below, from_above) {

@@ -1,15 +1,13 @@
-//! What a function does at infinity: it is asked in coordinates in which infinity is a face of a
-//! cube.
+//! Proofs about a function at infinity, in coordinates in which infinity is a face of a cube.
 //!
-//! In a chart of the first axis, a point is (s, u, v) scaled: x = s/wᵃ, y = u/wᵇ, z = v/wᶜ with s =
-//! ±1, u and v within ±1 and w from 0 to 1/R. The weights a, b, c are whole numbers; all of space
-//! with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ is covered by the charts of the three axes. There every step
-//! that is built of sums, products, quotients, roots and choices is w to minus its degree times a
-//! function that is finite at w = 0. If that function has no zero on any chart, the surface has no
-//! point outside the box ±(Rᵃ, Rᵇ, Rᶜ): a proof, since it is asked by intervals that are rounded
-//! outward.
+//! In a chart of the first axis, a point is x = s/wᵃ, y = u/wᵇ, z = v/wᶜ. Here s is ±1, u and v are
+//! within ±1, and w is from 0 to 1/R. The weights a, b, c are whole numbers. The charts of the
+//! three axes cover all points with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ. In a chart, every sum, product,
+//! quotient, root or choice is w to minus its degree times a function that is finite at w = 0. If
+//! that function has no zero in any chart, the surface has no point outside the box ±(Rᵃ, Rᵇ, Rᶜ).
+//! This is a proof, since its bounds are rounded outward.
 //!
-//! Knows neither kernels nor what becomes of the answer.
+//! Knows neither kernels nor how results are used.
 
 use super::outward::Bounds;
 use std::array::from_fn;
@@ -17,13 +15,13 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::{Class, Law, Op};
 
-/// A step of a function, and the steps that it takes.
+/// An operation of a function, with the indices of its operands.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Axis(usize),
     Number(Bounds),
     Negation(usize),
-    /// With the powers of w that bring both to the same degree.
+    /// Operands are multiplied by the powers of w that bring both to the same degree.
     Sum(Lifted, Lifted),
     Difference(Lifted, Lifted),
     Product(usize, usize),
@@ -35,28 +33,29 @@ enum Step {
     Most(Lifted, Lifted),
 }
 
-/// A step times a power of w.
+/// Index of a step, and the power of w that its value is multiplied by.
 type Lifted = (usize, u32);
 
-/// An axis and its side.
+/// An axis, and 1 or −1 for its side.
 type Chart = (usize, f64);
 
-/// Between which ends u, v and w lie.
+/// Ranges of u, v and w.
 type ChartBox = [[f64; 2]; 3];
 
 /// Bounds of a value, and of its derivatives by the first `N` of u, v and w.
 type Jet<const N: usize> = (Bounds, [Bounds; N]);
 
-/// A function that can be asked at infinity.
+/// A function that can be evaluated at infinity.
 pub struct Homogeneous {
     steps: Vec<Step>,
 }
 
-/// Higher degrees leave no room for numbers.
+/// Highest degree. Higher ones leave no room for numbers.
 const HIGHEST: i32 = 64;
 
 impl Homogeneous {
-    /// The function at `root` for parameters within bounds; `None` if it is built of other steps.
+    /// The function at `root` for parameters within bounds. `None` if it has an operation that is
+    /// not a [`Step`].
     pub fn new(
         graph: &Graph,
         root: NodeId,
@@ -90,8 +89,9 @@ impl Homogeneous {
         Some(Self { steps })
     }
 
-    /// Whether every zero lies in the box of ±2 to `exponent` times the weight of each axis:
-    /// proven, if `true`. `work` is a number of evaluations to spend, and what is left of them.
+    /// Returns whether every zero is proven to lie in a box. Its half side on an axis is 2 to the
+    /// power `exponent` times the weight of the axis. `work` is the number of evaluations left, and
+    /// is updated.
     pub fn is_within(&self, exponent: u32, work: &mut u64) -> bool {
         let farthest = 0.5_f64.powi(exponent as i32);
         if farthest == 0.0 || self.changes_sign_at_infinity(work) {
@@ -117,7 +117,7 @@ impl Homogeneous {
                     }
                     spreads = changes;
                 }
-                // Across what it changes most along.
+                // Halve the coordinate along which the function changes most.
                 let widest =
                     (1..3).fold(0, |most, k| if spreads[k] > spreads[most] { k } else { most });
                 let middle = part[widest][0].midpoint(part[widest][1]);
@@ -132,7 +132,7 @@ impl Homogeneous {
         })
     }
 
-    /// Whether there are values of both signs at infinity, so that no proof can be had.
+    /// Whether there are values of both signs at infinity. If so, there is no proof.
     fn changes_sign_at_infinity(&self, work: &mut u64) -> bool {
         let (mut below, mut above, mut scratch) = (false, false, Vec::new());
         for chart in charts() {
@@ -152,8 +152,8 @@ impl Homogeneous {
     }
 
     /// Bounds over part of a chart by the mean value theorem, from the value in the middle and
-    /// bounds of the slopes, and how much each coordinate adds to them; `None` where there are no
-    /// such bounds.
+    /// bounds of the derivatives. Also returns how much each coordinate adds to the width. `None`
+    /// if the derivatives have no bounds.
     fn about_middle(
         &self,
         chart: Chart,
@@ -178,8 +178,8 @@ impl Homogeneous {
         self.jet(chart, part, known).map_or(Bounds::ENTIRE, |(value, [])| value)
     }
 
-    /// Bounds over part of a chart, with those of the derivatives by its first `N` coordinates;
-    /// `None` if such are wanted of a step that is no sum, product or power.
+    /// Bounds over part of a chart, with bounds of the first `N` derivatives. `None` if `N` > 0 and
+    /// a step is not a sum, product or power.
     fn jet<const N: usize>(
         &self,
         (axis, side): Chart,
@@ -243,10 +243,10 @@ fn charts() -> impl Iterator<Item = Chart> {
 /// Parts of a chart below this share of it are not halved.
 const SMALLEST: f64 = 1.0 / 4096.0;
 
-/// Samples in a row of a chart's face at infinity.
+/// Number of samples in a row of a chart's face at infinity.
 const SAMPLES: u32 = 6;
 
-/// A step and its degree.
+/// The step for an operation, and its degree.
 fn applied(
     graph: &Graph,
     op: Op,

@@ -1,7 +1,7 @@
-//! Intervals of `f64`, rounded outward by a unit in the last place: for the few thousand
-//! evaluations that are not worth code of their own.
+//! Intervals of `f64`, rounded outward by one ulp, for a few thousand evaluations that are not
+//! worth compiling a kernel.
 //!
-//! An operation that is rounded to nearest is off by less than the way to the next float, so that
+//! An operation rounded to nearest is off by less than the distance to the next float, so that
 //! float is a bound.
 
 use zeroset_interval::Interval;
@@ -33,7 +33,7 @@ impl Bounds {
         Self { low, high }
     }
 
-    /// What rounding to nearest and NaN leave of bounds.
+    /// Bounds from ends that were rounded to nearest; NaN stands for an unknown end.
     fn outward(low: f64, high: f64) -> Self {
         let low = if low.is_nan() { f64::NEG_INFINITY } else { low.next_down() };
         let high = if high.is_nan() { f64::INFINITY } else { high.next_up() };
@@ -45,17 +45,17 @@ impl Bounds {
         !(self.is_negative() || self.is_positive())
     }
 
-    /// Whether all are below 0.
+    /// Whether all values are below 0.
     pub fn is_negative(self) -> bool {
         self.high < 0.0
     }
 
-    /// Whether all are above 0.
+    /// Whether all values are above 0.
     pub fn is_positive(self) -> bool {
         self.low > 0.0
     }
 
-    /// About how far the ends are apart.
+    /// The distance between the ends, rounded to nearest.
     pub fn width(self) -> f64 {
         self.high - self.low
     }
@@ -84,7 +84,7 @@ impl Bounds {
         if self == Self::ZERO || other == Self::ZERO {
             return Self::ZERO;
         }
-        // 0 times a bound that is infinite is 0: values are finite.
+        // 0 times an infinite bound is 0, since values are finite.
         let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
         let all = [
             product(self.low, other.low),
@@ -94,7 +94,7 @@ impl Bounds {
         ];
         let low = all.into_iter().fold(f64::INFINITY, f64::min);
         let high = all.into_iter().fold(f64::NEG_INFINITY, f64::max);
-        // What is exactly 0 on one side stays so: else no square would be known to be none below 0.
+        // An exact bound 0 is kept. Otherwise no square would be known to be at least 0.
         let exact = |bound: f64, moved: f64| {
             if bound == 0.0 && self.is_zero_by(other) { bound } else { moved }
         };
@@ -138,13 +138,14 @@ impl Bounds {
                 let square = half.times(half);
                 Self { low: square.low.max(0.0), ..square }
             }
-            // Odd powers grow.
+            // Odd powers are increasing.
             _ => {
                 let end = |bound: f64| {
                     let point = Self { low: bound, high: bound };
                     point.times(point.power(n - 1))
                 };
-                // One chain of products for each end, not two at each odd exponent on the way.
+                // Each end has one chain of products. Otherwise each odd exponent on the way would
+                // double the work.
                 let low = end(self.low);
                 let high = if self.low == self.high { low } else { end(self.high) };
                 Self { low: low.low, high: high.high }
@@ -152,7 +153,7 @@ impl Bounds {
         }
     }
 
-    /// √a, where a has one.
+    /// √a, where a ≥ 0.
     pub fn root(self) -> Self {
         let (low, high) = (self.low.max(0.0).sqrt(), self.high.max(0.0).sqrt());
         Self { low: low.next_down().max(0.0), high: high.next_up() }
@@ -169,7 +170,7 @@ impl Bounds {
     }
 }
 
-/// Products of larger numbers do not underflow.
+/// Products of two numbers above this do not underflow.
 const LEAST_FACTOR: f64 = 1e-150;
 
 #[cfg(test)]
@@ -184,7 +185,7 @@ mod tests {
         assert!(one.low < 1.0 && 1.0 < one.high);
         assert_eq!(Bounds::new(-2.0, 1.0).power(2).low, 0.0);
         assert!(Bounds::new(-2.0, 1.0).power(3).low <= -8.0);
-        // Takes no time, however many digits of the exponent are 1.
+        // Fast even if many binary digits of the exponent are 1.
         let power = Bounds::new(1.0, 1.0 + f64::EPSILON).power(u32::MAX);
         assert!(power.low <= 1.0 && 1.0 + 9e-7 < power.high && power.high < 1.00001);
         assert_eq!(Bounds::new(0.0, 1.0).times(Bounds::new(2.0, 3.0)).low, 0.0);

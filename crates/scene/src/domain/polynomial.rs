@@ -1,33 +1,32 @@
-//! Polynomials in x, y and z, and the place about which one is arranged: that moves with the
-//! surface.
+//! Polynomials in x, y and z, and the center of one, which moves with the surface.
 //!
-//! All of it is computed in floats rounded to nearest, and nothing is a proof. Knows neither
-//! kernels nor boxes.
+//! Everything is computed in floats rounded to nearest; nothing is a proof. Knows neither kernels
+//! nor boxes.
 
 use std::collections::BTreeMap;
 
-/// Three numbers, one an axis.
+/// Three numbers, one per axis.
 pub type Vector = [f64; 3];
 /// A symmetric matrix.
 pub type Symmetric = [Vector; 3];
 
-/// A polynomial: what the powers of x, y and z are multiplied by.
+/// A polynomial: coefficients by the powers of x, y and z.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Polynomial(BTreeMap<[u32; 3], f64>);
 
-/// Products of more terms, or of a higher degree, are not written out.
+/// Limits of a product: with more terms, or a higher degree, it is not expanded.
 const MOST_TERMS: usize = 400;
 const HIGHEST: u32 = 24;
 
-/// What is left of a sum is rounding if it is less than this share of what was added.
+/// A sum below this share of its summands is taken for rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// A direction counts if the polynomial changes along it by more than this share, squared, of how
-/// it changes at all.
+/// A direction counts if the polynomial's change along it is more than this share of its whole
+/// change, both squared.
 const STILL: f64 = 1e-20;
 
 impl Polynomial {
-    /// A number.
+    /// A constant.
     pub fn number(value: f64) -> Self {
         Self::default().with([0; 3], value)
     }
@@ -49,14 +48,14 @@ impl Polynomial {
         self
     }
 
-    /// The sum with `factor` times the other.
+    /// The sum of this polynomial and `factor` times `other`.
     pub fn plus(&self, factor: f64, other: &Self) -> Self {
         let terms = other.0.iter();
         terms.fold(self.clone(), |sum, (powers, other)| sum.with(*powers, factor * other))
     }
 
-    /// The product; `None` if it is too long. `work` is how many terms may still be multiplied, and
-    /// what is left of them.
+    /// The product; `None` if it is too long. `work` is the number of terms that may still be
+    /// multiplied, and is updated.
     pub fn times(&self, other: &Self, work: &mut usize) -> Option<Self> {
         *work = work.checked_sub(self.0.len() * other.0.len())?;
         let mut product = Self::default();
@@ -79,12 +78,12 @@ impl Polynomial {
         (0..exponent).try_fold(Self::number(1.0), |power, _| power.times(self, work))
     }
 
-    /// Its value, if it is a number.
+    /// Its value, if it is a constant.
     pub fn value(&self) -> Option<f64> {
         (self.degree() == 0).then(|| self.0.get(&[0; 3]).copied().unwrap_or(0.0))
     }
 
-    /// The highest sum of powers.
+    /// The total degree.
     pub fn degree(&self) -> u32 {
         self.0.keys().map(|powers| powers.iter().sum()).max().unwrap_or(0)
     }
@@ -125,19 +124,19 @@ impl Polynomial {
         seen
     }
 
-    /// The products of what two polynomials have in common, added.
+    /// The scalar product of the coefficients of two polynomials.
     fn common(&self, other: &Self) -> f64 {
         let both = self.0.iter().filter_map(|(powers, one)| Some(one * other.0.get(powers)?));
         both.sum()
     }
 
-    /// The place from which the polynomial looks simplest, and the directions along which there is
-    /// such a place.
+    /// The center of the polynomial: the place about which it looks simplest, along the directions
+    /// in which there is such a place.
     ///
-    /// The terms of the highest degree are the same from everywhere; the place is that from which
-    /// those of one degree less are least. For a quadric, that is its centre. Directions along
-    /// which the highest terms do not change are found by those of lower degrees in the same way:
-    /// of x = y², the tip.
+    /// Moving the origin does not change the terms of the highest degree. At the center, the terms
+    /// of one degree less are smallest. For a quadric, this is its center. Directions along which
+    /// the highest terms do not change are treated in the same way with the terms of lower degrees.
+    /// For x = y², this gives the tip.
     pub fn middle(&self) -> Pull {
         let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let (mut pull, mut place) = (Pull::default(), [0.0; 3]);
@@ -153,7 +152,7 @@ impl Polynomial {
             let wanted = [0, 1, 2].map(|axis| -changes[axis].common(&lower));
             let least = STILL * (gram[0][0] + gram[1][1] + gram[2][2]);
             for (size, along) in principal(within(free, gram)) {
-                // Rounding makes directions of what is known.
+                // Rounding may give a direction that is already known again.
                 if size > least && dot(times(free, along), along) > 0.5 {
                     let far = dot(along, wanted) / size;
                     place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
@@ -166,7 +165,7 @@ impl Polynomial {
     }
 }
 
-/// Places along some directions, and how many ask for each.
+/// Coordinates along some directions, added over several polynomials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pull {
     directions: Symmetric,
@@ -174,13 +173,13 @@ pub struct Pull {
 }
 
 impl Pull {
-    /// What lies at `place` along a direction of length 1.
+    /// Adds the coordinate `place` along a direction of length 1.
     fn add(&mut self, along: Vector, place: f64) {
         let places = along.map(|along| along * place);
         self.join(&Self { directions: onto(along), places });
     }
 
-    /// Both.
+    /// Adds another sum.
     pub fn join(&mut self, other: &Self) {
         for axis in 0..3 {
             self.places[axis] += other.places[axis];
@@ -190,7 +189,7 @@ impl Pull {
         }
     }
 
-    /// The mean place; along directions that nothing is known of, that of `rest`, and else 0.
+    /// The mean place. Along directions without coordinates it is that of `rest`, else 0.
     pub fn mean(&self, rest: Option<&Self>) -> Vector {
         let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mut place = [0.0; 3];
@@ -209,7 +208,7 @@ impl Pull {
     }
 }
 
-/// Directions that fewer ask for than this are not asked for.
+/// A direction with a smaller weight than this has no coordinate.
 const FEW: f64 = 1e-6;
 
 fn dot(a: Vector, b: Vector) -> f64 {
@@ -220,7 +219,7 @@ fn times(matrix: Symmetric, vector: Vector) -> Vector {
     matrix.map(|row| dot(row, vector))
 }
 
-/// What a matrix does among the directions onto which `free` projects.
+/// The matrix restricted to the directions onto which `free` projects.
 fn within(free: Symmetric, matrix: Symmetric) -> Symmetric {
     let half = free.map(|row| times(matrix, row));
     half.map(|row| times(free, row))
@@ -237,11 +236,11 @@ fn onto(along: Vector) -> Symmetric {
     along.map(|one| along.map(|other| one * other))
 }
 
-/// Sweeps over the three pairs of axes: each squares what is left beside the diagonal, so that few
+/// Number of sweeps over the three pairs of axes. Each sweep squares the off-diagonal part, so few
 /// are enough.
 const SWEEPS: usize = 5;
 
-/// The principal directions of a symmetric matrix and its size along each, by Jacobi's rotations.
+/// The eigenvalues and eigenvectors of a symmetric matrix, by Jacobi rotations.
 pub fn principal(mut matrix: Symmetric) -> [(f64, Vector); 3] {
     let mut directions: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for (p, q) in [(0, 1), (0, 2), (1, 2)].repeat(SWEEPS) {
@@ -270,7 +269,7 @@ pub fn principal(mut matrix: Symmetric) -> [(f64, Vector); 3] {
 mod tests {
     use super::*;
 
-    /// (x - a)^2 + (y - b)^2 * z, written out.
+    /// (x - a)^2 + (y - b)^2 * z, expanded.
     fn umbrella([a, b]: [f64; 2]) -> Polynomial {
         let less =
             |axis: usize, by: f64| Polynomial::axis(axis).plus(-by, &Polynomial::number(1.0));

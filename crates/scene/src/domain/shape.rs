@@ -1,49 +1,49 @@
-//! What a function's graph shows at a glance: periods, axes that it does not depend on, and what it
-//! is a graph over.
+//! Properties read off a function's graph: its periods, the axes that it does not depend on, and
+//! whether its zero set is a graph over two axes.
 //!
-//! Nothing here is a proof: it serves to choose where to look. Knows neither kernels nor boxes.
+//! Nothing here is a proof: it only serves to choose a window. Knows neither kernels nor boxes.
 
 use std::f64::consts::TAU;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// A linear function: what x, y and z are multiplied by.
+/// A linear function: the coefficients of x, y and z.
 type Linear = [f64; 3];
 
-/// What is known of a function.
+/// Properties of a function.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Shape {
-    /// Whether it depends on each axis.
+    /// Whether the function depends on each axis.
     pub depends: [bool; 3],
-    /// The period along each axis, where it depends on that only by sines, cosines and tangents of
-    /// linear functions.
+    /// The period along each axis. `None` unless the axis occurs only in sines, cosines and
+    /// tangents of linear functions.
     pub period: [Option<f64>; 3],
-    /// Of what else that varies sines, cosines and tangents occur, the outer ones first.
+    /// The arguments of other sines, cosines and tangents that vary, the outer ones first.
     pub waves: Vec<NodeId>,
-    /// Whether it is linear altogether.
+    /// Whether the function is linear.
     pub is_plane: bool,
-    /// Whether its zeros are planes: it is linear, or a product of such functions.
+    /// Whether its zeros are planes: it is linear, or a product of linear functions.
     pub is_of_planes: bool,
-    /// The axis for which it can be solved, since it is that axis times a number and a function of
-    /// the two others.
+    /// The axis for which it can be solved, and that axis's coefficient. The function is the
+    /// coefficient times the axis, plus a function of both other axes.
     pub height: Option<(usize, f64)>,
-    /// The same where one of the two others does not count: with the one that does. Not of
-    /// polynomials, whose places are found.
+    /// The same if only one other axis counts: the axis solved for, the other one, and the
+    /// coefficient. `None` for polynomials, whose features are found in another way.
     pub profile: Option<(usize, usize, f64)>,
-    /// Whether all of it is sums, products and whole powers.
+    /// Whether it consists of sums, products and whole powers.
     pub is_polynomial: bool,
 }
 
-/// What is known of a node.
+/// Properties of a node.
 #[derive(Clone, Copy)]
 struct Known {
     depends: [bool; 3],
     linear: Option<Linear>,
     /// Whether it is a product of linear functions.
     is_of_planes: bool,
-    /// Per axis, the factor if the node is that axis times the factor and something that does not
-    /// depend on it.
+    /// Per axis, the coefficient if the node is that axis times the coefficient, plus a function of
+    /// the other axes.
     solved: [Option<f64>; 3],
     is_polynomial: bool,
     value: Option<f64>,
@@ -93,7 +93,7 @@ impl Shape {
         (shape.depends, shape.is_polynomial) = (found.depends, found.is_polynomial);
         shape.is_plane = found.linear.is_some();
         shape.is_of_planes = found.is_of_planes;
-        // Graphs over the ground first.
+        // Graphs over the xy-plane come first.
         let solved = |axis: usize| found.solved[axis].filter(|factor| *factor != 0.0);
         let heights = || [2, 1, 0].into_iter().filter_map(|up| Some((up, solved(up)?)));
         if found.depends == [true; 3] {
@@ -147,7 +147,7 @@ impl Shape {
     }
 }
 
-/// What is known of an operation on what is known.
+/// The properties of an operation, from those of its operands.
 fn combined(op: Op, operands: &[Known]) -> Known {
     let depends = [0, 1, 2].map(|axis| operands.iter().any(|one| one.depends[axis]));
     let number = |k: usize| operands.get(k).and_then(|one| one.value);
@@ -183,7 +183,7 @@ fn combined(op: Op, operands: &[Known]) -> Known {
         let scaled = |part: Option<f64>| part.map(|part| factor * part);
         (each(&|axis| scaled(part(k, axis))), operands[k].solved.map(scaled))
     } else {
-        // The factor is 0 where nothing depends on the axis.
+        // The coefficient is 0 where nothing depends on the axis.
         (None, depends.map(|depends| (!depends).then_some(0.0)))
     };
     let is_built = if op == Op::Pow {

@@ -1,4 +1,4 @@
-//! What is found of typed formulas, and that nothing is found of what was given up.
+//! Domains of typed formulas, and cancelled searches.
 
 use super::*;
 use crate::view::search;
@@ -52,7 +52,7 @@ fn a_point_has_room_around_it_wherever_it_is() {
         assert_eq!((found.low, found.high), (low, high), "{text}");
         assert_eq!(found.finding, Finding::Bounded, "{text}");
     }
-    // A third has no short decimal.
+    // One third has no short decimal.
     let found = found("abs(x-1/3)+abs(y)+abs(z) = 0");
     assert_eq!((found.low, found.high), ([-0.67, -1.0, -1.0], [1.33, 1.0, 1.0]));
 }
@@ -92,7 +92,7 @@ fn a_curve_has_room_around_it() {
 
 #[test]
 fn a_window_holds_what_is_particular_off_the_axes() {
-    // Places that it holds, and half the largest side that is still near them.
+    // Places that the window must hold, and the largest allowed half side.
     let handles = [[5.0, 5.0, 1.0], [-5.0, 5.0, -1.0], [5.0, -5.0, 0.0], [-5.0, -5.0, 0.0]];
     let cases: [(&str, &[[f64; 3]], f64); 6] = [
         ("(x-5)^2+(y-3)^2-(z-2)^2 = 0.2", &[[5.0, 3.0, 2.0]], 1.5),
@@ -118,11 +118,11 @@ fn a_window_holds_what_is_particular_off_the_axes() {
 
 #[test]
 fn a_window_on_what_dies_away_shows_what_is_seen_of_it() {
-    // Its waves go on for ever, ever lower.
+    // Decaying waves go on forever, lower and lower.
     for (text, half) in [
         ("z=exp(-x^2-y^2) sin(5x)", 1.5..4.0),
         ("z=exp(-x^2) cos(7x)", 1.5..4.0),
-        // And along ridges as long as the window.
+        // The same along ridges as long as the window.
         ("z=sinc(x)", 8.0..20.0),
         ("y=sin(x)/x", 8.0..20.0),
         ("x=3+exp(-z^2)", 1.0..4.0),
@@ -245,7 +245,7 @@ fn bounds_have_few_digits() {
     assert_eq!(roomy(&cell), Cell { low: [-143.0; 3], high: [141.0; 3] });
 }
 
-/// The longest side, and the shortest.
+/// The longest side and the shortest.
 fn sides(found: &AutoDomain) -> [f64; 2] {
     let sides = [0, 1, 2].map(|axis| found.high[axis] - found.low[axis]);
     [sides.into_iter().fold(0.0, f64::max), sides.into_iter().fold(f64::INFINITY, f64::min)]
@@ -253,7 +253,7 @@ fn sides(found: &AutoDomain) -> [f64; 2] {
 
 #[test]
 fn a_window_has_no_size_of_waves_that_have_none() {
-    // Sines of an angle or of a quotient: what they are part of has a size, or none.
+    // The sine of an angle or of a quotient has no size. The rest of the formula may have one.
     for (text, longest) in [
         ("r=2cos(theta)", 2.0..5.0),
         ("r=cos(2*theta)", 2.0..5.0),
@@ -264,7 +264,7 @@ fn a_window_has_no_size_of_waves_that_have_none() {
         ("z^2=cos(theta)", 2.0..5.0),
         ("z=r^2*cos(2*theta)", 4.0..6.0),
         ("z=sin(1/x)", 2.0..5.0),
-        // An inner wave has one.
+        // An inner wave has a size.
         ("z=sin(2*sin(x^2+y^2))", 4.0..8.0),
     ] {
         let found = found(text);
@@ -272,7 +272,7 @@ fn a_window_has_no_size_of_waves_that_have_none() {
     }
 }
 
-/// Whether a range is about the same on both sides of a place.
+/// Whether a range is roughly symmetric about a place.
 fn is_about(place: f64, [low, high]: [f64; 2]) -> bool {
     (low + high - 2.0 * place).abs() < 0.1 * (high - low)
 }
@@ -322,7 +322,7 @@ fn a_ridge_that_goes_on_has_no_place() {
         ("z=x^2*y/100", 16.0),
         ("z=50*abs(x*y)", 0.25),
         ("z=floor(x)/3+0*y", 2.0),
-        // But one that ends has.
+        // But a ridge that ends has a place.
         ("z=abs(x^2+y^2-25)", 8.0),
         ("z=max(abs(x),abs(y)-3)", 4.8),
     ] {
@@ -342,7 +342,7 @@ fn a_window_shows_only_the_ground_and_heights_that_a_graph_has() {
         ("z=ln(x-3)+ln(y)", [3.0, 0.0, -2.8], [5.0, 2.0, 1.5]),
         ("z=exp(x*y)", [-2.0, -2.0, 0.0], [2.0, 2.0, 5.3]),
         ("z=exp(x+y)", [-2.0, -2.0, 0.0], [2.0, 2.0, 5.3]),
-        // By intervals a quotient of zeros is anything.
+        // For intervals, a quotient of zeros may be any number.
         ("z=sin(x)/x", [-12.4, -12.4, -0.22], [12.4, 12.4, 1.0]),
         ("y=sin(3x)/x", [-12.5, -0.65, -12.5], [12.5, 3.0, 12.5]),
     ] {

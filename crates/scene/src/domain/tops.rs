@@ -1,38 +1,40 @@
-//! The window on a graph over the ground, by its highest and lowest points.
+//! The size of a window on a graph over the ground, from its highest and lowest points.
 //!
-//! All of it is sampled. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
 use super::climb::{self, Top};
 use super::heights::{Grid, Heights};
 use zeroset_space::PLAIN;
 
-/// A graph's window reaches so many times farther than its highest and lowest points.
+/// Ratio of a window's extent to that of the tops in it.
 const ROOM_OF_GRAPH: f64 = 1.6;
 
-/// Of what has more tops than these in a wide window, so many are shown across.
+/// Largest number of tops that are all shown. If there are more, the window is about `TOPS_ACROSS`
+/// of them wide.
 const MOST_TOPS: usize = 24;
 const TOPS_ACROSS: f64 = 10.0;
 
-/// How far from the centre tops are looked for; if there are none, so far.
+/// Distance from the center up to which tops are searched for, and the distance if that finds
+/// nothing.
 const FAR: f64 = 8.0;
 const FARTHER: f64 = 32.0;
 
-/// A ridge or a plateau ends if it does within this share of the square in which it is looked for.
+/// A ridge or a plateau ends if it lies within this share of the square that is searched.
 const ENDS: f64 = 0.75;
 
-/// Other sizes of a window differ from the plain one by factors of up to two to this power.
+/// Other window sizes differ from the plain one by powers of two, up to this exponent.
 const SCALES: i32 = 5;
 
-/// Half of a graph's heights lie within so many times its width, at least and at most, where it is
-/// neither flat nor steep.
+/// Least and greatest ratio to the width of a window of the range that holds half of a graph's
+/// heights. Outside these, the graph looks flat or steep.
 const LOW: f64 = 0.075;
 const HIGH: f64 = 3.0;
 
-/// Towards a pole heights grow by this factor at least when the window is halved.
+/// Toward a pole, heights grow at least by this factor when the window is halved.
 const GROWS: f64 = 1.2;
 
-/// Half the side of a window on the highest and lowest points of a graph; on some, if there are
-/// many.
+/// Half the side of a window on the highest and lowest points of a graph, or on some of them if
+/// there are many.
 pub fn around_tops(heights: &Heights<'_>) -> f64 {
     let near = Tops::find(heights, FAR);
     let all = if near.half.is_some() { near } else { Tops::find(heights, FARTHER) };
@@ -44,18 +46,18 @@ pub fn around_tops(heights: &Heights<'_>) -> f64 {
     }
 }
 
-/// What is known of the tops of a graph.
+/// The tops of a graph in a square.
 #[derive(Clone, Copy)]
 struct Tops {
-    /// Half the side of a window on them, if there are any.
+    /// Half the side of a window on the tops, if there are any.
     half: Option<f64>,
-    /// Whether others form a ridge or a plateau that goes on, as along an axis where a factor is 0:
-    /// it has no place.
+    /// Whether there is a ridge or a plateau that does not end, as along an axis where a factor is
+    /// 0. It gives a window no place.
     goes_on: bool,
 }
 
 impl Tops {
-    /// Looks for tops so far from the centre.
+    /// Finds the tops up to `far` from the center along each axis.
     fn find(heights: &Heights<'_>, far: f64) -> Self {
         let tops = climb::tops(heights, &Grid::new(heights, far)).into_iter();
         let (alone, others): (Vec<Top>, Vec<Top>) = tops.partition(|top| top.is_alone);
@@ -76,20 +78,21 @@ impl Tops {
     }
 }
 
-/// Whether heights grow inward, far up and far down.
+/// Whether the heights seem to have poles: some are far up and some far down, more so in a smaller
+/// window.
 fn has_poles(heights: &Heights<'_>) -> bool {
     let [plain, inner] = [PLAIN, PLAIN / 2.0].map(|half| Grid::new(heights, half));
     plain.is_far_out() && spread(&inner) > GROWS * spread(&plain)
 }
 
-/// Between which heights half of all lies: how far they are apart.
+/// The extent of the range that holds the middle half of all heights.
 fn spread(grid: &Grid) -> f64 {
     let [low, high] = grid.without(0.25);
     high - low
 }
 
 /// Half the side of a window in which a graph is about as high as wide, the nearest to the plain
-/// one. Whether heights grow inward tells where to look for it.
+/// one. `grows_inward`: whether heights grow when the window shrinks.
 fn in_scale(heights: &Heights<'_>, grows_inward: bool) -> f64 {
     let share = |half: f64| spread(&Grid::new(heights, half)) / (2.0 * half);
     let plain = share(PLAIN);

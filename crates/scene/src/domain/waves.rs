@@ -1,29 +1,29 @@
-//! The window on what waves with another than a linear function of place: as much as can be told
-//! apart.
+//! The size of a window on a wave whose argument is not linear. It shows as much as can be
+//! resolved.
 //!
-//! All of it is sampled. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
 use std::f64::consts::PI;
 use zeroset_space::{PLAIN, places_about};
 
-/// What a function waves with, by place.
+/// The argument of a wave, by place.
 pub type Wave<'a> = dyn Fn([f64; 3]) -> f64 + 'a;
 
-/// A wave is shown while the size of its argument is below this.
+/// A wave is shown where the magnitude of its argument is below this.
 const WAVES: f64 = 4.5 * PI;
 
-/// Sizes that are tried, as powers of two: from the first to the last in so many steps each.
+/// The sizes tried are powers of two from `FIRST` to `LAST`, in steps of 1/`STEPS`.
 const FIRST: i32 = -5;
 const LAST: i32 = 7;
 const STEPS: i32 = 8;
 
-/// What grows less than this, from an eighth of the last size to that, has no size of its own: an
-/// angle, a quotient, a logarithm. A cube root doubles.
+/// An argument that grows by less than this factor from an eighth of the last size to the last has
+/// no size of its own: an angle, a quotient, a logarithm. A cube root doubles.
 const GROWS: f64 = 1.8;
 
-/// Half the side of the cube around a place in which a wave's argument stays small; of a square on
-/// the ground if not all axes count. The first argument that grows with the distance is taken;
-/// `None` if none does.
+/// Half the side of the cube around a place in which a wave's argument stays small; a square on the
+/// ground if not all axes count. Uses the first argument that grows with the distance; `None` if
+/// none does.
 pub fn calm(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
     let counted = |along: [f64; 3]| [0, 1, 2].map(|k| if axes[k] { along[k] } else { 0.0 });
     let largest = |wave: &Wave<'_>, half: f64| {

@@ -1,9 +1,8 @@
-//! A window on a surface that has no end, chosen by what is particular of it: its centre, where it
-//! meets the lines through that along the axes and how near it comes, its critical points, its
+//! A window on an unbounded surface, chosen by its features: its center, its intersections with the
+//! lines through the center along the axes, its distance from the center, its critical points, its
 //! periods, the heights of a graph.
 //!
-//! What is chosen is a matter of judgement, and nothing here is a proof. Knows neither cameras nor
-//! pictures.
+//! The choice is a heuristic; nothing here is a proof. Knows neither cameras nor pictures.
 
 use super::FLAT;
 use super::climb;
@@ -16,70 +15,71 @@ use super::waves::{Wave, calm};
 use zeroset_eval::{Kernel, Sample};
 use zeroset_space::{BOX_DEPTH, Cell, PLAIN, Search};
 
-/// A window reaches so many times farther than what is particular; so many times if it is a plane.
+/// Ratio of a window's extent to that of the features in it, in general and for a plane.
 const ROOM: f64 = 2.5;
 const ROOM_OF_PLANE: f64 = 1.3;
 
-/// It reaches at least so many times farther than critical points that are not on the lines through
-/// the centre: the surface that is near them goes on.
+/// The same ratio for critical points that are not on the lines through the center. It is at least
+/// this, since the surface near them goes on.
 const ROOM_OF_CRITICAL: f64 = 1.45;
 
-/// A window whose centre is nearer to the origin on an axis than this share of its half side is one
-/// around the origin there; other centres have digits down to that share.
+/// A window is centered on the origin along an axis if its center is nearer to it than this share
+/// of the half side. Other centers are rounded to `GRAIN` of the half side.
 const CENTRED: f64 = 0.05;
 const GRAIN: f64 = 0.01;
 
-/// So are the ends of the ground over which a graph has heights, to this share.
+/// The ends of a graph's ground are rounded to this share of the half side.
 const GRAIN_OF_GROUND: f64 = 1e-3;
 
-/// A centre is known to within this share of its largest coordinate: what is nearer to it is at it.
+/// Accuracy of a center, relative to its largest coordinate. A place nearer to the center than that
+/// counts as the center.
 const KNOWN: f64 = 1e-9;
 
-/// A box is as good as a cube if its sides are no shorter than this share of the longest, and as
-/// good as about the origin if opposite faces differ in distance by no more than this share of it.
+/// Conditions for a ball: all sides are at least this share of the longest, and opposite faces
+/// differ in distance from the center by at most `OFF_CENTRE` of it.
 const NEARLY_CUBE: f64 = 0.8;
 const OFF_CENTRE: f64 = 0.1;
 
-/// A window in which there is nothing is doubled less often than this.
+/// An empty window is doubled less often than this.
 const DOUBLINGS: i32 = 6;
 
-/// A place on an axis is known to within this share of itself before it is looked for.
+/// Relative accuracy of a place on an axis before it is searched for.
 const NEAR: f64 = 0.01;
 
-/// A surface along which nothing changes is so many times longer than wide.
+/// Length of a surface that does not change along an axis, in multiples of its width.
 const ROD: f64 = 1.6;
 
-/// What is looked for lies between two to these powers; where functions grow exponentially, between
-/// the last two.
+/// Exponents of two of the smallest and the largest distance that are searched. `LARGEST_OF_ANY` is
+/// for functions that are not polynomials and may grow exponentially.
 const SMALLEST: i32 = -40;
 const LARGEST: i32 = 41;
 const LARGEST_OF_ANY: i32 = 5;
 
-/// Where one surface is looked at.
+/// The data from which the window on one surface is chosen.
 pub struct Sight<'a> {
     pub search: &'a Search<'a>,
     pub shape: Shape,
-    /// The function's values.
+    /// The kernel for the function's values.
     pub values: &'a dyn Kernel<Sample, f64>,
-    /// The place about which it is arranged.
+    /// The center of the function.
     pub centre: [f64; 3],
-    /// Those of what it waves with that is not linear.
+    /// The arguments of its waves that are not linear.
     pub waves: Vec<&'a Wave<'a>>,
 }
 
 impl Sight<'_> {
-    /// The window on the surface, and whether it looks better cut by a ball.
+    /// Returns the window on the surface, and whether it looks better clipped to a ball.
     pub fn window(mut self) -> (Cell, bool) {
-        // Where there is nothing, or all is alike, the origin is as good a place as any, and easier
-        // to read.
+        // Along an axis without features, the center is set to the origin, which is easier to read.
         let Shape { depends, period, is_plane, .. } = self.shape;
         let counts = |axis: usize| depends[axis] && period[axis].is_none() && !is_plane;
         self.centre = [0, 1, 2].map(|axis| if counts(axis) { self.centre[axis] } else { 0.0 });
-        // A line that is off by rounding meets far away what it should be parallel to.
+        // A center that is off by rounding would make lines meet surfaces that they are parallel
+        // to.
         let known = self.known();
         self.centre = self.centre.map(|along| super::rounded(along, known));
         let half = self.half();
-        // What is particular moves with the surface, and so does the size.
+        // Features move with the surface, and so does the size, so the center may be rounded by it.
         self.centre = self.centre.map(|along| {
             if along.abs() <= CENTRED * half { 0.0 } else { super::rounded(along, GRAIN * half) }
         });
@@ -87,9 +87,9 @@ impl Sight<'_> {
         (cell, self.is_round(&cell))
     }
 
-    /// Whether a surface that goes on alike in all directions is cut off there: edges that a box
-    /// makes are then taken for its own. What is flat, repeats, or is as high as a function of two
-    /// axes is read against the box.
+    /// Whether the surface goes on alike in all directions, so that edges made by the box would
+    /// look like its own. Planes, periodic surfaces and graphs over two axes look better in the
+    /// box.
     fn is_round(&self, cell: &Cell) -> bool {
         let Shape { depends, period, ref waves, is_of_planes, height, .. } = self.shape;
         let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
@@ -102,7 +102,7 @@ impl Sight<'_> {
         !is_flat && !repeats && is_cube
     }
 
-    /// Half the side of the window that shows what is particular.
+    /// Half the side of the window that shows the features.
     fn half(&self) -> f64 {
         let Shape { period, is_plane, height, .. } = self.shape;
         let on_ground = |axis: usize| height.is_none_or(|(up, _)| axis != up);
@@ -143,7 +143,7 @@ impl Sight<'_> {
             return self.graph(up, factor, half);
         }
         if is_plane && depends.iter().filter(|depends| **depends).count() == 1 {
-            // Across an axis: around the place where it meets it.
+            // A plane across an axis: around its intersection with the axis.
             let mut window = Cell::cube(PLAIN);
             let axis = depends.iter().position(|depends| *depends).unwrap_or_default();
             let marks = self.landmarks();
@@ -151,13 +151,13 @@ impl Sight<'_> {
             let about = PLAIN.max(NEAR * near.abs());
             (window.low[axis], window.high[axis]) = (near - about, near + about);
             let found = self.search.tight(window, BOX_DEPTH).unwrap_or(window).centre()[axis];
-            // What is as good as a short decimal is one.
+            // A place near a short decimal is that decimal.
             let short = (found * 100.0).round() / 100.0;
             let middle = if short.is_finite() { short } else { found };
             (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);
             return window;
         }
-        // Where there is nothing, it is farther away.
+        // An empty window means that the surface is farther away.
         let halves = (0..DOUBLINGS).map(|k| half * f64::from(k).exp2());
         let mut cubes = halves.map(|half| (half, super::cube_about(self.centre, half)));
         let found = cubes.find_map(|(half, cube)| Some((half, self.pruned(cube)?)));
@@ -168,8 +168,8 @@ impl Sight<'_> {
         }
     }
 
-    /// The window without what intervals cannot tell from heights of a function of one axis, as
-    /// where 0 is divided by 0.
+    /// Cuts off parts of the window that have no height of a function of one axis, but which
+    /// intervals cannot exclude, as where 0 is divided by 0.
     fn trimmed(&self, mut window: Cell, profile: (usize, usize, f64), half: f64) -> Cell {
         let up = profile.0;
         let heights = |places: &[[f64; 2]]| self.ridge(profile, places);
@@ -184,13 +184,13 @@ impl Sight<'_> {
         super::thick(window, FLAT)
     }
 
-    /// The cube around the centre.
+    /// The cube around the center.
     fn cube(&self, half: f64) -> Cell {
         Cell::about(self.centre, half)
     }
 
-    /// Where critical points are that are about as far from the centre as the end of a window that
-    /// is known, or as lengths are that people type.
+    /// Finds critical points. The searches cover distances of about `half` and of the plain window,
+    /// whose size is typical of typed formulas.
     fn critical(&self, half: f64) -> Found {
         let sizes = [half, 4.0 * half, PLAIN, 4.0 * PLAIN];
         let is_new =
@@ -202,8 +202,8 @@ impl Sight<'_> {
         (0..sizes.len()).filter(is_new).map(find).fold(Found::default(), Found::and)
     }
 
-    /// The part of a window that may hold the surface, if there is any. Where nothing changes along
-    /// an axis, as much of it as fits the rest.
+    /// The part of a window that may hold the surface; `None` if it is empty. Along an axis on
+    /// which nothing changes, its length is chosen to fit the rest.
     fn pruned(&self, window: Cell) -> Option<Cell> {
         let hull = self.search.tight(window, BOX_DEPTH)?;
         let Shape { depends, .. } = self.shape;
@@ -224,8 +224,8 @@ impl Sight<'_> {
         Some(super::thick(hull, FLAT))
     }
 
-    /// The heights of what is as high as a function of two axes, at places on the ground as seen
-    /// from the centre: `factor` times the height is minus the function where the height is 0.
+    /// The heights of a graph over two axes, at places on the ground relative to the center.
+    /// `factor` times the height is minus the function at height 0.
     fn heights(&self, up: usize, factor: f64, places: &[[f64; 2]]) -> Vec<f64> {
         let point = |place: &[f64; 2]| {
             let mut point = self.centre;
@@ -238,8 +238,8 @@ impl Sight<'_> {
         values.map(|value| self.centre[up] - value / factor).collect()
     }
 
-    /// The same of what is as high as a function of one axis: of a ridge that is as long as the
-    /// window one place counts.
+    /// The heights of a graph over one axis. They are NaN except at places in the middle of the
+    /// ridge, which is as long as the window.
     fn ridge(&self, (up, along, factor): (usize, usize, f64), places: &[[f64; 2]]) -> Vec<f64> {
         let across = usize::from((up + 1) % 3 == along);
         let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
@@ -249,7 +249,7 @@ impl Sight<'_> {
         places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
     }
 
-    /// The window on what is as high as a function of two axes, with this half side on the ground.
+    /// The window on a graph over two axes, with this half side on the ground.
     fn graph(&self, up: usize, factor: f64, half: f64) -> Cell {
         let mut window = super::cube_about(self.centre, half);
         let heights = |places: &[[f64; 2]]| self.heights(up, factor, places);
@@ -271,8 +271,8 @@ impl Sight<'_> {
         super::thick(window, FLAT)
     }
 
-    /// A box, as seen from the centre, around that, the places where the surface meets the lines
-    /// through it along the axes, or else a cube that it does not enter.
+    /// A box around the surface's intersections with the lines through the center along the axes,
+    /// relative to the center. Without intersections, a cube that the surface does not enter.
     fn landmarks(&self) -> Cell {
         let largest = if self.shape.is_polynomial { LARGEST } else { LARGEST_OF_ANY };
         let mut marks = Cell::cube(0.0);
@@ -290,13 +290,13 @@ impl Sight<'_> {
         marks
     }
 
-    /// What is nearer to the centre than this is at it.
+    /// A place within this distance of the center counts as the center.
     fn known(&self) -> f64 {
         KNOWN * self.centre.iter().fold(0.0_f64, |most, along| most.max(along.abs()))
     }
 
-    /// How far from the centre the surface may meet half a line along an axis, as far as that is
-    /// narrowed down to places.
+    /// Distances from the center at which the surface may meet half a line along an axis, as far as
+    /// they can be narrowed down.
     fn meets(&self, axis: usize, side: f64, largest: i32) -> Vec<f64> {
         let known = self.known();
         let stretch = |from: f64, to: f64| {
@@ -315,8 +315,8 @@ impl Sight<'_> {
             None => Some(Vec::new()),
         };
         let mut found: Vec<Option<Vec<f64>>> = all.iter().map(within).collect();
-        // Where nothing can be told any more, rounding has taken over, and before that it is what
-        // is found.
+        // Octaves at either end that cannot be narrowed down are dominated by rounding. So is the
+        // next octave, whose places are spurious.
         let near = found.iter().take_while(|places| places.is_none()).count();
         let far = found.iter().rev().take_while(|places| places.is_none()).count();
         let last = found.len() - far;
@@ -329,8 +329,8 @@ impl Sight<'_> {
         found.into_iter().flatten().flatten().collect()
     }
 
-    /// How far from the centre the surface may meet a part of a line along an axis; `None` if that
-    /// is not narrowed down.
+    /// Distances from the center at which the surface may meet a part of a line along an axis.
+    /// `None` if they cannot be narrowed down.
     fn places(&self, axis: usize, part: Cell) -> Option<Vec<f64>> {
         let mut open = vec![part];
         for _ in 0..HALVINGS {
@@ -348,8 +348,8 @@ impl Sight<'_> {
         Some(open.iter().map(|cell| (cell.centre()[axis] - self.centre[axis]).abs()).collect())
     }
 
-    /// About how far the surface stays away from the centre, in the largest coordinate; 0 if it
-    /// does not.
+    /// The approximate distance of the surface from the center, in the largest coordinate; 0 if the
+    /// surface comes arbitrarily near.
     fn nearest(&self, largest: i32) -> f64 {
         let known = self.known();
         if !self.search.open(&[self.cube(known)]).is_empty() {
@@ -365,15 +365,15 @@ impl Sight<'_> {
     }
 }
 
-/// Half an axis is looked through octave by octave, each halved so often; if more parts of one may
-/// meet the surface than that, it lies along the axis, or intervals do not tell.
+/// Half an axis is searched octave by octave, each halved this often. If more than `MOST_PLACES`
+/// parts of one may meet the surface, it lies along the axis, or intervals cannot decide.
 const HALVINGS: usize = 9;
 const MOST_PLACES: usize = 16;
 
-/// Of more octaves than these up to the farthest, nothing can be told only because of rounding.
+/// More octaves than this at the far end that cannot be narrowed down are due to rounding.
 const FEW_OCTAVES: usize = 2;
 
-/// A length with three digits.
+/// A length rounded to three digits.
 fn few_digits(length: f64) -> f64 {
     format!("{length:.2e}").parse().unwrap_or(length)
 }

@@ -1,4 +1,4 @@
-//! Domains and cameras by callers, by documents and by default.
+//! Domains and cameras chosen by the caller, by the document and by default.
 
 use super::*;
 use zeroset_style::VIEWS;
@@ -57,7 +57,7 @@ fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
         let (region, finding) = found(text, DomainChoice::Auto, ClipTo::Ball);
         assert!(region.ball().is_some() && finding == Some(Finding::UnboundedInBall));
     }
-    // A domain that is given is the box that was typed, unless a ball was typed.
+    // A domain that is given is the typed box, unless a ball was typed.
     assert_eq!(auto("domain 3\nx^2+y^2-z^2=1").0.ball(), None);
     assert_eq!(auto("x^2+y^2+z^2=1").0.ball(), None);
     let ball = auto("domain ball 3/2\nx^2+y^2+z^2=1").0.ball().expect("typed");

@@ -1,5 +1,5 @@
-//! Normals from gradients, sixteen pixels of a window at a time; and their colors while they are
-//! in registers.
+//! Normals from gradients, sixteen pixels of a window at a time, and their colors while the normals
+//! are in registers.
 
 use super::{NormalSource, Normals};
 use crate::shade::{Canvas, Faced, Seen};
@@ -11,13 +11,14 @@ use zeroset_trace::Status;
 use zeroset_trace::painted::{Window, bits};
 use zeroset_trace::{RayGrid, Ways};
 
-/// Windows that are dealt with together, step by step: a kernel sets the rounding mode, which waits
-/// for all arithmetic before it, and what it wrote is slow to read at once.
+/// Number of windows that are processed together, step by step. A kernel sets the rounding mode,
+/// which waits for all arithmetic before it, and its output is slow to read right away.
 const TOGETHER: usize = 8;
 
 impl<T: Real> NormalSource<'_, T> {
-    /// Sets the normals of some rows where the gradient exists, but those of caps, which have
-    /// theirs; returns where it does not. A window of which all are found is put on the canvas.
+    /// Sets the normals of some rows where the gradient exists, except on caps, which have normals
+    /// already. Returns the pixels without a gradient. A window is painted on the canvas if all its
+    /// normals are found.
     pub(super) fn of_band(
         &self,
         seen: &Seen<'_>,
@@ -45,11 +46,11 @@ impl<T: Real> NormalSource<'_, T> {
     }
 }
 
-/// Some rows that get their normals.
+/// Some rows whose normals are computed.
 struct Band<'a, 'c, 'n, T: Real> {
     kernel: &'a dyn Kernel<SampleGradient, T>,
     rays: &'a RayGrid,
-    /// All that is known of the rows but their normals.
+    /// All quantities of the rows except their normals.
     seen: &'a Seen<'a>,
     normals: &'a mut Normals<'n>,
     canvas: Option<&'a mut Canvas<'c>>,
@@ -59,7 +60,7 @@ struct Band<'a, 'c, 'n, T: Real> {
 }
 
 impl<T: Real> Band<'_, '_, '_, T> {
-    /// Finds what can be found; returns the pixels without a gradient.
+    /// Computes all normals that have a gradient. Returns the pixels without one.
     fn found(mut self, windows: &[Window]) -> Vec<usize> {
         dispatch!(Level::new(), simd => self.face(simd, windows));
         self.open
@@ -72,7 +73,7 @@ impl<T: Real> Band<'_, '_, '_, T> {
         let zero = [f32x16::splat(simd, 0.0); 3];
         let mut eyes = [zero; TOGETHER];
         for some in windows.chunks(TOGETHER) {
-            // What is not on a cap.
+            // Lanes that are not on a cap.
             let mut open = [0; TOGETHER];
             for (k, (&window, to_eye)) in some.iter().zip(&mut eyes).enumerate() {
                 let ways = self.rays.ways(simd, window);
@@ -110,12 +111,12 @@ impl<T: Real> Band<'_, '_, '_, T> {
         bits(|lane| cap[lane])
     }
 
-    /// Keeps the normals that were `found` of those that are `open`, or puts the window on the
-    /// canvas if all were.
+    /// Stores the normals of the lanes `found`, which are some of the lanes `open`. Paints the
+    /// window on the canvas if all were found.
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, window: Window, open: u32, faced: Faced<S>, found: u32) {
         let is_faced = found == window.wanted;
-        // Those of a window that is painted at once are needed nowhere else.
+        // Normals of a window that is painted at once are not needed later.
         if open != 0 && (self.normals.is_kept() || !is_faced) {
             store(&faced.1, Window { wanted: found, ..window }, self.normals.all());
         }
@@ -132,7 +133,7 @@ impl<T: Real> Band<'_, '_, '_, T> {
         }
     }
 
-    /// Writes the points at which gradients are asked for.
+    /// Writes the points at which gradients are taken.
     #[inline(always)]
     fn place<S: Simd>(&self, simd: S, window: Window, ways: &Ways<S>, points: &mut Points<T>) {
         let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
@@ -140,7 +141,7 @@ impl<T: Real> Band<'_, '_, '_, T> {
         let mut distances = window.load(self.seen.columns.drawn, &mut spare.1);
         let moved;
         let is_open = |status: &Status| u8::from(*status == Status::Undecided);
-        // All at once.
+        // Tests all lanes at once.
         if status.iter().map(is_open).max() == Some(1) {
             moved = before(self.rays, status, *distances);
             distances = &moved;
@@ -153,7 +154,7 @@ impl<T: Real> Band<'_, '_, '_, T> {
     }
 }
 
-/// Writes coordinates as the floats next to them.
+/// Writes coordinates, rounded to the nearest float.
 #[inline(always)]
 fn write<F: Real, T: Real>(at: &[Lanes<F>; 3], points: &mut Points<T>) {
     for (coordinates, at) in points.at.iter_mut().zip(at) {
@@ -163,8 +164,8 @@ fn write<F: Real, T: Real>(at: &[Lanes<F>; 3], points: &mut Points<T>) {
     }
 }
 
-/// Moves undecided points half a pixel towards the eye. Mostly f touches 0 there: at such a point
-/// the gradient is nothing but rounding, and close before it it is not.
+/// Moves undecided points half a pixel toward the eye. At most of them f touches 0, where the
+/// gradient is only rounding. A little before the point it is not.
 fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES]) -> [f64; LANES] {
     for (distance, status) in distances.iter_mut().zip(status) {
         if *status == Status::Undecided {
@@ -174,11 +175,11 @@ fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES])
     distances
 }
 
-/// The vectors at length 1, and the lanes in which that was found: not where a vector has no
-/// direction, nor where its largest component is near the ends of what `f32` has.
+/// The vectors at length 1, and the lanes in which they are valid. A lane is not valid if its
+/// vector has no direction, or its largest component is near the ends of the range of `f32`.
 #[inline(always)]
 fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3], u32) {
-    /// The bits of a float that are its exponent.
+    /// The exponent bits of a float.
     const EXPONENT: u32 = 0xff << 23;
     let mut vector = [f32x16::splat(simd, 0.0); 3];
     for (component, lanes) in vector.iter_mut().zip(vectors) {
@@ -187,21 +188,20 @@ fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3],
         *component = f32x16::simd_from(simd, narrow);
     }
     let [x, y, z] = vector;
-    // Where one is not a number, so is the square of the length.
+    // If a component is NaN, so is the square of the length.
     let largest = x.abs().max(y.abs()).max(z.abs());
-    // Steep gradients overflow when squared: a power of two brings the largest component within [1,
-    // 2).
+    // Steep gradients overflow when squared. A power of two brings the largest component to [1, 2).
     let exponent: u32x16<S> = largest.to_bits() & EXPONENT;
     let scale = f32x16::from_bits(u32x16::splat(simd, 254 << 23) - exponent);
     let [x, y, z] = [x * scale, y * scale, z * scale];
     let square = z.mul_add(z, y.mul_add(y, x * x));
     let scale = 1.0 / square.sqrt();
-    // Not so for NaN, nor where the power is none.
+    // False for NaN, and where the exponent is too large or too small to be scaled.
     let found = square.simd_ge(1.0) & square.simd_le(12.0);
     ([x * scale, y * scale, z * scale], found.to_bitmask() as u32)
 }
 
-/// Writes a window's vectors.
+/// Stores a window's vectors.
 #[inline(always)]
 fn store<S: Simd>(units: &[f32x16<S>; 3], window: Window, all: &mut [[f32; 3]]) {
     let mut axes = [[0.0; LANES]; 3];

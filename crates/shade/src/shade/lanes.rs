@@ -1,10 +1,10 @@
-//! What is done with the light of sixteen pixels at once.
+//! Operations on the light of sixteen pixels at once.
 
 use fearless_simd::{f32x16, prelude::*};
 use glam::Vec3;
 use zeroset_eval::LANES;
 
-/// The vectors of sixteen lanes by their coordinates.
+/// The vectors of sixteen lanes, one array per coordinate.
 #[inline(always)]
 pub fn by_axis<S: Simd>(simd: S, vectors: &[[f32; 3]; LANES]) -> [f32x16<S>; 3] {
     let mut axes = [[0.0; LANES]; 3];
@@ -15,14 +15,14 @@ pub fn by_axis<S: Simd>(simd: S, vectors: &[[f32; 3]; LANES]) -> [f32x16<S>; 3] 
     [f32x16::simd_from(simd, x), f32x16::simd_from(simd, y), f32x16::simd_from(simd, z)]
 }
 
-/// The same vector in all lanes.
+/// One vector in all lanes.
 #[inline(always)]
 pub fn splat<S: Simd>(simd: S, vector: Vec3) -> [f32x16<S>; 3] {
     let Vec3 { x, y, z } = vector;
     [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)]
 }
 
-/// What is left where so much is hidden.
+/// The share of light that is not hidden; 255 means that all is hidden.
 #[inline(always)]
 pub fn left<S: Simd>(simd: S, hidden: &[u8; LANES]) -> f32x16<S> {
     1.0 - f32x16::simd_from(simd, hidden.map(f32::from)) / 255.0
@@ -34,8 +34,7 @@ pub fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
-/// Light as a picture shows it: what is brighter than most of the range is brought into it, rather
-/// than cut off.
+/// Tone mapping: bright light is compressed into the range rather than clipped.
 #[inline(always)]
 pub fn toned<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
     if amount.simd_le(KNEE).all_true() {
@@ -47,16 +46,16 @@ pub fn toned<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
     amount.min(f32x16::splat(simd, KNEE)) + (1.0 - KNEE) * curve
 }
 
-/// Up to here light is shown as it is.
+/// Light up to this amount is not changed.
 const KNEE: f32 = 0.7;
-/// What becomes full light, in units from the knee to 1.
+/// Amount that becomes full light, in units of the distance from the knee to 1.
 const WHITE: f32 = 2.0;
 
-/// The 40th power of a cosine, which makes a highlight as small as it is, given its square as a
-/// quotient; 0 in lanes where it is too faint to be seen. `None` if that is so in every lane.
+/// The 40th power of a cosine, which makes the highlight small. The cosine's square is `above` /
+/// `below`. 0 in lanes where it is too faint to be visible; `None` if that is every lane.
 #[inline(always)]
 pub fn shine<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
-    /// Of this the power is 1e-6.
+    /// Square of the cosine at which the power is 1e-6.
     const LEAST: f32 = 0.5;
     let is_seen = above.simd_gt(LEAST * below);
     if is_seen.all_false() {

@@ -1,4 +1,4 @@
-//! Sixteen pixels of a window at a time, from what is known of them to bytes.
+//! Shading of sixteen pixels of a window at a time, from their G-buffer to bytes.
 
 use super::lanes::{by_axis, dot, left, shine, splat, toned};
 use super::{Appearance, Paint, SurfaceColors, UndecidedStyle};
@@ -11,30 +11,30 @@ use zeroset_trace::RayGrid;
 use zeroset_trace::Status;
 use zeroset_trace::painted::{FULL, Window, bits};
 
-/// Distance of the stripes of a hatch, and their width, in pixels along a row.
+/// Distance between the stripes of a hatch, and their width, in pixels along a row.
 const HATCH_PERIOD: usize = 6;
 const HATCH_WIDTH: usize = 2;
 
-/// How much darker a line makes what it covers.
+/// Share of its light that a point loses under a line.
 const INK: f32 = 0.8;
 
-/// Marks undecided pixels under [`UndecidedStyle::Tint`]: no hue of the default pairs.
+/// Color of undecided pixels under [`UndecidedStyle::Tint`]: no hue of the default pairs.
 const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 
-/// What all of a picture is lit by.
+/// The lights and colors of a picture.
 pub struct Shader<'a> {
     rays: &'a RayGrid,
     appearance: &'a Appearance,
     palette: Vec<SurfaceColors>,
     lamps: Lamps,
     codes: &'static Codes,
-    /// A row of background.
+    /// One row of background.
     row: Vec<u8>,
     level: Level,
 }
 
 impl<'a> Shader<'a> {
-    /// For a picture along these rays.
+    /// A shader for a picture with these rays.
     pub fn new(rays: &'a RayGrid, appearance: &'a Appearance) -> Self {
         Self {
             rays,
@@ -47,12 +47,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The same with such vectors.
+    /// The same shader with vectors of this level.
     pub(super) fn with(self, level: Level) -> Self {
         Self { level, ..self }
     }
 
-    /// A canvas for the colors of some rows: three bytes a pixel, which are of background first.
+    /// A canvas for the colors of some rows, three bytes a pixel. It is filled with background
+    /// first.
     pub fn canvas<'b>(&'b self, bytes: &'b mut [u8]) -> Canvas<'b> {
         bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
         Canvas { shader: self, bytes: bytes.as_chunks_mut().0, left: Vec::new() }
@@ -80,7 +81,7 @@ impl Canvas<'_> {
         self.shader.paint(simd, seen, window, Some(faced), self.bytes);
     }
 
-    /// Paints what is left, now that there are normals.
+    /// Paints the windows that waited for normals.
     pub(crate) fn finish(mut self, seen: &Seen<'_>, normals: &[[f32; 3]]) {
         let left = std::mem::take(&mut self.left);
         self.windows(
@@ -89,7 +90,7 @@ impl Canvas<'_> {
         );
     }
 
-    /// Paints windows.
+    /// Paints windows whose normals are in `seen`.
     pub(super) fn windows(&mut self, seen: &Seen<'_>, windows: &[Window]) {
         let Self { shader, bytes, .. } = self;
         dispatch!(shader.level, simd => {
@@ -100,7 +101,7 @@ impl Canvas<'_> {
     }
 }
 
-/// The columns of some rows, and the paint of their points.
+/// The G-buffer of some rows, and the paint of their points.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen<'a> {
     pub columns: Columns<'a>,
@@ -108,12 +109,12 @@ pub(crate) struct Seen<'a> {
     pub paint: &'a [Paint],
 }
 
-/// The unit vectors of a window's pixels to the eye, and normals.
+/// Unit vectors of a window's pixels: to the eye, and normals.
 pub(crate) type Faced<S> = ([f32x16<S>; 3], [f32x16<S>; 3]);
 
-/// What a window's pixels have that those of most windows have not.
+/// Quantities of a window's pixels that most windows do not have.
 struct Own {
-    /// How much of the light is hidden, 255 being all.
+    /// Share of the light that is hidden; 255 means that all is hidden.
     shadow: Lanes<u8>,
     occlusion: Lanes<u8>,
     /// Lanes on a face that cuts a solid open, as bits.
@@ -121,7 +122,7 @@ struct Own {
     /// [`Paint`], by primary.
     base: [Lanes<f32>; 3],
     ink: Lanes<f32>,
-    /// What is left of the light of undecided pixels, and the share of the tint.
+    /// Factor of the light of undecided pixels, and share of the tint.
     marks: [Lanes<f32>; 2],
 }
 
@@ -135,7 +136,7 @@ impl Own {
         marks: [Lanes([1.0; LANES]), Lanes([0.0; LANES])],
     };
 
-    /// `None` if a window has nothing of all that.
+    /// The quantities of a window; `None` if it has none of them.
     #[inline]
     fn of(seen: &Seen<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Option<Self> {
         let Seen { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
@@ -164,7 +165,7 @@ impl Own {
     }
 }
 
-/// Directions, of length 1, towards the lights that move with the camera.
+/// Unit vectors toward the lights that move with the camera.
 #[derive(Clone, Copy)]
 struct Lamps {
     above: Vec3,
@@ -186,7 +187,7 @@ impl Lamps {
 }
 
 impl Shader<'_> {
-    /// Writes the bytes of a window's pixels. Where their normals are not given, `seen` has them.
+    /// Writes the bytes of a window's pixels. Without `faced`, the normals are those in `seen`.
     #[inline(always)]
     fn paint<S: Simd>(
         &self,
@@ -224,7 +225,7 @@ impl Shader<'_> {
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            // Mostly once: before the loop it takes longer.
+            // Mostly executed once. Before the loop it takes longer.
             let own = Own::of(seen, window, marks);
             let amounts = match &own {
                 None => self.light::<S, false>(simd, seen, window, faced, colors, &Own::NONE),
@@ -236,7 +237,7 @@ impl Shader<'_> {
         }
     }
 
-    /// How undecided pixels are marked: what is left of their own light, and the share of the tint.
+    /// The marks of undecided pixels: factor of their own light, and share of the tint.
     fn marks(&self, undecided: Window) -> [Lanes<f32>; 2] {
         let [mut left, mut tint] = [1.0, 0.0].map(Lanes::splat);
         let diagonal = undecided.column + undecided.row + self.rays.corner.iter().sum::<usize>();
@@ -250,8 +251,8 @@ impl Shader<'_> {
         [left, tint]
     }
 
-    /// The light that a window's pixels send to the eye, by primary, clamped to what the codes
-    /// know. Twice in the program, since most windows have nothing `OWN`.
+    /// The light that a window's pixels send to the eye, by primary, clamped to the range of the
+    /// codes. It is compiled in two versions, since most windows have nothing `OWN`.
     #[inline(always)]
     fn light<S: Simd, const OWN: bool>(
         &self,
@@ -269,7 +270,7 @@ impl Shader<'_> {
             #[inline(always)]
             || rays.points(simd, window, window.load(seen.columns.drawn, &mut [0.0; LANES])),
         );
-        // No closure deals with vectors: it would be compiled apart, for narrower ones.
+        // No closure gets vectors: it would be compiled separately, with narrower ones.
         let one = f32x16::splat(simd, 1.0);
         let (eye, normal) = if let Some(faced) = faced {
             faced
@@ -278,15 +279,15 @@ impl Shader<'_> {
             (rays.ways(simd, window).to_eye, normal)
         };
         let facing = dot(normal, eye);
-        // The side that is seen is lit.
+        // The visible side is lit.
         let side = one.copysign(facing);
         let (mut lit, mut open) = (one, one);
         if OWN {
             (lit, open) = (left(simd, &own.shadow), left(simd, &own.occlusion));
         }
         let direct = lit * (side * dot(normal, light)).max(0.0);
-        // The square of the cosine between the normal and the direction half way to the light. From
-        // straight behind there is none, and light is not seen.
+        // The square of the cosine between the normal and the halfway vector, as a quotient. For
+        // light from straight behind the halfway vector is zero, and so is the highlight.
         let halfway = [light[0] + eye[0], light[1] + eye[1], light[2] + eye[2]];
         let cosine = (side * dot(normal, halfway)).max(0.0);
         let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);

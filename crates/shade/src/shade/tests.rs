@@ -1,4 +1,4 @@
-//! Single pixels, and that sixteen at once are as one.
+//! Single pixels; and sixteen at once have the colors of single ones.
 
 use super::*;
 use glam::DVec3;
@@ -44,7 +44,7 @@ fn shadow_leaves_the_ambient_share() {
 #[test]
 fn light_from_behind_lights_no_more_than_it_should() {
     for k in 0..3000 {
-        // All but straight behind, all but grazing: what is half way hangs on the last bits.
+        // Almost straight behind and almost grazing: the halfway vector depends on the last bits.
         let (aside, turned) = (1e-6 * f64::from(k), 1e-4 * (k % 7) as f32);
         let (buffer, rays) = painted([1.0, turned - 3e-4, 0.0]);
         let light = Light::Positional(DVec3::new(aside, 5.0, 0.0));
@@ -91,7 +91,7 @@ fn what_is_near_takes_light_away() {
     }
 }
 
-/// The color of one pixel in plain `f64`; not of an undecided one.
+/// The color of one pixel in plain `f64`; not for undecided ones.
 fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [u8; 3] {
     if !buffer.is_drawn(pixel) {
         return look.background.to_srgb();

@@ -1,16 +1,16 @@
 //! Affine forms over tiles of rays, from coarse to fine, then along single rays.
 //!
-//! A tile's form is a linear function of its two screen axes and of depth: solved for depth, it
-//! narrows the segment in which the tile's rays may meet a zero, and where depth outweighs all else
-//! it proves one on every ray. Tiles of 16×16 pixels are split into tiles of 4×4 and those into
-//! rays; what a tile proves its parts need not ask again. A segment that does not get much shorter
-//! is that of a tile to be split, where parts of the tile need less of it: where it is short for
-//! how wide the tile is, or the surface steep. Elsewhere it is cut in two, and the nearer part
-//! comes first.
+//! A tile's form is a linear function of its two screen axes and of depth. Solved for depth, it
+//! narrows the segment in which the tile's rays may meet a zero. Where the coefficient of depth
+//! outweighs all others, it proves a zero on every ray. Tiles of 16×16 pixels are split into tiles
+//! of 4×4 pixels, and those into rays. Parts of a tile start from the segment that the tile has
+//! left. A tile is split if its segment does not get much shorter, and its parts need less of it:
+//! the segment is short relative to the tile's width, or the surface is steep. Otherwise the
+//! segment is cut in two, and the nearer part comes first.
 //!
-//! A hit is a segment on which the function is continuous and whose ends have opposite signs,
-//! behind nothing but proven empty parts. Emptiness and signs are followed down to what arithmetic
-//! can tell, with [`Precision::Auto`] in `f64` where `f32` cannot.
+//! A hit is a segment on which the function is continuous and whose ends have opposite signs. All
+//! parts before it are proven empty. Segments are narrowed down to the limit of precision: with
+//! [`Precision::Auto`], in `f64` where `f32` does not suffice.
 
 mod bundle;
 #[cfg(test)]
@@ -34,9 +34,8 @@ use crate::band::Band;
 use crate::buffer_pool::BufferPool;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
-use crate::method::{
-    Method, MethodOption, Precision, Proves, Segment, Start, Task, TraceOptions, Tracer, by_squares,
-};
+use crate::method::{Fallback, Method, Proves, Segment, Start, Task, Tracer, by_squares};
+use crate::options::{self, Precision, TraceOptions};
 use crate::ray_result::RayResult;
 use crate::scalar::Scalar;
 use frame::RayFrame;
@@ -51,11 +50,11 @@ pub(crate) const METHOD: Method = Method {
     help: "tiles and rays narrowed by affine forms; proves hits and misses",
     proves: Proves::HitsAndMisses,
     reads: &[
-        MethodOption::Precision,
-        MethodOption::Tolerance,
-        MethodOption::NoContract,
-        MethodOption::NoTiles,
-        MethodOption::NoIntervals,
+        options::PRECISION,
+        options::TOLERANCE,
+        options::NO_CONTRACT,
+        options::NO_TILES,
+        options::NO_INTERVALS,
     ],
     prepare: [prepare::<f32>, prepare::<f64>],
 };
@@ -63,16 +62,48 @@ pub(crate) const METHOD: Method = Method {
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     match Affine::<T>::new(task) {
         Ok(tracer) => Ok(Box::new(tracer)),
-        // Forms need several times the room of intervals: a formula too large for them can still be
-        // drawn.
-        Err(_) => knoll::prepare::<T>(task),
+        // Kernels of forms are several times as large as those of intervals. A formula that is too
+        // large for them is drawn with intervals.
+        Err(why) => Ok(Box::new(Boxes { tracer: knoll::prepare::<T>(task)?, why: why.to_string() })),
     }
+}
+
+/// The method `knoll` in the place of this one, for a formula whose forms cannot be compiled.
+struct Boxes<'a> {
+    tracer: Box<dyn Tracer + 'a>,
+    why: String,
+}
+
+impl Tracer for Boxes<'_> {
+    fn follow(
+        &self,
+        rays: &[Segment],
+        start: Start,
+        found: &mut [RayResult],
+        work: &mut KernelStats,
+    ) {
+        self.tracer.follow(rays, start, found, work);
+    }
+
+    fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
+        let why = format!("the formula is too large for affine forms ({})", self.why);
+        Some(Fallback { method: knoll_row(), why })
+    }
+
+    fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
+        self.tracer.band(rays, band, work);
+    }
+}
+
+/// The row of the method that takes this one's place.
+fn knoll_row() -> &'static Method {
+    Method::named(knoll::METHOD.name).unwrap_or_default()
 }
 
 struct Affine<'a, T: Scalar> {
     tiles: &'a dyn Kernel<ContractTiles, T>,
     follower: Follower<'a, T>,
-    /// Whether the forms are those of a numerator, which proves no zero of the function.
+    /// Whether the forms are those of a numerator, whose zeros need not be zeros of the function.
     cleared: bool,
     task: Task<'a>,
     /// [`TraceOptions::longest`].
@@ -83,11 +114,11 @@ struct Affine<'a, T: Scalar> {
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
 
-/// How far, as a share of the region's extent, the real ray may be from what is computed of it.
+/// Maximum error of a computed ray, as a share of the region's extent. Beyond it boxes are used.
 const FARTHEST: f64 = 1e-2;
 
-/// Where hits are wanted closer than so many of the shortest segments, or of what coordinates are
-/// rounded by, `f32` would narrow each in vain before `f64` does.
+/// If a hit's bracket must be shorter than this many times the resolution of `f32`, only `f64` is
+/// used: `f32` would narrow each segment in vain.
 const FINE: f64 = 16.0;
 
 impl<'a, T: Scalar> Affine<'a, T> {
@@ -95,10 +126,10 @@ impl<'a, T: Scalar> Affine<'a, T> {
         let kernels = T::kernels(task.surface);
         let follower = || Follower::new(task);
         let (tiles, follower) = if rayon::current_thread_index().is_some() {
-            // Each is compiled while the other is.
+            // Both are compiled at the same time.
             rayon::join(|| kernels.tiles(), follower)
         } else {
-            // Mostly they were compiled before, and to hand this over to another thread would take
+            // They are usually compiled already, and handing one to another thread would take
             // longer.
             (kernels.tiles(), follower())
         };
@@ -115,15 +146,21 @@ impl<'a, T: Scalar> Affine<'a, T> {
 }
 
 impl<'a, T: Scalar> Affine<'a, T> {
-    /// The same in `f64` alone.
+    /// Whether rays are so far away that forms say nothing of where in the region a ray is; boxes
+    /// within it may.
+    fn is_too_far(&self, frame: &RayFrame) -> bool {
+        let extent = self.task.region.high() - self.task.region.low();
+        frame.error.cmpgt(extent * FARTHEST).any()
+    }
+
+    /// Returns the same method in `f64`, or `None` if its kernels cannot be compiled.
     fn double(&self) -> Option<&Affine<'a, f64>> {
         if let Some(double) = self.double.get() {
             return double.as_deref();
         }
         let options = TraceOptions { precision: Precision::F64, ..self.task.options };
-        // Not made while others are kept waiting: a thread that waits for the half of this that
-        // another one makes takes up another band meanwhile, which would then wait for this very
-        // thread.
+        // Not created inside `get_or_init`. A thread that waits there for its half of a `join` may
+        // take up another band, which would wait for this very thread.
         let made = Affine::new(Task { options, ..self.task }).ok().map(Box::new);
         self.double.get_or_init(|| made).as_deref()
     }
@@ -142,16 +179,21 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
         });
     }
 
+    fn fallback(&self, rays: &RayGrid) -> Option<Fallback> {
+        let why = "from this far away, affine forms cannot tell where in the domain a ray is";
+        (self.is_too_far(&RayFrame::new(rays, self.task.region))
+            && knoll::prepare::<T>(self.task).is_ok())
+        .then(|| Fallback { method: knoll_row(), why: why.to_owned() })
+    }
+
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
         let frame = RayFrame::new(rays, self.task.region);
-        let (error, extent) = (frame.error, self.task.region.high() - self.task.region.low());
-        // From so far away forms say nothing of where in the region a ray is; boxes within it may.
-        if error.cmpgt(extent * FARTHEST).any()
+        if self.is_too_far(&frame)
             && let Ok(boxes) = knoll::prepare::<T>(self.task)
         {
             return boxes.band(rays, band, work);
         }
-        if !self.task.options.ideas.tiles {
+        if !self.task.options.tiles {
             return by_squares(self, rays, band, work);
         }
         if self.task.options.precision == Precision::Auto

@@ -1,4 +1,4 @@
-//! Zeros whose place arithmetic cannot tell: between two places where the sign is certain, and
+//! Brackets of zeros that arithmetic cannot locate: between two places whose signs are certain and
 //! different.
 
 use super::local_ray::{LocalRay, between_faces, bounds};
@@ -6,14 +6,13 @@ use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
 use zeroset_interval::Facts;
 use zeroset_space::Region;
 
-/// Places away from an open segment at which the sign is looked at, each half as far again as the
-/// one before; and how often a bracket is then halved.
+/// Number of places beside an open segment at which the sign is evaluated, each 1.5 times as far
+/// away as the one before. Also the number of times that a bracket is halved.
 const STEPS: i32 = 48;
-/// How far behind an open segment a zero is looked for, as a share of the ray's way through the
-/// region.
+/// How far behind an open segment a zero is searched, as a share of the ray's length in the region.
 const LONGEST: f64 = 1.0 / 64.0;
 
-/// How close to a segment, in lengths of it, a denominator's zero is looked for.
+/// How far around a segment its denominator is tested for zeros, in lengths of the segment.
 const CLOSE: f64 = 8.0;
 
 /// The function along one ray.
@@ -24,11 +23,11 @@ pub(super) struct Bridge<'a, T: Real> {
 }
 
 impl<T: Real> Bridge<'_, T> {
-    /// A bracket of the first zero, given that there is none before the segment from `near` to
-    /// `far`, of which nothing else is known. `None` if nothing tells that there is a zero.
+    /// Returns a bracket of the first zero, given that no zero lies before the segment from `near`
+    /// to `far`. Returns `None` if no zero is proven.
     ///
-    /// The function is continuous from a place before the segment to one behind it, and has
-    /// opposite signs there.
+    /// A zero is proven if the function is continuous from a place before the segment to one behind
+    /// it, and has opposite signs there.
     pub fn bracket(&self, [near, far]: [f64; 2]) -> Option<[f64; 2]> {
         let [first, last] = self.inside();
         if !(first <= near && far <= last) {
@@ -41,7 +40,7 @@ impl<T: Real> Bridge<'_, T> {
         if !self.enclose([before, behind]).facts(0).has(Facts::CONTINUOUS) {
             return None;
         }
-        // The sign is as certain closer to the zero.
+        // Bisect for the nearest place that still has a certain sign.
         let mut close = near;
         for _ in 0..STEPS {
             let middle = 0.5 * (close + behind);
@@ -54,24 +53,24 @@ impl<T: Real> Bridge<'_, T> {
         Some([near, behind])
     }
 
-    /// Whether the function has the same sign on both sides of a segment, in which or close to
-    /// which its `denominator` may vanish, as that of sin(x)/x does: a gap, if anything, and not a
-    /// surface.
+    /// Whether a segment is a gap, like that of sin(x)/x at 0, rather than a surface. The function
+    /// has the same sign on both sides of a gap, and its `denominator` may vanish in it or close to
+    /// it.
     pub fn is_gap(&self, [near, far]: [f64; 2], denominator: &dyn Kernel<Enclose, T>) -> bool {
         let [first, last] = self.inside();
         let least = (far - near).max(f64::EPSILON * (near.abs() + far.abs()));
         let before = self.sign_from(near, -least, first, None);
         let behind = self.sign_from(far, least, last.min(far + LONGEST * (last - first)), None);
         let (Some((start, before)), Some((end, behind))) = (before, behind) else { return false };
-        // What is left open behind a gap is not told from it.
+        // An open part close behind a gap is treated as part of the gap.
         let close = CLOSE * (end - start);
         let boxes = Boxes::around(&[bounds(self.way, [start - close, end + close], self.region)]);
         let (bounds, zero) = (denominator.eval_all(&boxes).remove(0), T::default());
         before == behind && bounds.neg_lo[0] >= zero && bounds.hi[0] >= zero
     }
 
-    /// Where the ray is in the region, behind its start, and so that its points are within the
-    /// bounds of [`bounds`].
+    /// Returns the values of s, not before the ray's start, between which the ray is in the region.
+    /// There the boxes of [`bounds`], which are clipped to the region, contain its points.
     fn inside(&self) -> [f64; 2] {
         let way = self.way;
         let [near, far] = way.inside;
@@ -79,8 +78,8 @@ impl<T: Real> Bridge<'_, T> {
         [near.max(way.start).max(enter), far.min(leave)]
     }
 
-    /// A place where the sign is certain, and the `wanted` one, from `start` on in steps of growing
-    /// length up to `end`; and whether it is +.
+    /// Returns the first place with a certain sign and whether the sign is +, going from `start` to
+    /// `end` in steps of growing length. Only the `wanted` sign counts, if one is given.
     fn sign_from(
         &self,
         start: f64,
@@ -101,7 +100,8 @@ impl<T: Real> Bridge<'_, T> {
         None
     }
 
-    /// Whether the function is certainly above 0 at a place, or certainly below.
+    /// Returns whether the function at a place is certainly above 0, or `Some(false)` if it is
+    /// certainly below.
     fn sign(&self, s: f64) -> Option<bool> {
         let value = self.enclose([s, s]);
         if !value.facts(0).has(Facts::DEFINED) {

@@ -3,7 +3,8 @@
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::kernel_stats::KernelStats;
-use crate::method::{Method, MethodOption, Proves, Task, Tracer};
+use crate::options;
+use crate::method::{Method, Proves, Task, Tracer};
 use crate::packet::Packet;
 use crate::scalar::Scalar;
 use fearless_simd::Simd;
@@ -13,7 +14,7 @@ pub(crate) const METHOD: Method = Method {
     name: "knoll",
     help: "packets of rays in slabs of the dominant axis (Knoll et al. 2007); proves misses only",
     proves: Proves::Misses,
-    reads: &[MethodOption::Precision, MethodOption::Depth, MethodOption::Tolerance],
+    reads: &[options::PRECISION, options::DEPTH, options::TOLERANCE],
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 

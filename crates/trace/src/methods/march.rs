@@ -1,11 +1,12 @@
 //! Uniform samples along each ray: a change of sign between neighbours is taken for a root.
 //!
-//! It proves nothing. What is thinner than the way between two samples is passed over, and where
-//! the function changes sign at a pole, a wall is drawn.
+//! It proves nothing. Features thinner than the distance between two samples are missed. Where the
+//! function changes sign at a pole, a wall is drawn.
 
 use super::refine::{Parts, Refiner};
 use crate::kernel_stats::KernelStats;
-use crate::method::{Method, MethodOption, Proves, Segment, Start, Task, Tracer};
+use crate::options;
+use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
 use crate::packet::Lines;
 use crate::painted::ones;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
@@ -17,7 +18,7 @@ pub(crate) const METHOD: Method = Method {
     name: "march",
     help: "changes of sign between uniform samples; proves nothing",
     proves: Proves::Nothing,
-    reads: &[MethodOption::Precision, MethodOption::Steps, MethodOption::Tolerance],
+    reads: &[options::PRECISION, options::STEPS, options::TOLERANCE],
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
@@ -30,12 +31,12 @@ fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErro
 struct March<'a, T: Scalar> {
     refiner: Refiner<'a, T>,
     region: &'a Region,
-    /// Samples on a ray's way through the region.
+    /// Number of samples along a ray's part in the region.
     samples: u32,
 }
 
 impl<T: Scalar> March<'_, T> {
-    /// The first cell between two samples in which the function changes sign.
+    /// Returns the first cell between two samples in which the function changes sign.
     fn cell(
         &self,
         segment: &Segment,
@@ -59,7 +60,7 @@ impl<T: Scalar> March<'_, T> {
             work.point.called(points.count);
             for (lane, sample) in (first..first + points.count).enumerate() {
                 let value: f64 = values.value[lane].into();
-                // The cell in which a ray starts on a surface holds that surface.
+                // The first cell of a ray that starts on a surface contains that surface.
                 let counts = sample > u32::from(start == Start::OnSurface);
                 if counts && self.refiner.is_crossing([before, value]) {
                     return Some([at(sample - 1), at(sample)]);
@@ -84,7 +85,7 @@ impl<T: Scalar> Tracer for March<'_, T> {
             for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
                 *found = RayResult::MISS;
                 let Some([near, far]) = segment.within(self.region) else { continue };
-                // A miss would be a claim. Before the region there is nothing.
+                // A miss would be a claim, so the ray is undecided from where it enters the region.
                 let (status, reason) = (Status::Undecided, UndecidedReason::Unproven);
                 *found = RayResult { status, reason, distance: near, ..RayResult::MISS };
                 if far.is_finite()

@@ -1,8 +1,8 @@
-//! Robust ray intersection with interval arithmetic (Mitchell 1990): the way of a single ray is
-//! halved until each part is empty by bounds of f, or holds at most one root by bounds of df/dt.
+//! Robust ray intersection with interval arithmetic (Mitchell 1990). A single ray is halved until
+//! each part is empty by bounds of f, or holds at most one root by bounds of df/dt.
 //!
-//! It proves misses, and hits where the values at the ends of such a part have opposite signs for
-//! certain.
+//! It proves misses. It proves a hit if the values at the ends of such a part certainly have
+//! opposite signs.
 
 mod isolated;
 mod search;
@@ -10,7 +10,9 @@ mod search;
 use super::local_ray::LocalRay;
 use super::outcome::{Outcome, follow_ways};
 use crate::kernel_stats::KernelStats;
-use crate::method::{Method, MethodOption, Precision, Proves, Segment, Start, Task, Tracer};
+use crate::options;
+use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
+use crate::options::Precision;
 use crate::ray_result::RayResult;
 use crate::scalar::Scalar;
 use search::Searcher;
@@ -21,7 +23,7 @@ pub(crate) const METHOD: Method = Method {
     name: "mitchell",
     help: "single rays halved by bounds of f and of df/dt (Mitchell 1990); proves hits and misses",
     proves: Proves::HitsAndMisses,
-    reads: &[MethodOption::Precision, MethodOption::Tolerance],
+    reads: &[options::PRECISION, options::TOLERANCE],
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
@@ -31,13 +33,13 @@ fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErro
 
 struct Mitchell<'a, T: Scalar> {
     searcher: Searcher<'a, T>,
-    /// Made when `f32` leaves the first ray open.
+    /// Searcher in `f64`, created when `f32` leaves the first ray open.
     double: OnceLock<Option<Searcher<'a, f64>>>,
     task: Task<'a>,
 }
 
 impl<T: Scalar> Mitchell<'_, T> {
-    /// Looks in `f64` at what stayed open in `f32`, and at all that lies behind it.
+    /// Searches the rays that stayed open in `f32` again in `f64`, from their first open part on.
     fn follow_in_double(
         &self,
         ways: &[LocalRay],
@@ -72,7 +74,7 @@ impl<T: Scalar> Tracer for Mitchell<'_, T> {
     ) {
         follow_ways(rays, &self.task, found, |ways| {
             let mut outcomes = self.searcher.search(ways, start, work);
-            // Shadows need no more than `f32` tells.
+            // Shadows need no more precision than that of `f32`.
             if self.task.options.precision == Precision::Auto && start == Start::Anywhere {
                 self.follow_in_double(ways, &mut outcomes, work);
             }

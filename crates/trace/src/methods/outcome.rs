@@ -1,4 +1,4 @@
-//! What became of a ray whose hits are proven, and how it is told.
+//! Outcomes of rays whose hits are proven, and their results.
 
 use super::local_ray::LocalRay;
 use crate::method::{Segment, Task};
@@ -6,19 +6,19 @@ use crate::ray_result::{RayResult, Status, UndecidedReason};
 use zeroset_eval::LANES;
 use zeroset_interval::Facts;
 
-/// What became of a ray. Places are values of s.
+/// Outcome of following a ray. Places are values of s.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
     /// The bracket of the first proven hit.
     pub hit: Option<[f64; 2]>,
-    /// The start of the first part before it of which nothing is proven, and why.
+    /// Start of the first part before the hit that is not proven empty, and the reason.
     pub open: Option<(f64, UndecidedReason)>,
-    /// The start of the first such part that is likely a zero.
+    /// Start of the first such part that is likely a zero.
     pub likely: Option<f64>,
 }
 
 impl Outcome {
-    /// The same as a finding, for a ray whose t is `start` where s is 0.
+    /// Converts the outcome to a result, for a ray whose t is `start` where s is 0.
     pub fn found(&self, start: f64) -> RayResult {
         let place = |s: f64| start + s;
         let middle = self.hit.map(|[near, far]| place(0.5 * (near + far)));
@@ -30,14 +30,15 @@ impl Outcome {
         let (Some([near, far]), Some(distance)) = (self.hit, middle) else {
             return RayResult::MISS;
         };
-        // Its ends are rounded outward.
+        // The ends are rounded outward.
         let bracket = [place(near).next_down(), place(far).next_up()];
         let (status, drawn) = (Status::Hit, distance);
         RayResult { status, distance, drawn, bracket, ..RayResult::MISS }
     }
 }
 
-/// Says what became of rays, given what becomes of up to [`LANES`] ways through the region.
+/// Writes the results of rays to `found`. `follow` returns the outcomes of up to [`LANES`] rays
+/// within the region.
 pub(super) fn follow_ways<O: IntoIterator<Item = Outcome>>(
     rays: &[Segment],
     task: &Task<'_>,
@@ -64,7 +65,8 @@ pub(super) fn follow_ways<O: IntoIterator<Item = Outcome>>(
     }
 }
 
-/// Why a part stays open of which this is known, and for which effort may have run out.
+/// Returns why a part stays open, given the facts about it and whether the effort for its ray is
+/// `spent`.
 pub(super) fn reason(facts: Facts, spent: bool) -> UndecidedReason {
     if !facts.has(Facts::DEFINED) {
         UndecidedReason::Undefined

@@ -1,14 +1,15 @@
 //! Affine forms along rays, after Knoll, Hijazi, Kensler, Schott, Hansen and Hagen ("Fast Ray
 //! Tracing of Arbitrary Implicit Surfaces with Interval and Affine Arithmetic", Computer Graphics
-//! Forum 28, 2009): the way of a ray through a slab is one symbol, and a slab whose form does not
-//! reach 0 is empty.
+//! Forum 28, 2009). A ray's position in a slab is one symbol. A slab whose form does not reach 0 is
+//! empty.
 //!
-//! A form is only asked whether it reaches 0: slabs are halved, not contracted. That is what sets
-//! it apart from `affine`.
+//! Forms are only tested for 0: slabs are halved, not contracted. This distinguishes the method
+//! from `affine`.
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::kernel_stats::KernelStats;
-use crate::method::{Method, MethodOption, Proves, Task, Tracer};
+use crate::options;
+use crate::method::{Method, Proves, Task, Tracer};
 use crate::packet::Packet;
 use crate::scalar::Scalar;
 use fearless_simd::Simd;
@@ -20,14 +21,14 @@ pub(crate) const METHOD: Method = Method {
     name: "raa",
     help: "affine forms along packets of rays, halved (Knoll et al. 2009); proves misses only",
     proves: Proves::Misses,
-    reads: &[MethodOption::Precision, MethodOption::Depth, MethodOption::Tolerance],
+    reads: &[options::PRECISION, options::DEPTH, options::TOLERANCE],
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     let kernels = T::kernels(task.surface);
-    // Whether a slab is bounded is asked of intervals: a form that has no bounds says no more than
-    // that.
+    // Intervals tell whether the function is bounded in a slab. A form without bounds does not tell
+    // that the function has none.
     let bounded = if task.options.suppress_asymptotes { kernels.zeros().ok() } else { None };
     let test = Forms { kernel: kernels.segments()?, bounded };
     Ok(Box::new(Slabs::new(test, task)))
@@ -38,7 +39,7 @@ struct Forms<'a, T: Scalar> {
     bounded: Option<&'a dyn Kernel<FindZeros, T>>,
 }
 
-/// What is asked, and what is answered.
+/// Batches that kernels read and write.
 #[derive(Default)]
 struct Batch<T: Scalar> {
     segments: Segments<T>,

@@ -1,9 +1,9 @@
-//! The usual refinement: where in a part of a ray samples of the function change sign.
+//! Refinement by samples: finds where in a part of a ray the function changes sign.
 //!
-//! Samples prove nothing, and neither does this: it moves what is painted, never what is claimed.
+//! Samples prove nothing. Refinement moves what is painted, but never changes a claim.
 
 use crate::kernel_stats::KernelStats;
-use crate::method::TraceOptions;
+use crate::options::TraceOptions;
 use crate::packet::Lines;
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -11,52 +11,52 @@ use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use zeroset_eval::{Kernel, LANES, Lanes, Points, Sample, Values};
 
-/// Rounds, at most: as many as halving a whole ray down to what `f64` can tell needs. More than
-/// halving needs at least, ITP takes only one.
+/// Maximum number of rounds: as many as halving takes from a whole ray to the resolution of `f64`.
+/// ITP takes at most one round more than halving.
 const ROUNDS: u32 = 64;
 
-/// Finds places between samples.
+/// Finds changes of sign in parts of rays.
 pub(super) struct Refiner<'a, T: Scalar> {
     pub kernel: &'a dyn Kernel<Sample, T>,
-    /// How far, in pixels, a place may be off.
+    /// Maximum error of a place, in pixels.
     pub tolerance: f64,
-    /// Whether any change of side counts, as at a solid's faces: into a pole, across a jump, to
-    /// where there is no value.
+    /// Whether any change of side counts, as at the faces of a solid: at a pole, across a jump, or
+    /// to where there is no value.
     pub solid: bool,
 }
 
 /// Parts of up to [`LANES`] rays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parts {
-    /// The rays that have one, as bits.
+    /// Rays that have a part, as bits.
     pub rays: u16,
-    /// By ray, the values of t between which it is.
+    /// Values of t at the near and far ends, per ray.
     pub ends: [Lanes<f64>; 2],
 }
 
 impl Parts {
-    /// Sets that of one ray.
+    /// Sets the part of one ray.
     pub fn set(&mut self, ray: usize, [near, far]: [f64; 2]) {
         self.rays |= 1 << ray;
         (self.ends[0][ray], self.ends[1][ray]) = (near, far);
     }
 }
 
-/// Parts of rays at whose ends samples differ in sign, a lane each.
+/// Parts of rays whose samples at the two ends differ in sign, a lane each.
 struct Brackets {
     ends: [Lanes<f64>; 2],
     values: [Lanes<f64>; 2],
-    /// How long they were, and how long they may be.
+    /// Their initial length, and the length at which they are short enough.
     length: Lanes<f64>,
     enough: Lanes<f64>,
-    /// How long halving, begun one round later, would have left them.
+    /// Length that halving would have left, if it had begun one round later.
     halved: Lanes<f64>,
-    /// Where they are sampled next.
+    /// Place of the next sample.
     next: Lanes<f64>,
 }
 
 impl<'a, T: Scalar> Refiner<'a, T> {
-    /// For a surface whose samples are these.
+    /// Creates a refiner for a surface that this kernel samples.
     pub fn new(kernel: &'a dyn Kernel<Sample, T>, options: &TraceOptions) -> Self {
         let TraceOptions { tolerance, suppress_asymptotes, .. } = *options;
         Self { kernel, tolerance, solid: !suppress_asymptotes }
@@ -70,7 +70,8 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         a.is_finite() && b.is_finite() && (a == 0.0 || b == 0.0 || (a < 0.0) != (b < 0.0))
     }
 
-    /// The places in parts of these rays at which samples change sign; of other rays infinity.
+    /// Returns the places in parts of these rays at which samples change sign; infinity for other
+    /// rays.
     pub fn places(&self, lines: &Lines, wanted: &Parts, work: &mut KernelStats) -> Lanes<f64> {
         let mut places = Lanes::splat(f64::INFINITY);
         if wanted.rays == 0 {
@@ -108,7 +109,7 @@ impl<'a, T: Scalar> Refiner<'a, T> {
     }
 }
 
-/// Puts points of rays into a batch.
+/// Writes points of rays to a batch.
 #[inline(always)]
 fn place<S: Simd, T: Scalar>(simd: S, lines: &Lines, at: &Lanes<f64>, points: &mut Points<T>) {
     for axis in 0..3 {
@@ -121,7 +122,7 @@ fn place<S: Simd, T: Scalar>(simd: S, lines: &Lines, at: &Lanes<f64>, points: &m
     }
 }
 
-/// How long brackets of rays may be that have these ends.
+/// Returns the lengths at which brackets with these ends are short enough.
 #[inline(always)]
 fn enough<T: Scalar, S: Simd>(
     simd: S,
@@ -141,13 +142,12 @@ fn enough<T: Scalar, S: Simd>(
             (size, start) = (size.max(ends), start.max(origin.abs()));
             way = way.max(direction.abs());
         }
-        // How large t is at which coordinates are as large as their largest ones are here. Far from
-        // the eye t is rounded too.
+        // The largest coordinate as a distance along the ray. Far from the eye t is rounded too.
         let size = (size / way).max((start + far.abs()) * f64::EPSILON);
         let [at_eye, growth] = &lines.pixel;
         let growth = part.load(growth);
         let footprint = part.load(at_eye) + near * growth;
-        // Below what a coordinate is rounded by, signs are those of other points.
+        // Below the rounding of a coordinate, samples are taken at other points.
         part.store((footprint * tolerance).max_precise(size * (2.0 * T::UNIT)), &mut enough);
     }
     enough
@@ -161,7 +161,7 @@ impl Brackets {
         values: [Lanes<f64>; 2],
         enough: Lanes<f64>,
     ) -> Self {
-        /// The bits of a float behind its point.
+        /// Mask of the fraction bits of an `f64`.
         const FRACTION: u64 = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
         let (mut length, mut halved) = (Lanes::splat(0.0), Lanes::splat(0.0));
         for part in parts::<S, S::f64s>(simd, LANES) {
@@ -169,8 +169,8 @@ impl Brackets {
             let far = part.load(&ends[1]);
             let enough = part.load(&enough);
             part.store(far - near, &mut length);
-            // `enough` as often doubled as halving takes to come below it: by the next power of
-            // two.
+            // Double `enough` as many times as halving takes to reach it: multiply it by the next
+            // power of two.
             let times = ((far - near) / enough).max(1.0).min(2_f64.powi(1000));
             let bits: S::u64s = times.bitcast();
             let power: S::f64s = ((bits + FRACTION) & !FRACTION).bitcast();
@@ -179,10 +179,10 @@ impl Brackets {
         Self { ends, values, length, enough, halved, next: ends[0] }
     }
 
-    /// Finds where to sample next: ITP (Oliveira and Takahashi 2020, "An Enhancement of the
+    /// Chooses the next samples by ITP (Oliveira and Takahashi 2020, "An Enhancement of the
     /// Bisection Method Average Performance Preserving Minmax Optimality"), with κ₁ = 0.2 over the
-    /// first length, κ₂ = 2 and n₀ = 1. Returns of which of some lanes nothing needs to be sampled
-    /// any more.
+    /// first length, κ₂ = 2 and n₀ = 1. Returns which of the `live` lanes need no more samples, as
+    /// bits.
     #[inline(always)]
     fn go_on<S: Simd>(&mut self, simd: S, live: u16) -> u16 {
         let mut done = 0;
@@ -199,7 +199,7 @@ impl Brackets {
             let is_long = length.simd_gt(enough) & near.simd_lt(middle) & middle.simd_lt(far);
             let is_done = a.simd_eq(zero) | b.simd_eq(zero) | !is_long;
             done |= part.bits(is_done);
-            // No farther from the middle than halving would be behind.
+            // Distance from the middle at which this is still no slower than halving.
             let reach = (halved - length * 0.5).max(0.0);
             part.store(halved * 0.5, &mut self.halved);
             let interpolated = (near * b - far * a) / (b - a);
@@ -211,14 +211,14 @@ impl Brackets {
             let truncated = truncation.simd_le(off.abs()).select(truncated, middle);
             let is_near = (truncated - middle).abs().simd_le(reach);
             let next = is_near.select(truncated, middle - towards * reach);
-            // Nothing to interpolate at a pole, or where there is no value.
+            // There is nothing to interpolate at a pole, or without a value.
             let within = near.simd_lt(next) & next.simd_lt(far) & off.is_finite();
             part.store(within.select(next, middle), &mut self.next);
         }
         done
     }
 
-    /// Keeps the part before or after the sample that was taken of each.
+    /// Keeps the part of each bracket before or behind its new sample.
     #[inline(always)]
     fn narrow<S: Simd>(&mut self, simd: S, values: &Lanes<f64>, solid: bool) {
         for part in parts::<S, S::f64s>(simd, LANES) {
@@ -233,8 +233,7 @@ impl Brackets {
             let is_zero = value.simd_eq(zero) | a.simd_eq(zero);
             let (mut is_near, mut value_there) = (!(differ | is_zero), value);
             if !solid {
-                // What has no value in a bracket with signs is on neither side: it is taken for the
-                // far one.
+                // A point without a value has no sign. It is taken for the far side.
                 let is_nan = value.is_nan();
                 is_near &= !is_nan;
                 value_there = is_nan.select(b, value);
@@ -246,7 +245,7 @@ impl Brackets {
         }
     }
 
-    /// Where a line through the samples at both ends meets 0, which costs nothing more.
+    /// Returns where a line through the samples at both ends meets 0. This takes no further sample.
     fn place(&self, lane: usize) -> f64 {
         let [near, far] = self.ends.each_ref().map(|ends| ends[lane]);
         let [a, b] = self.values.each_ref().map(|values| values[lane]);
@@ -260,7 +259,7 @@ mod tests {
     use super::*;
     use zeroset_testkit::simd::levels;
 
-    /// How many samples of a function a part of a ray takes, and where they end.
+    /// Returns the number of samples that a part of a ray takes, and the place that they lead to.
     fn refine(f: impl Fn(f64) -> f64, ends: [f64; 2], solid: bool) -> (u32, f64) {
         let all = |numbers: [f64; 2]| numbers.map(Lanes::splat);
         let mut brackets = dispatch!(Vectors::new(), simd => {

@@ -1,10 +1,10 @@
-//! Packets of up to sixteen rays march through slabs of their dominant axis, halving those in which
-//! the function may vanish, down to a fixed depth: what `knoll` and `raa` share. A ray of which a
-//! slab is proven empty is not asked about in its parts, though others of its packet are: what is
-//! found of a ray hangs on its neighbours only by the axis, and by the steps that are left.
+//! Packets of up to sixteen rays march through slabs of their dominant axis. Slabs in which the
+//! function may vanish are halved, down to a fixed depth. `knoll` and `raa` share this. If a slab
+//! is proven empty for a ray, its parts are not tested for that ray. So a ray's result depends on
+//! its neighbors only by the axis, and by the steps that are left.
 //!
-//! It proves misses only. Where a slab of the last depth may hold a root one is drawn; nothing says
-//! that there is one, so such pixels are undecided. How a slab is tested is not known here.
+//! It proves misses only. A root is drawn where a slab of the last depth may hold one, but it is
+//! not proven: such pixels are undecided. This module does not know how a slab is tested.
 
 use super::refine::{Parts, Refiner};
 use crate::kernel_stats::KernelStats;
@@ -18,22 +18,22 @@ use std::ops::Range;
 use zeroset_eval::Zeros;
 use zeroset_space::Region;
 
-/// Calls of the kernel for one packet, at most: as many as all slabs of depth 14 need, so that only
-/// deeper pictures can reach it. A packet that hits a surface well needs a few per level; one whose
-/// slabs stay undecided would need 2 to the depth.
-pub const STEPS: u64 = 1 << 15;
+/// Maximum number of kernel calls for one packet. All slabs of depth 14 need as many, so only
+/// deeper pictures reach it. A packet that clearly hits a surface needs a few calls per level. One
+/// whose slabs stay undecided would need 2 to the power of the depth.
+pub const MOST_STEPS: u64 = 1 << 15;
 
-/// Which rays of a packet may meet a zero between planes.
+/// A test which rays of a packet may meet a zero between two planes.
 pub(super) trait SlabTest<T: Scalar>: Sync {
-    /// Memory that is used again and again.
+    /// Memory that is reused.
     type Batch: Default;
 
-    /// Notes what is the same in all slabs of a packet.
+    /// Computes what is the same in all slabs of a packet.
     #[inline(always)]
     fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Batch) {}
 
-    /// Asks whether rays may meet a zero in a slab, and if it is the last whether it is bounded.
-    /// What is told of other rays says nothing. What kernels are asked is added to `work`.
+    /// Tests whether rays may meet a zero in a slab and, if it is a last one, whether it is bounded
+    /// there. Bits of other rays are meaningless. Adds the kernel calls to `work`.
     fn eval<V: Simd>(
         &self,
         simd: V,
@@ -44,43 +44,43 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
     ) -> Zeros;
 }
 
-/// What is asked about.
+/// A slab, and the rays that are tested in it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slab<T> {
-    /// The τ between which it is, in order.
+    /// Values of τ at its two planes, in order.
     pub planes: [T; 2],
-    /// The rays, as bits.
+    /// Rays to be tested, as bits.
     pub rays: u16,
-    /// Whether slabs in which a zero is possible are not halved: then it matters whether they are
-    /// bounded.
+    /// Whether the slab is not halved if a zero is possible. Then it matters whether the function
+    /// is bounded.
     pub is_last: bool,
 }
 
 /// Marches packets through slabs.
 pub(super) struct Slabs<'a, T: Scalar, S> {
     test: S,
-    /// `None` if nothing samples the function: then slabs are drawn where they begin.
+    /// `None` if no kernel samples the function. Roots are then drawn where slabs begin.
     refiner: Option<Refiner<'a, T>>,
     region: &'a Region,
     vectors: Vectors,
-    /// The level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. Rays that
-    /// are not through after [`STEPS`] end in the slab that was looked at last, as if it were of
-    /// this level; what is behind it stays unknown.
+    /// Level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. Rays that are
+    /// not finished after [`MOST_STEPS`] end in the slab that was tested last, as if it were of
+    /// this level. The rest of these rays stays unknown.
     last: u32,
     suppress_asymptotes: bool,
 }
 
-/// What became of a packet's rays, as shares of its extent. Rays are bits.
+/// Outcomes of a packet's rays. Places are values of τ; sets of rays are bits.
 #[derive(Clone, Copy, Debug, Default)]
 struct Outcomes<T> {
-    /// On which a root is drawn.
+    /// Rays on which a root is drawn.
     drawn: u16,
-    /// By ray, τ between which it is: the slab, and the next one, since bounds are wider than the
-    /// function and reach 0 before it does.
+    /// Per ray, the values of τ between which its root is drawn: the slab and the next one. Bounds
+    /// are wider than the function and reach 0 before it does.
     ends: [[T; 2]; RAYS],
-    /// On which slabs were passed over.
+    /// Rays on which slabs were passed over.
     suppressed: u16,
-    /// By ray, τ at the start of the first of these.
+    /// Per ray, τ at the start of the first slab that was passed over.
     first: [T; RAYS],
 }
 
@@ -114,7 +114,7 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
             let Some(refiner) = &self.refiner else { continue };
             let places = refiner.places(&lines, &slabs, work);
             for lane in ones(slabs.rays).filter(|lane| places[*lane].is_finite()) {
-                // What is claimed of the slab stays.
+                // What lies before the slab is proven empty, so nothing is painted there.
                 found[lane].drawn = found[lane].drawn.max(places[lane]);
             }
         }
@@ -122,8 +122,8 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
 }
 
 impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
-    /// Follows some of up to [`RAYS`] rays, of which `lines` are the coordinates: says what became
-    /// of them, and in which part of each a root is drawn.
+    /// Follows some of up to [`RAYS`] rays, whose coordinates are `lines`. Writes their results to
+    /// `found`, and the part of each in which a root is drawn to `slabs`.
     #[allow(clippy::too_many_arguments, reason = "memory that is used again and again")]
     fn some(
         &self,
@@ -150,13 +150,13 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             return;
         }
         if some.len() == 1 {
-            // One ray always advances with itself. Were it not so (a direction that is not a
-            // number), nothing would be known.
+            // A single ray always advances with itself, unless its direction is NaN. Then nothing
+            // is known.
             found[some.start] =
                 RayResult { status: Status::Undecided, distance: 0.0, ..RayResult::MISS };
             return;
         }
-        // Neighbours by fours, then each alone.
+        // Try groups of four neighbors, then single rays.
         let size = if some.len() > 4 { 4 } else { 1 };
         for first in some.clone().step_by(size) {
             let fewer = first..some.end.min(first + size);
@@ -182,10 +182,10 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             Start::OnSurface => alive,
         };
         let mut done = KernelStats::default();
-        // By level, the rays that may meet a zero in the slab of the level above: of others the
-        // parts need no look.
+        // Per level, the rays that may meet a zero in the slab one level above. Its parts are not
+        // tested for other rays.
         let mut possible = [u16::MAX; <f64 as Scalar>::MAX_DEPTH as usize];
-        // Slab `index` of 2^(level + 1) spans τ from index · 2^−(level + 1) to the next: exact.
+        // Slab `index` of 2^(level + 1) starts at τ = index · 2^−(level + 1), which is exact.
         let (mut level, mut index) = (0_u32, 0_u64);
         loop {
             let size = T::halved(level + 1);
@@ -201,12 +201,12 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             }
             let mut vanishing = told.possible & active;
             if start == Start::OnSurface {
-                // Until a ray has come through an empty slab, it is still at the surface that it
-                // started from.
+                // A ray is on the surface that it started from until it has passed through an empty
+                // slab.
                 leaving &= !(active & !vanishing);
             }
-            // Intervals or forms, whichever the test asks of each slab.
-            let is_last = done.interval.calls.max(done.segments.calls) >= STEPS;
+            // Tests evaluate either intervals or forms for each slab.
+            let is_last = done.interval.calls.max(done.segments.calls) >= MOST_STEPS;
             if vanishing != 0 {
                 if level < self.last && !is_last {
                     level += 1;
@@ -215,7 +215,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                     continue;
                 }
                 vanishing &= !leaving;
-                // Bounds are wider than the function: a root may be in the next slab, too.
+                // Bounds are wider than the function, so the root may be in the next slab.
                 let ends = [from, planes[1] + size];
                 alive &= !self.record(vanishing, told.unbounded, ends, &mut outcomes);
                 if alive == 0 && !is_last {
@@ -223,15 +223,14 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 }
             }
             if is_last {
-                // What is behind this slab stays unknown; what was found in front of it does not
-                // change by that.
+                // The rays stay unknown behind this slab. Results in front of it stay valid.
                 let behind = planes[1];
                 let left = alive & packet.meets(simd, behind, T::integer(2));
                 done.given_up += u64::from((left | vanishing).count_ones());
                 outcomes.pass_over(left, behind);
                 break;
             }
-            // On to the next slab, and up to the largest that starts there.
+            // Go to the next slab: the largest one that starts there.
             index += 1;
             let up = index.trailing_zeros();
             if up > level {
@@ -244,8 +243,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         outcomes
     }
 
-    /// Notes a slab of the last depth in which rays may meet a zero, and those on which nothing
-    /// bounds the function there; returns those that are drawn there.
+    /// Records the rays that may meet a zero in a slab of the last depth. `unbounded`: those on
+    /// which the function has no bounds there. Returns the rays whose root is drawn in the slab.
     #[inline(always)]
     fn record(
         &self,
@@ -265,7 +264,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
 }
 
 impl<T: Scalar> Outcomes<T> {
-    /// Notes rays of which nothing is known from some τ on.
+    /// Records that nothing is known about these rays from some τ on.
     #[inline(always)]
     fn pass_over(&mut self, rays: u16, from: T) {
         for lane in ones(rays & !self.suppressed) {
@@ -274,7 +273,7 @@ impl<T: Scalar> Outcomes<T> {
         self.suppressed |= rays;
     }
 
-    /// What was found of a ray; tells in which part of it a root is drawn, if one is.
+    /// Returns the result of a ray. If a root is drawn, passes the part that contains it to `tell`.
     fn found(
         &self,
         packet: &Packet<T>,

@@ -1,6 +1,6 @@
-//! Bounds of a function along rays, of its values and of how fast they change.
+//! Bounds of a function's values along rays, and of how fast they change.
 //!
-//! What is concluded from them is not known here.
+//! This module does not draw conclusions from them.
 
 use crate::kernel_stats::KernelStats;
 use crate::method::Task;
@@ -11,7 +11,7 @@ use zeroset_eval::{
 };
 use zeroset_interval::{Facts, Interval};
 
-/// What answers about one function.
+/// Kernels that bound one function and its gradient.
 pub(super) struct Slopes<'a, T: Scalar> {
     values: &'a dyn Kernel<Enclose, T>,
     gradients: &'a dyn Kernel<EncloseGradient, T>,
@@ -19,7 +19,7 @@ pub(super) struct Slopes<'a, T: Scalar> {
     bounds: [[T; 2]; 3],
 }
 
-/// Three coordinates' bounds.
+/// Bounds of three coordinates.
 pub(super) type Cuboid = [Interval; 3];
 
 impl<'a, T: Scalar> Slopes<'a, T> {
@@ -30,9 +30,10 @@ impl<'a, T: Scalar> Slopes<'a, T> {
         Ok(Self { values: kernels.bounds()?, gradients: kernels.gradient_bounds()?, bounds })
     }
 
-    /// Boxes as a kernel reads them, rounded outward, and not out of the region.
+    /// Returns boxes as a batch, rounded outward and clipped to the region.
     pub fn batch(&self, boxes: &[Cuboid]) -> Boxes<T> {
-        // Twice what rounding to nearest takes off, which is several times as fast as rounding up.
+        // Adds twice the error of rounding to nearest, which is several times as fast as rounding
+        // up.
         let above = |end: f64, bound: T| {
             let end = T::nearest(end + 2.0 * T::UNIT * end.abs() + T::LEAST_NORMAL.into());
             if end < bound { end } else { bound }
@@ -48,12 +49,12 @@ impl<'a, T: Scalar> Slopes<'a, T> {
         batch
     }
 
-    /// What encloses values.
+    /// Returns the kernel that bounds values.
     pub fn kernel(&self) -> &'a dyn Kernel<Enclose, T> {
         self.values
     }
 
-    /// What is known of the function in a box.
+    /// Returns the facts about the function in a box.
     pub fn facts(&self, cuboid: &Cuboid, work: &mut KernelStats) -> Facts {
         let mut out = Enclosures::default();
         self.values.eval(&self.batch(&[*cuboid]), &mut out);
@@ -61,8 +62,8 @@ impl<'a, T: Scalar> Slopes<'a, T> {
         out.facts(0)
     }
 
-    /// Bounds of the values in up to [`LANES`] boxes, where the function is defined throughout;
-    /// else all numbers.
+    /// Returns bounds of the values in up to [`LANES`] boxes. Where the function may be undefined
+    /// they are infinite.
     pub fn values(&self, boxes: &[Cuboid], work: &mut KernelStats) -> [Interval; LANES] {
         let mut values = [Interval::ENTIRE; LANES];
         if boxes.is_empty() {
@@ -80,8 +81,8 @@ impl<'a, T: Scalar> Slopes<'a, T> {
         values
     }
 
-    /// Bounds of how fast the function changes along a direction in up to [`LANES`] boxes; `None`
-    /// where it is not known to be Lipschitz continuous.
+    /// Returns bounds of how fast the function changes along a direction, in up to [`LANES`] boxes.
+    /// `None` where the function is not known to be Lipschitz continuous.
     pub fn along(
         &self,
         boxes: &[Cuboid],
@@ -104,12 +105,12 @@ impl<'a, T: Scalar> Slopes<'a, T> {
     }
 }
 
-/// Bounds of a gradient's product with a direction.
+/// Returns bounds of the product of a gradient and a direction.
 fn slope<T: Scalar>(out: &GradientEnclosures<T>, lane: usize, direction: DVec3) -> Interval {
     let (mut lo, mut hi, mut size) = (0.0, 0.0, 0.0);
     for axis in 0..3 {
         let d = direction[axis];
-        // A gradient is finite where there is one, however wide its bounds.
+        // A gradient is finite where it exists, even if its bounds are not.
         if d == 0.0 {
             continue;
         }
@@ -120,11 +121,11 @@ fn slope<T: Scalar>(out: &GradientEnclosures<T>, lane: usize, direction: DVec3) 
         hi += a.max(b);
         size += a.abs().max(b.abs());
     }
-    // Three products and two sums, each rounded by half a unit of at most `size`, and what
-    // underflows.
+    // Error of three products and two sums, each rounded by half a unit of at most `size`, and of
+    // underflow.
     let error = 4.0 * f64::EPSILON * size + 4.0 * f64::MIN_POSITIVE;
     let (lo, hi) = (lo - error, hi + error);
-    // What is not a number bounds nothing.
+    // NaN bounds nothing.
     Interval {
         lo: if lo.is_nan() { f64::NEG_INFINITY } else { lo },
         hi: if hi.is_nan() { f64::INFINITY } else { hi },

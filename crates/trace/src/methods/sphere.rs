@@ -1,15 +1,17 @@
 //! Sphere tracing (Hart 1996) by bounds of the slope along parts of a ray: segment tracing (Galin,
 //! Guérin, Paris and Peytavie 2020, "Segment Tracing Using Local Lipschitz Bounds").
 //!
-//! From a place where |f| ≥ m there is no zero for m/λ ahead, where λ bounds how fast f nears 0
-//! there. Both bounds are enclosures, so that what is passed is proven empty: it proves misses. A
-//! root is drawn where such steps get shorter than the tolerance, and nothing says that there is
-//! one. Without a bound of the slope it cannot go on, and says so.
+//! From a place where |f| ≥ m there is no zero for m/λ ahead, where λ bounds how fast f approaches
+//! 0 there. Both bounds are enclosures, so steps pass only over proven empty parts: the method
+//! proves misses. A root is drawn where steps get shorter than the tolerance, but it is not proven.
+//! Without a bound of the slope the method stops, and the ray is undecided.
 
 use super::local_ray::{LocalRay, bounds};
 use super::slope::Slopes;
 use crate::kernel_stats::KernelStats;
-use crate::method::{Method, MethodOption, Proves, Segment, Start, Task, TraceOptions, Tracer};
+use crate::options;
+use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
+use crate::options::TraceOptions;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::scalar::Scalar;
 use zeroset_eval::{KernelError, LANES};
@@ -20,7 +22,7 @@ pub(crate) const METHOD: Method = Method {
     name: "sphere",
     help: "steps as long as bounds of the slope allow (Hart 1996, Galin et al. 2020); proves misses only",
     proves: Proves::Misses,
-    reads: &[MethodOption::Precision, MethodOption::Steps, MethodOption::Tolerance],
+    reads: &[options::PRECISION, options::STEPS, options::TOLERANCE],
     prepare: [prepare::<f32>, prepare::<f64>],
 };
 
@@ -34,52 +36,53 @@ struct Sphere<'a, T: Scalar> {
     slopes: Slopes<'a, T>,
     region: &'a Region,
     tolerance: f64,
-    /// Steps along a ray, at most.
+    /// Maximum number of steps along a ray.
     steps: u32,
 }
 
-/// The first part in which a bound is looked for, as a share of the ray's way through the region.
+/// Length of the first part in which the slope is bounded, as a share of the ray's length in the
+/// region.
 const FIRST: f64 = 0.125;
-/// A part is so many times as long as the step before.
+/// Length of a part in multiples of the step before.
 const GROWTH: f64 = 2.0;
-/// Shadow rays are followed this exactly, as a share of their way: nobody sees where they end.
+/// Tolerance for shadow rays, as a share of their length: nobody sees where they end.
 const ROUGHLY: f64 = 1.0 / 4096.0;
 
-/// A ray on its way.
+/// State of a ray that is followed.
 struct Walk {
     lane: usize,
     way: LocalRay,
-    /// How far it has come.
+    /// Value of s that it has reached.
     at: f64,
-    /// How long the next part is, and how short it may be.
+    /// Length of the next part, and its minimum.
     part: f64,
     least: f64,
     /// A step shorter than this ends at a root.
     enough: f64,
     steps: u32,
-    /// Whether it is still on the surface that it started from.
+    /// Whether the ray is still on the surface that it started from.
     leaving: bool,
-    /// Where the part ends that is certainly in the region.
+    /// End of the part that is certainly in the region.
     end: f64,
-    /// Whether nothing is known of what lies before and behind that part: where the ray crosses the
-    /// region's faces, its place is known to within rounding only.
+    /// Whether there may be a zero before and behind that part. The ray's place where it crosses
+    /// the region's faces is known only to within rounding.
     open: [bool; 2],
 }
 
-/// What became of a ray. Places are values of s.
+/// How the search along a ray ended. Places are values of s.
 enum End {
-    /// There is no zero.
+    /// The ray meets no zero.
     Empty,
-    /// Nothing is known from the first place on, for a reason; a root may be drawn at the second.
+    /// Nothing is known from the first place on, and why. A root may be drawn at the second place.
     Open(f64, UndecidedReason, Option<f64>),
 }
 
 impl<T: Scalar> Sphere<'_, T> {
-    /// A ray at the start of its way.
+    /// Creates the state of a ray at its start.
     fn walk(&self, lane: usize, segment: &Segment, way: LocalRay, start: Start) -> Walk {
         let length = way.span[1];
         let size = way.origin.abs() + length * way.direction.abs();
-        // Parts shorter than that are boxes of rounding only.
+        // A shorter part is a box of rounding errors only.
         let grain = 4.0 * T::UNIT * size.max_element() / way.direction.abs().max_element();
         let tolerance = self.tolerance * segment.footprint(-way.start);
         let enough = if tolerance.is_finite() { tolerance } else { ROUGHLY * length };
@@ -98,7 +101,7 @@ impl<T: Scalar> Sphere<'_, T> {
         }
     }
 
-    /// Finds out what is known of the ends of rays, at the region's faces.
+    /// Tests whether rays may meet a zero at the region's faces.
     fn look_at_faces(&self, walks: &mut [Walk], work: &mut KernelStats) {
         for end in [0, 1] {
             let mut boxes = [[Interval::ENTIRE; 3]; LANES];
@@ -117,7 +120,7 @@ impl<T: Scalar> Sphere<'_, T> {
         }
     }
 
-    /// One step of each ray; those that came to an end are taken out.
+    /// Takes one step on each ray, and removes those that ended.
     fn step(&self, walks: &mut Vec<Walk>, found: &mut [RayResult], work: &mut KernelStats) {
         let mut places = [[Interval::ENTIRE; 3]; LANES];
         let mut parts = places;
@@ -141,13 +144,13 @@ impl<T: Scalar> Sphere<'_, T> {
 }
 
 impl Walk {
-    /// Where the part ends that is looked at next.
+    /// Returns the end of the part that is examined next.
     fn to(&self) -> f64 {
         (self.at + self.part).min(self.end).max(self.at)
     }
 
-    /// Goes on from a place whose values are bounded so, through a part in which slopes are; says
-    /// where the ray ends, if it does.
+    /// Takes a step, given bounds of the value at its start and of the slope in the next part.
+    /// Returns how the search ended, if it did. `most`: the maximum number of steps.
     fn advance(&mut self, value: Interval, slope: Option<Interval>, most: u32) -> Option<End> {
         let (at, to) = (self.at, self.to());
         let open = |reason, drawn| Some(End::Open(at, reason, drawn));
@@ -169,13 +172,13 @@ impl Walk {
         if !(value.lo.is_finite() && value.hi.is_finite()) {
             return open(UndecidedReason::Undefined, None);
         }
-        // How far from 0 the value is, and how fast it nears 0 at most.
+        // Distance of the value from 0, and the greatest speed at which it approaches 0.
         let (gap, speed) =
             if value.lo > 0.0 { (value.lo, -slope.lo) } else { (-value.hi, slope.hi) };
-        // Shortened by more than its roundings.
+        // Shortened by more than the rounding errors.
         let step = (1.0 - 8.0 * f64::EPSILON) * (gap / speed.max(0.0));
         if gap > 0.0 && step >= to - at {
-            // All of the part is empty.
+            // The whole part is empty.
             self.leaving = false;
             (self.at, self.part) = (to, GROWTH * self.part);
             return None;
@@ -187,14 +190,14 @@ impl Walk {
             return None;
         }
         if self.leaving {
-            // Off the surface, by steps that are no proof.
+            // These steps leave the surface, and prove nothing.
             (self.at, self.part) = (at + self.enough, GROWTH * self.enough);
             return None;
         }
         open(UndecidedReason::Unproven, Some(at + step))
     }
 
-    /// What is to be said of the ray, given how the part ended that is certainly in the region.
+    /// Returns the ray's result, given how the search in the region ended.
     fn found(&self, end: &End) -> RayResult {
         let place = |s: f64| s - self.way.start;
         let [before, behind] = self.open;

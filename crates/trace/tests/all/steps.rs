@@ -9,7 +9,7 @@ use zeroset_eval::{
 };
 use zeroset_space::{Ray, Region};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, KernelStats, Method, Precision, Projection, RayGrid, RayResult, STEPS,
+    Camera, Driver, GBuffer, KernelStats, Method, Precision, Projection, RayGrid, RayResult, MOST_STEPS,
     Segment, Start, Status, TraceOptions,
 };
 
@@ -161,7 +161,7 @@ fn steps_are_bounded_whatever_the_depth() {
         let kernel = Stubborn::new(2.0, 2.1e-5);
         let (buffer, work) = trace_by(method, &kernel, depth);
         let asked = if method == "raa" { work.segments } else { work.interval };
-        assert!(asked.calls <= PACKETS * STEPS, "{method} {depth}: {work:?}");
+        assert!(asked.calls <= PACKETS * MOST_STEPS, "{method} {depth}: {work:?}");
         assert_eq!(kernel.calls.into_inner(), work.interval.calls + work.segments.calls);
         assert_eq!(work.given_up, (SIZE * SIZE) as u64);
         for pixel in 0..SIZE * SIZE {
@@ -179,7 +179,7 @@ fn a_way_that_is_proven_empty_within_the_steps_is_a_miss() {
     let kernel = Stubborn::new(2.0, 1.7e-4);
     let (buffer, work) = trace(&kernel, 20);
     assert_eq!(work.given_up, 0);
-    assert!(work.interval.calls > PACKETS * STEPS / 4, "the test must need many: {work:?}");
+    assert!(work.interval.calls > PACKETS * MOST_STEPS / 4, "the test must need many: {work:?}");
     assert!(buffer.status.iter().all(|status| *status == Status::Miss));
 }
 

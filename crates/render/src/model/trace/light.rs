@@ -1,7 +1,7 @@
 //! What lights a picture, and what hides its points from that.
 
+use super::super::Stopwatch;
 use super::super::paint::{Finish, Painter};
-use super::super::{Effort, Stopwatch};
 use super::RenderPass;
 use crate::legend::Legend;
 use crate::picture::{Normals, Times};
@@ -14,6 +14,7 @@ use zeroset_shade::{
 };
 use zeroset_space::Ball;
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid};
 
 /// Shadow rays start this many of their own slabs away from the surface, so that it does not shade
@@ -65,7 +66,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let mut layers = Vec::new();
             if self.is_translucent() {
-                layers = self.layers(rays, &[], &self.tracers(Effort::of(settings))?)?;
+                layers = self.layers(rays, &[], &self.tracers(|options| options)?)?;
                 times.trace += watch.lap();
             }
             rgb = known.unwrap_or_else(|| self.colored(rays, buffer, &layers, &finish, 1));
@@ -141,7 +142,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         // Shadows are no pixels finished.
         let wanted = |_| (self.advance)(0);
         for surface in self.model.seen() {
-            let tracer = self.tracer(surface, Effort { depth, ..Effort::of(self.settings) })?;
+            let tracer = self.tracer(surface, |options| TraceOptions { depth, ..options })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
             work +=
                 driver.shadows(buffer, |pixel, point| lights[turn(pixel)].towards(point), offset);

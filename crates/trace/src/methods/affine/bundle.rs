@@ -32,7 +32,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let patch = self.patch(level.place(lane));
         let longest = T::nearest(self.method.longest * self.footprint(segment[0]));
         let rays = TileRay { tile: patch.tile, bit: 0, longest, within };
-        if !self.method.task.options.ideas.contract || !within && self.method.task.region.is_cut() {
+        if !self.method.task.options.contract || !within && self.method.task.region.is_cut() {
             for bit in ones(self.open[patch.index]) {
                 self.set_apart(rays.at(bit), segment);
             }

@@ -84,7 +84,7 @@ const PATIENCE: u32 = 96;
 impl<'a, T: Scalar> Narrower<'a, T> {
     pub fn new(task: Task<'a>, hands_on: bool) -> Result<Self, KernelError> {
         let Task { surface, region, options } = task;
-        let (kernels, ideas) = (T::kernels(surface), options.ideas);
+        let kernels = T::kernels(surface);
         let cleared = match kernels.cleared()? {
             Some([_, denominator]) => Some([kernels.bounds()?, denominator]),
             None => None,
@@ -94,9 +94,9 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             cleared,
             // What is looked at in `f64` in any case need not be asked of intervals first, one
             // short segment after another.
-            zeros: if ideas.intervals && !hands_on { kernels.zeros().ok() } else { None },
+            zeros: if options.intervals && !hands_on { kernels.zeros().ok() } else { None },
             region,
-            contracts: ideas.contract,
+            contracts: options.contract,
             least: options.least,
             hands_on,
         })

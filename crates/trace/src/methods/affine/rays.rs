@@ -5,7 +5,8 @@ use super::FINE;
 use super::frame::BLURS;
 use super::narrow::{Narrower, Scratch, Step, Stop, rounding};
 use crate::kernel_stats::KernelStats;
-use crate::method::{Precision, Start, Task};
+use crate::method::{Start, Task};
+use crate::options::Precision;
 use crate::methods::bracket_gap::Bridge;
 use crate::methods::local_ray::{LocalRay, OPEN_PARTS, bounds};
 use crate::methods::outcome::{Outcome, reason};
@@ -204,7 +205,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
 
     fn bridge_in<U: Scalar>(&self, way: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
         // A picture that another one follows paints the place either way.
-        if !self.task.options.ideas.intervals || self.task.options.least > 0.0 {
+        if !self.task.options.intervals || self.task.options.least > 0.0 {
             return None;
         }
         let kernel = U::kernels(self.task.surface).bounds().ok()?;

@@ -237,7 +237,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         tired: u16,
     ) -> Verdicts<T> {
         let simd = self.simd;
-        let contracts = self.method.task.options.ideas.contract;
+        let contracts = self.method.task.options.contract;
         let Level { batch, out, .. } = level;
         let [_, growth] = self.rays.pixel();
         let slender = if self.rays.is_patched() { SLENDER_PATCH } else { SLENDER[DEPTH] };
@@ -336,7 +336,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 level.put_aside(lane, [cut, verdicts.far[lane]]);
             }
         }
-        if verdicts.flat | verdicts.finer != 0 && self.method.task.options.ideas.contract {
+        if verdicts.flat | verdicts.finer != 0 && self.method.task.options.contract {
             let Level { planes, batch, out, .. } = &mut *level;
             planes.find(self.simd, batch, out, self.frame.reach);
         }
@@ -372,7 +372,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let side = SIDES[LAST];
         let (columns, rows) = (self.band.width.div_ceil(side), self.band.height.div_ceil(side));
         let parts = [column..columns.min(column + 4), row..rows.min(row + 4)];
-        let plane = self.method.task.options.ideas.contract;
+        let plane = self.method.task.options.contract;
         let plane = plane.then(|| level.planes.of(&level.batch, lane));
         finer[0].start(self, parts, LAST, segment, plane.as_ref(), within);
         self.run::<LAST>(finer);

@@ -1,5 +1,4 @@
-//! A root that is isolated, brought within the tolerance: signs are certain at both ends of what is
-//! left.
+//! Refinement of an isolated root to the tolerance. Signs at both ends of the rest are certain.
 
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::{LocalRay, bounds};
@@ -8,28 +7,28 @@ use crate::scalar::Scalar;
 use zeroset_interval::Interval;
 use zeroset_space::Region;
 
-/// A part of a ray with one root, and values of opposite signs at its ends.
+/// A part of a ray that holds one root, with opposite signs at its ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Isolated {
     ends: [f64; 2],
-    /// Values at the ends, about.
+    /// Approximate values at the ends.
     values: [f64; 2],
     is_above: [bool; 2],
-    /// Where the sign is not certain: the root is likely there.
+    /// Where the sign is uncertain, which is likely where the root is.
     unsure: Option<[f64; 2]>,
-    /// The end that was moved last.
+    /// Index of the end that was moved last.
     moved: usize,
-    /// How long the part may be.
+    /// Length at which the part is short enough.
     enough: f64,
 }
 
-/// Rounds, at most. Every third halves, so that a ray's way of 2⁻²² shares is reached, as fine as
-/// `f32` tells.
+/// Maximum number of rounds. Every third round halves the part, so that it reaches 2⁻²² of the
+/// ray's length: the resolution of `f32`.
 const ROUNDS: u32 = 66;
-/// How far beyond the interpolated root the other end is looked for, as a share of the tolerance.
+/// Distance of the next place from the end that was moved last, as a share of the tolerance.
 const BEYOND: f64 = 0.75;
 
-/// Brings roots within the tolerance.
+/// Refines roots to the tolerance.
 pub(super) fn refine<T: Scalar>(
     all: &mut [(&LocalRay, &mut Isolated)],
     slopes: &Slopes<'_, T>,
@@ -54,7 +53,7 @@ pub(super) fn refine<T: Scalar>(
     }
 }
 
-/// Whether a value is certainly above 0, or certainly below.
+/// Returns whether a value is certainly above 0, or `Some(false)` if it is certainly below.
 pub(super) fn sign(value: Interval) -> Option<bool> {
     if value.lo > 0.0 { Some(true) } else { (value.hi < 0.0).then_some(false) }
 }
@@ -64,7 +63,7 @@ fn middle(value: Interval) -> f64 {
 }
 
 impl Isolated {
-    /// A part whose values at the ends are bounded so, with opposite signs.
+    /// Creates a part from bounds of the values at its ends, which have opposite signs.
     pub fn new(ends: [f64; 2], values: [Interval; 2], enough: f64) -> Self {
         let is_above = values.map(|value| value.lo > 0.0);
         Self { ends, values: values.map(middle), is_above, unsure: None, moved: 0, enough }
@@ -74,7 +73,8 @@ impl Isolated {
         self.ends
     }
 
-    /// The part between the root, or where it is likely, and the end that is farther from it.
+    /// Returns the longer of the two sides beside where the sign is uncertain, or the whole part if
+    /// the sign is certain everywhere.
     fn longer(&self) -> [f64; 2] {
         let [near, far] = self.ends;
         match self.unsure {
@@ -88,14 +88,14 @@ impl Isolated {
         let [near, far] = self.longer();
         let middle = 0.5 * (near + far);
         let is_short = self.ends[1] - self.ends[0] <= self.enough;
-        // What is unsure stays so: its ends are as near as they get when they are within a share of
-        // the tolerance.
+        // An uncertain place stays uncertain. The ends are close enough to it once they are within
+        // a share of the tolerance.
         let is_near = self.unsure.is_some() && far - near <= 0.125 * self.enough;
         is_short || is_near || !(near < middle && middle < far)
     }
 
-    /// Where to look next: where a line meets 0, then a little beyond, so that the other end comes
-    /// near as well, then in the middle.
+    /// Returns the next place to evaluate: where a line through the ends meets 0, then a little
+    /// beyond so that the other end comes near too, then the middle.
     fn next(&self, round: u32) -> f64 {
         let ([near, far], [a, b]) = (self.ends, self.values);
         let [from, to] = self.longer();
@@ -116,7 +116,7 @@ impl Isolated {
         if let Some(is_above) = sign(value) {
             let end = usize::from(is_above != self.is_above[0]);
             (self.ends[end], self.values[end], self.moved) = (place, middle(value), end);
-            // The root may lie on this side of where the sign is not certain.
+            // The root may lie outside the uncertain place, which then no longer matters.
             let [near, far] = self.ends;
             self.unsure = self.unsure.filter(|[first, last]| near <= *first && *last <= far);
         } else {

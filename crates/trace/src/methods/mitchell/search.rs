@@ -1,4 +1,4 @@
-//! Parts of up to sixteen rays, halved until each ray has met a root or nothing.
+//! Search for the first root on up to sixteen rays, whose parts are halved.
 
 use super::isolated::{Isolated, refine, sign};
 use crate::kernel_stats::KernelStats;
@@ -12,7 +12,7 @@ use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Zeros};
 use zeroset_interval::Interval;
 use zeroset_space::Region;
 
-/// Looks for roots in `T`.
+/// Searches for roots in `T`.
 pub(super) struct Searcher<'a, T: Scalar> {
     slopes: Slopes<'a, T>,
     zeros: &'a dyn Kernel<FindZeros, T>,
@@ -20,35 +20,35 @@ pub(super) struct Searcher<'a, T: Scalar> {
     suppress_asymptotes: bool,
 }
 
-/// Parts looked at on one ray before the shortest get longer.
+/// Number of parts examined on one ray before its minimum length grows.
 const PATIENCE: u32 = 256;
-/// How much longer, with each one more.
+/// Factor by which the minimum length grows with each further part.
 const HASTE: f64 = 1.5;
 
-/// A ray that is searched.
+/// State of the search along one ray.
 struct Search<'a> {
     way: &'a LocalRay,
-    /// What is still to be looked at, the nearest part last.
+    /// Parts that remain to be examined, the nearest last.
     parts: Vec<[f64; 2]>,
-    /// The shortest parts that are looked at.
+    /// Minimum length of the parts that are cut.
     grain: f64,
     looked: u32,
     opened: u32,
-    /// Whether it is still on the surface that it started from.
+    /// Whether the ray is still on the surface that it started from.
     leaving: bool,
     outcome: Outcome,
-    /// A part with one root.
+    /// A part that holds one root, once it is found.
     isolated: Option<Isolated>,
 }
 
-/// A part of a ray that is looked at.
+/// A part of a ray that is examined.
 #[derive(Clone, Copy)]
 struct Candidate {
-    /// The number of its ray.
+    /// Index of the ray.
     ray: usize,
     ends: [f64; 2],
     cuboid: Cuboid,
-    /// Whether no finite bounds of the function are known.
+    /// Whether the function has no known finite bounds there.
     unbounded: bool,
 }
 
@@ -59,7 +59,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         Ok(Self { slopes: Slopes::new(&task)?, zeros, region: task.region, suppress_asymptotes })
     }
 
-    /// What becomes of up to [`LANES`] rays.
+    /// Returns the outcomes of up to [`LANES`] rays.
     pub fn search(&self, ways: &[LocalRay], start: Start, work: &mut KernelStats) -> Vec<Outcome> {
         let mut rays: Vec<Search> = ways.iter().map(|way| Search::new::<T>(way, start)).collect();
         loop {
@@ -79,7 +79,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         rays.into_iter().map(outcome).collect()
     }
 
-    /// The next part of each ray, if it may hold a zero.
+    /// Takes the next part of each ray, and returns those that may hold a zero.
     fn possible(&self, rays: &mut [Search], work: &mut KernelStats) -> Vec<Candidate> {
         let mut parts = Vec::with_capacity(LANES);
         for (number, ray) in rays.iter_mut().enumerate() {
@@ -105,7 +105,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         parts
     }
 
-    /// Decides what becomes of parts that may hold a zero.
+    /// Isolates the root of each part, cuts the part in two, or finds it empty.
     fn look(&self, rays: &mut [Search], parts: &[Candidate], work: &mut KernelStats) {
         let slopes =
             self.slopes.along(&cuboids(parts), |lane| rays[parts[lane].ray].way.direction, work);
@@ -125,7 +125,8 @@ impl<'a, T: Scalar> Searcher<'a, T> {
                 self.cut(ray, part, work);
             }
         }
-        // With one sign of df/dt, there is one root if the signs at the ends differ, and else none.
+        // If df/dt has one sign, there is one root if the signs at the ends differ, and none
+        // otherwise.
         let values = [0, 1].map(|end| {
             let place =
                 |part: &Candidate| bounds(rays[part.ray].way, [part.ends[end]; 2], self.region);
@@ -136,7 +137,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             let ends = [0, 1].map(|end| values[end][lane]);
             match ends.map(sign) {
                 [Some(a), Some(b)] if a == b => ray.leaving = false,
-                // The root that the ray starts on is the only one.
+                // The only root in this part is the one that the ray starts on.
                 [Some(_), Some(_)] if ray.leaving => ray.leaving = false,
                 [Some(_), Some(_)] => {
                     let enough = ray.way.longest.max(ray.grain);
@@ -148,7 +149,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         }
     }
 
-    /// Cuts a part in two, or leaves it open if it is as short as arithmetic allows.
+    /// Cuts a part in two, or leaves it open if it is as short as precision allows.
     fn cut(&self, ray: &mut Search, part: &Candidate, work: &mut KernelStats) {
         let [near, far] = part.ends;
         let cut = near + CUT * (far - near);
@@ -187,8 +188,8 @@ impl<'a> Search<'a> {
     fn new<T: Scalar>(way: &'a LocalRay, start: Start) -> Self {
         let [near, far] = way.span;
         let [first, last] = [way.inside[0].max(near), way.inside[1].min(far)];
-        // Where the ray crosses the region's faces no sign is known: what rounding leaves open
-        // there is looked at apart.
+        // No sign is known where the ray crosses the region's faces. The ends there, which rounding
+        // leaves open, are parts of their own.
         let mut parts = Vec::with_capacity(16);
         if first < last {
             parts.extend([[last, far], [first, last], [near, first]]);

@@ -1,0 +1,425 @@
+//! The options of methods: one table, from which command line, prompt, status line, JSON and charts
+//! follow.
+
+use crate::scalar::Scalar;
+use std::fmt;
+use std::ops::RangeInclusive;
+
+/// How a method works. A method reads the options that its row names, and ignores the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
+pub struct TraceOptions {
+    /// The floats in which kernels compute.
+    pub precision: Precision,
+    /// Number of times that the region is halved along a ray, from 1 to [`Precision::max_depth`];
+    /// larger numbers are clamped.
+    pub depth: u32,
+    /// Greatest distance, in pixels, between a hit and the place where it is reported. Proofs do
+    /// not depend on it.
+    pub tolerance: f64,
+    /// Samples on a ray's way through the region, or the most steps along it; from 2 on.
+    pub steps: u32,
+    /// Whether segments are narrowed to where a form may vanish; else they are only halved.
+    pub contract: bool,
+    /// Whether rays are traced together, tile by tile; else each alone.
+    pub tiles: bool,
+    /// Whether intervals are tried on segments that affine forms leave open.
+    pub intervals: bool,
+    /// Length of the segments that stay open, as a share of the longest bracket. 0 follows them to
+    /// the limit of precision; more leaves them sooner to be painted, for a preview. Methods that
+    /// prove hits read it.
+    pub least: f64,
+    /// Whether a place where the function is unbounded counts as an asymptote rather than a root.
+    /// Its pixel then is undecided, but not painted there.
+    pub suppress_asymptotes: bool,
+}
+
+impl TraceOptions {
+    /// Greatest length of a hit's bracket, in pixels: a hit is reported in its middle.
+    pub(crate) fn longest(&self) -> f64 {
+        2.0 * self.tolerance
+    }
+}
+
+impl Default for TraceOptions {
+    fn default() -> Self {
+        Self {
+            precision: Precision::Auto,
+            depth: 10,
+            tolerance: 0.5,
+            steps: 256,
+            contract: true,
+            tiles: true,
+            intervals: true,
+            least: 0.0,
+            suppress_asymptotes: true,
+        }
+    }
+}
+
+/// The floats in which kernels compute. Enclosures are rigorous in either.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Precision {
+    /// 32 bits, and 64 for rays that these leave undecided, in methods that can do so; the others
+    /// take it as [`Precision::F32`].
+    #[default]
+    Auto,
+    /// 32 bits: twice as fast.
+    F32,
+    /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their
+    /// surroundings.
+    F64,
+}
+
+impl Precision {
+    /// Each precision with its name and one line of help.
+    pub const NAMES: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Auto, "auto", "32 bits, rounded outward, and 64 for what these leave undecided"),
+        (Self::F32, "f32", "32 bits, rounded outward"),
+        (Self::F64, "f64", "64 bits, rounded outward; at most half as fast"),
+    ];
+
+    /// The greatest depth at which slabs are still thicker than what rounding adds to them.
+    pub fn max_depth(self) -> u32 {
+        match self {
+            Self::Auto | Self::F32 => f32::MAX_DEPTH,
+            Self::F64 => f64::MAX_DEPTH,
+        }
+    }
+}
+
+impl fmt::Display for Precision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        })
+    }
+}
+
+/// An option that a method may read: a row of [`OPTIONS`].
+#[derive(Clone, Copy)]
+pub struct MethodOption {
+    /// The flag's name, without its dashes.
+    pub name: &'static str,
+    /// Other names of the flag.
+    pub aliases: &'static [&'static str],
+    /// The prompt's command that sets it; empty if there is none.
+    pub command: &'static str,
+    /// How a value is written; empty for a switch, which takes none.
+    pub value: &'static str,
+    /// One line of help.
+    pub help: &'static str,
+    /// One line of help at the prompt.
+    pub prompt_help: &'static str,
+    /// The key in JSON reports; empty for none.
+    pub key: &'static str,
+    /// The axis label of charts that vary it; empty if charts do not.
+    pub axis: &'static str,
+    /// The value as it is typed; `on` or `off` for a switch.
+    pub get: fn(&TraceOptions) -> String,
+    /// Sets the value from its text.
+    ///
+    /// # Errors
+    /// If the text is no such value, or the value is out of range. The message names neither flag
+    /// nor command.
+    pub set: fn(&mut TraceOptions, &str) -> Result<(), String>,
+    /// A phrase about the value in use.
+    pub describe: fn(&TraceOptions) -> String,
+    /// Whether summaries show the value even if it is the default.
+    pub is_always_shown: bool,
+    /// The unit that follows the value in summaries.
+    pub unit: &'static str,
+}
+
+/// Values of [`TraceOptions::steps`] that can be chosen: from the two ends of a ray's way to as many
+/// as make a picture take minutes.
+pub const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
+
+/// The range of [`TraceOptions::tolerance`], and its reason.
+pub const TOLERANCES: &str = "a tolerance is a number of pixels, above 0, since no arithmetic finds a root exactly, and at \
+     most 100; 0.5 is the default";
+
+/// Whether a picture can be made with this tolerance, in pixels.
+pub fn is_tolerance(pixels: f64) -> bool {
+    pixels > 0.0 && pixels <= 100.0
+}
+
+/// Checks that slabs of this depth are thick enough for floats of this precision.
+///
+/// # Errors
+/// If they are not, or there are none; the message has neither flag nor command.
+pub fn check_depth(depth: u32, precision: Precision) -> Result<(), String> {
+    let most = precision.max_depth();
+    if (1..=most).contains(&depth) {
+        return Ok(());
+    }
+    let hint = match precision {
+        Precision::Auto | Precision::F32 => {
+            format!(", or {} in precision f64", Precision::F64.max_depth())
+        }
+        Precision::F64 => String::new(),
+    };
+    Err(format!("a depth is between 1 and {most}{hint}"))
+}
+
+/// [`TraceOptions::precision`]. It comes before the depth, whose range it sets.
+pub const PRECISION: MethodOption = MethodOption {
+    name: "precision",
+    command: "precision",
+    value: "auto|f32|f64",
+    help: "Kernel precision; enclosures are rigorous in all",
+    prompt_help: "kernel precision: f64 is slower but resolves more",
+    key: "precision",
+    axis: "precision",
+    get: |options| options.precision.to_string(),
+    // Slabs that are too thin for the new floats become as thin as they can be.
+    set: |options, text| {
+        let row = Precision::NAMES.iter().find(|row| row.1 == text);
+        let row = row.ok_or_else(|| format!("'{text}' is not one of auto, f32, f64"))?;
+        options.precision = row.0;
+        options.depth = options.depth.min(row.0.max_depth());
+        Ok(())
+    },
+    describe: |options| {
+        let row = Precision::NAMES.iter().find(|row| row.0 == options.precision);
+        format!("{}: {}", options.precision, row.map_or("", |row| row.2))
+    },
+    is_always_shown: true,
+    ..SWITCH
+};
+
+/// [`TraceOptions::depth`].
+pub const DEPTH: MethodOption = MethodOption {
+    name: "max-depth",
+    aliases: &["depth", "dstop"],
+    command: "depth",
+    value: "N",
+    help: "How many times a ray's path through the domain is halved: at most 20, or 40 in f64; beyond \
+           14, rays that stay undecided are given up after 32768 steps",
+    prompt_help: "how often a ray's path through the domain is halved",
+    key: "max_depth",
+    axis: "depth: how often the domain is halved",
+    get: |options| options.depth.to_string(),
+    set: |options, text| {
+        let depth = number(text)?;
+        check_depth(depth, options.precision)?;
+        options.depth = depth;
+        Ok(())
+    },
+    describe: |options| {
+        format!("depth {} of at most {}", options.depth, options.precision.max_depth())
+    },
+    is_always_shown: true,
+    ..SWITCH
+};
+
+/// [`TraceOptions::steps`].
+pub const STEPS: MethodOption = MethodOption {
+    name: "steps",
+    command: "steps",
+    value: "N",
+    help: "Samples on a ray's path through the domain, or the most steps along it: 2 to 1048576",
+    prompt_help: "samples on a ray's path through the domain, or the most steps along it",
+    key: "steps",
+    axis: "steps: samples on a ray's way, or steps along it at most",
+    get: |options| options.steps.to_string(),
+    set: |options, text| {
+        let steps = number(text)?;
+        if !STEPS_RANGE.contains(&steps) {
+            let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
+            return Err(format!("steps are between {least} and {most}"));
+        }
+        options.steps = steps;
+        Ok(())
+    },
+    describe: |options| format!("{} steps on a ray's path through the domain", options.steps),
+    is_always_shown: true,
+    ..SWITCH
+};
+
+/// [`TraceOptions::tolerance`].
+pub const TOLERANCE: MethodOption = MethodOption {
+    name: "tolerance",
+    command: "tolerance",
+    value: "PIXELS",
+    help: "How far, in pixels, a hit may be from where it is reported: above 0, at most 100",
+    prompt_help: "how far a hit may be from where it is drawn, in pixels",
+    key: "tolerance",
+    axis: "tolerance, in pixels",
+    get: |options| options.tolerance.to_string(),
+    set: |options, text| {
+        let pixels = number(text)?;
+        if !is_tolerance(pixels) {
+            return Err(TOLERANCES.to_owned());
+        }
+        options.tolerance = pixels;
+        Ok(())
+    },
+    describe: |options| {
+        format!("hits are within {} pixels of where they are drawn", options.tolerance)
+    },
+    unit: " px",
+    ..SWITCH
+};
+
+/// Turns [`TraceOptions::contract`] off.
+pub const NO_CONTRACT: MethodOption = MethodOption {
+    name: "no-contract",
+    help: "Halve segments, rather than narrow them to where an affine form may vanish",
+    get: |options| switch(!options.contract),
+    set: |options, text| Ok(options.contract = !is_on(text)?),
+    describe: |_| "segments are halved, not narrowed".to_owned(),
+    ..SWITCH
+};
+
+/// Turns [`TraceOptions::tiles`] off.
+pub const NO_TILES: MethodOption = MethodOption {
+    name: "no-tiles",
+    help: "Follow each ray alone, rather than tiles of rays",
+    get: |options| switch(!options.tiles),
+    set: |options, text| Ok(options.tiles = !is_on(text)?),
+    describe: |_| "each ray is followed alone".to_owned(),
+    ..SWITCH
+};
+
+/// Turns [`TraceOptions::intervals`] off.
+pub const NO_INTERVALS: MethodOption = MethodOption {
+    name: "no-interval",
+    help: "Ask no intervals where affine forms leave a segment open",
+    get: |options| switch(!options.intervals),
+    set: |options, text| Ok(options.intervals = !is_on(text)?),
+    describe: |_| "no intervals where forms leave a segment open".to_owned(),
+    ..SWITCH
+};
+
+/// All options, in the order in which they are set and shown.
+pub static OPTIONS: [MethodOption; 7] =
+    [PRECISION, DEPTH, STEPS, TOLERANCE, NO_CONTRACT, NO_TILES, NO_INTERVALS];
+
+/// The columns of a switch, which shows that an idea of a method is left out.
+const SWITCH: MethodOption = MethodOption {
+    name: "",
+    aliases: &[],
+    command: "",
+    value: "",
+    help: "",
+    prompt_help: "",
+    key: "",
+    axis: "",
+    get: |_| String::new(),
+    set: |_, _| Ok(()),
+    describe: |_| String::new(),
+    is_always_shown: false,
+    unit: "",
+};
+
+impl MethodOption {
+    /// Whether it takes no value.
+    pub fn is_switch(&self) -> bool {
+        self.value.is_empty()
+    }
+
+    /// Whether the value is the default.
+    pub fn is_default(&self, options: &TraceOptions) -> bool {
+        (self.get)(options) == (self.get)(&TraceOptions::default())
+    }
+
+    /// The flag and its value, as a command line has them; `None` for the default.
+    pub fn flag(&self, options: &TraceOptions) -> Option<String> {
+        let value = if self.is_switch() { String::new() } else { format!(" {}", (self.get)(options)) };
+        (!self.is_default(options)).then(|| format!("--{}{value}", self.name))
+    }
+
+    /// The value in a summary: a switch by its name; `None` where it is not worth showing.
+    pub fn short(&self, options: &TraceOptions) -> Option<String> {
+        let is_shown = self.is_always_shown || !self.is_default(options);
+        is_shown.then(|| match self.is_switch() {
+            true => self.name.to_owned(),
+            false => format!("{}{}", (self.get)(options), self.unit),
+        })
+    }
+}
+
+impl PartialEq for MethodOption {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl fmt::Debug for MethodOption {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {
+    text.trim().parse().map_err(|_| format!("'{text}' is not such a number"))
+}
+
+fn switch(is_on: bool) -> String {
+    (if is_on { "on" } else { "off" }).to_owned()
+}
+
+fn is_on(text: &str) -> Result<bool, String> {
+    match text {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(format!("'{text}' is neither on nor off")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::METHODS;
+
+    #[test]
+    fn a_value_that_is_shown_can_be_typed() {
+        let mut options = TraceOptions {
+            precision: Precision::F64,
+            depth: 33,
+            tolerance: 0.125,
+            steps: 77,
+            contract: false,
+            tiles: false,
+            intervals: false,
+            ..TraceOptions::default()
+        };
+        let expected = options;
+        let shown = OPTIONS.map(|option| (option.get)(&options));
+        options = TraceOptions::default();
+        for (option, shown) in OPTIONS.iter().zip(&shown) {
+            assert!(option.is_default(&options), "{option:?}");
+            (option.set)(&mut options, shown).expect(option.name);
+            assert_eq!(&(option.get)(&options), shown);
+            assert!(option.flag(&options).is_some_and(|flag| flag.starts_with("--")));
+            assert!((option.set)(&mut options, "?").is_err(), "{option:?}");
+        }
+        assert_eq!(options, expected);
+    }
+
+    #[test]
+    fn every_option_is_read_by_some_method_and_named_once() {
+        for option in &OPTIONS {
+            assert!(METHODS.iter().any(|method| method.reads.contains(option)), "{option:?}");
+            assert_eq!(OPTIONS.iter().filter(|other| *other == option).count(), 1);
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused_and_change_nothing() {
+        let mut options = TraceOptions::default();
+        for (option, text) in
+            [(DEPTH, "0"), (DEPTH, "21"), (STEPS, "1"), (TOLERANCE, "nan"), (TOLERANCE, "101")]
+        {
+            assert!((option.set)(&mut options, text).is_err(), "{option:?} {text}");
+            assert_eq!(options, TraceOptions::default());
+        }
+        (PRECISION.set)(&mut options, "f64").expect("a name");
+        (DEPTH.set)(&mut options, "40").expect("thick enough");
+        (PRECISION.set)(&mut options, "f32").expect("a name");
+        assert_eq!(options.depth, 20);
+    }
+}
