@@ -1,8 +1,8 @@
 //! The window's help: its keys and what they do, laid out to fit.
 
-use super::canvas::Canvas;
 use super::theme::{GROUND, INK};
 use std::fmt::Write as _;
+use zeroset_render::overlay::Canvas;
 
 /// Keys and what they do, the mouse first.
 const ROWS: &[(&str, &str)] = &[

@@ -5,10 +5,8 @@
 //! for an error of the user's, and 3 for one of the program's own.
 
 mod animation;
-mod annotate;
 mod arguments;
 mod array;
-mod canvas;
 mod completion;
 mod data;
 mod eval;
@@ -25,7 +23,6 @@ mod line_edit;
 mod notes;
 mod number;
 mod output;
-mod overlay;
 #[cfg(feature = "window")]
 mod pick;
 mod png_file;
@@ -43,7 +40,6 @@ mod subject;
 mod terminal;
 #[cfg(feature = "window")]
 mod theme;
-mod ticks;
 mod tips;
 mod vector;
 mod watch;

@@ -1,10 +1,8 @@
 //! `zeroset render`.
 
-use super::annotate::Around;
 use super::arguments::{AA, KernelArgs, RenderArgs, TracingArgs};
 use super::files::Files;
 use super::output::print;
-use super::overlay::Shown;
 use super::png_file::Origin;
 use super::progress::Progress;
 use super::sequence;
@@ -17,6 +15,8 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_render::framing;
 use zeroset_render::model::{Model, Strip};
+use zeroset_render::overlay::Around;
+use zeroset_render::overlay::Shown;
 use zeroset_render::picture::{Open, Picture, Precision, Settings};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
@@ -42,7 +42,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let around = Around::asked(&arguments.shading, &subject.document);
+    let around = Around::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
     let render = || -> Result<_> {
         let document = &subject.document;
         let wanted = settings.has_time_to_choose();

@@ -1,12 +1,10 @@
 //! `zeroset render --frames`: many pictures, in files of their own or in one.
 
 use super::animation::{Animation, Format};
-use super::annotate::Around;
 use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
 use super::array::Arrays;
 use super::files::Files;
 use super::output::{Output, print};
-use super::overlay::Shown;
 use super::png_file::Origin;
 use super::progress::Progress;
 use super::subject::{self, Subject};
@@ -16,6 +14,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use zeroset_render::model::Model;
+use zeroset_render::overlay::Around;
+use zeroset_render::overlay::Shown;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
 use zeroset_scene::view;
@@ -270,7 +270,8 @@ impl<'a> Maker<'a> {
         if let Some(Sweep { name, .. }) = idle {
             bail!("nothing that is drawn depends on '{name}', so all frames would be the same");
         }
-        let around = Around::asked(&arguments.shading, &subject.document);
+        let around =
+            Around::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
         let (text, place) = (&subject.source.text, (subject.domain, arguments.cut()));
         let choice = arguments.camera.choice();
         let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;

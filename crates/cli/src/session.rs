@@ -1,6 +1,5 @@
 //! A live picture and the files around it, as prompt and window share them.
 
-use super::annotate::Around;
 use super::arguments::InteractiveArgs;
 use super::data::keep;
 use super::gallery::listed;
@@ -20,6 +19,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zeroset_live::{Axes, DocumentSource, Live, Refusal, Reply, Request};
+use zeroset_render::overlay::Around;
 use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::{example, examples};
 

@@ -1,8 +1,8 @@
 //! A contact sheet: small pictures with their names.
 
-use super::canvas::Canvas;
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
+use zeroset_render::overlay::Canvas;
 
 /// Side of a small picture, in pixels.
 const SIDE: u32 = 224;

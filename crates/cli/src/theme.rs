@@ -1,6 +1,6 @@
 //! Colors of what lies over a picture: panels, lists, pages.
 
-use super::canvas::Rgb;
+use zeroset_render::overlay::Rgb;
 
 /// Behind letters.
 pub const GROUND: Rgb = 0x0020_2028;

@@ -19,6 +19,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use zeroset_render::model::Model;
+use zeroset_render::overlay::Shown;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
@@ -127,6 +128,13 @@ pub struct Rendering {
     pub parse: Duration,
     /// Time from the request to this picture.
     pub latency: Duration,
+}
+
+impl<'a> From<&'a Rendering> for Shown<'a> {
+    fn from(rendering: &'a Rendering) -> Self {
+        let (camera, picture) = (&rendering.camera, &rendering.picture);
+        Self { camera, region: rendering.model.region(), picture }
+    }
 }
 
 impl Rendering {

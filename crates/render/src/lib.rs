@@ -4,8 +4,8 @@
 //! anywhere. [`framing`] chooses a camera where nobody did. Nothing here knows files or terminals.
 
 pub mod framing;
-pub mod legend;
 pub mod model;
 pub mod names;
+pub mod overlay;
 pub mod picture;
 pub mod sequence;

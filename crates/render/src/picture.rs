@@ -1,6 +1,6 @@
 //! From a document to a picture: simplify, compile, trace, shade, and account for all of it.
 
-use crate::legend::Legend;
+use crate::overlay::Legend;
 use glam::DVec3;
 use std::ops::AddAssign;
 use std::time::{Duration, Instant};

@@ -69,8 +69,8 @@ impl Blank {
     }
 }
 
-/// Whether the found domain reaches beyond the region, or is so small that its contents may fall
-/// between pixels.
+/// Returns whether the found domain reaches beyond the region, or is so small that its contents may
+/// fall between pixels.
 fn differs(found: &AutoDomain, region: &Region) -> bool {
     let (low, high) = (region.low(), region.high());
     let beyond = (0..3).any(|axis| found.low[axis] < low[axis] || found.high[axis] > high[axis]);

@@ -91,12 +91,12 @@ impl Finding {
         }
     }
 
-    /// Whether no point was found.
+    /// Returns whether no point was found.
     pub fn is_empty(self) -> bool {
         matches!(self, Self::Empty | Self::EmptyNear)
     }
 
-    /// Whether the whole surface is in the domain.
+    /// Returns whether the whole surface is in the domain.
     pub fn is_bounded(self) -> bool {
         matches!(self, Self::Bounded | Self::BoundedNear)
     }
@@ -171,10 +171,11 @@ fn around(program: &Program, hull: &Cell) -> Cell {
     thick(roomy(hull), THIN)
 }
 
-/// Whether the surface is a point, or cannot be told from one, and the box only shows how far
-/// floats resolve it. Either the box is a few ulps wide, or no value in it can be told from 0. The
-/// latter happens near the origin, where the values of x²+y²+z² underflow. A surface with an inside
-/// has other values there, however small it is and whatever factor its function has.
+/// Returns whether the box is this small only because floats resolve no less: the surface is a
+/// point, or cannot be told from one. Either the box is a few ulps wide, or no value in it can be
+/// told from 0. The latter happens near the origin, where the values of x²+y²+z² underflow. A
+/// surface with an inside has other values there, however small it is and whatever factor its
+/// function has.
 fn is_point(program: &Program, hull: &Cell) -> bool {
     let (graph, parameters) = (program.graph(), program.values().to_vec());
     let may_vanish = |place: [f64; 3]| {

@@ -110,8 +110,9 @@ impl Program {
         Some(program.check(document).map(|()| program))
     }
 
-    /// Whether the code is valid for `document`. The document must differ in values only from the
-    /// one that the program was built from, and the values must be within the assumed bounds.
+    /// Returns whether the code is valid for `document`. The document must differ in values only
+    /// from the one that the program was built from, and the values must be within the assumed
+    /// bounds.
     pub fn serves(&self, document: &Document) -> bool {
         let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.store.simplified;
         let assumed = document.parameters.iter().map(assumed);
@@ -150,8 +151,8 @@ impl Program {
         Self { store, values, surfaces, enclosures }
     }
 
-    /// Fails if a surface has no point anywhere. A surface without points in this domain only is
-    /// left to [`Program::remarks`].
+    /// Refuses a function that is constant or undefined in all of space. One that is so in this
+    /// domain only is left to [`Program::remarks`].
     fn check(&self, document: &Document) -> Result<(), ProgramError> {
         let surfaces = 0..document.surfaces.len();
         if surfaces.clone().all(|k| !self.is_undefined(k) && self.constant(k).is_none()) {
@@ -214,12 +215,13 @@ impl Program {
         (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
 
-    /// Whether the typed function was replaced by another with the same zeros, all of them simple.
+    /// Returns whether the typed function was replaced by another with the same zeros, all of them
+    /// simple.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }
 
-    /// Whether a surface's function is proven to have no value on the whole domain.
+    /// Returns whether a surface's function is proven to have no value on the whole domain.
     pub fn is_undefined(&self, surface: usize) -> bool {
         self.enclosures[surface].1.has(Facts::NOWHERE)
     }

@@ -277,8 +277,8 @@ fn search_while(
     domain::find_while(&program.over_time(document), wanted)
 }
 
-/// Whether [`search`] gives the same result for two documents. They must differ only in values of
-/// parameters, each within its range.
+/// Returns whether [`search`] gives the same result for two documents. They must differ only in
+/// values of parameters, each within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
     { parameters }.all(|(one, other)| {
@@ -360,7 +360,7 @@ pub fn number(text: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// Whether a parameter of `document` occurs in nothing that is drawn.
+/// Returns whether a parameter of `document` occurs in nothing that is drawn.
 pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
     let needed = document.graph.reachable(&roots);
@@ -375,7 +375,7 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     !is_drawn && !colors.chain(lines).any(paints)
 }
 
-/// Whether the time `t` occurs in something that `document` draws.
+/// Returns whether the time `t` occurs in something that `document` draws.
 pub fn depends_on_time(document: &Document) -> bool {
     let mut times = document.parameters.iter().filter(|one| one.kind == ParameterKind::Time);
     times.any(|time| !is_idle(document, time))

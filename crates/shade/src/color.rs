@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(LinearRgb([f32::NAN, -1.0, 2.0]).to_srgb(), [0, 0, 255]);
     }
 
-    /// The byte by the sRGB curve, in f64.
+    /// The sRGB byte of an amount, by the formula of the curve in f64.
     fn exact(amount: f32) -> u8 {
         let amount = f64::from(amount);
         let encoded = if amount <= 0.003_130_8 {

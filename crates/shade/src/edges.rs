@@ -32,7 +32,7 @@ pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
                 edges[edge + column..=edge + column + 1].fill(true);
             });
         }
-        // Pairs of rows, including those with the rows just above and just below the band.
+        // Adjacent rows, including the rows just above and just below the band.
         for row in top.max(1)..=rows.end.min(height - 1) {
             let (above, below) = (pairs.painted(row - 1), pairs.painted(row));
             let here = row * width;

@@ -217,7 +217,8 @@ impl<T: Real> NormalSource<'_, T> {
     }
 }
 
-/// Computes the directions that are missing with `vectors`, which gets the indices of their points.
+/// Fills in missing normals. `vectors` gets the indices of points without one, and returns their
+/// directions.
 fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<DVec3>) {
     let open: Vec<usize> = (0..normals.len()).filter(|&k| normals[k].is_none()).collect();
     if !open.is_empty() {

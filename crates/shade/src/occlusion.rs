@@ -33,7 +33,7 @@ const WIDEST: f64 = 0.125;
 /// Sine of the elevation above the tangent plane below which a point hides nothing: pixels resolve
 /// no less.
 const FLAT: f32 = 0.08;
-/// Factor from the mean of what is found to the share that is hidden.
+/// Factor from the mean contribution of a sample to the share that is hidden.
 const STRENGTH: f32 = 2.6;
 
 /// A painted point, with its normal and surface.
@@ -248,7 +248,7 @@ mod tests {
         let before = buffer.shadow.clone();
         near.mean(&mut buffer.shadow);
         assert_eq!(buffer.shadow, before);
-        // The mean over all turns is the same for all pixels.
+        // All pixels have the same mean over all turns.
         let shadow = |pixel: usize| (16 * turn([pixel % 64, pixel / 64])) as u8;
         buffer.shadow = (0..64 * 64).map(shadow).collect();
         near.mean(&mut buffer.shadow);

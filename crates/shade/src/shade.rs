@@ -138,9 +138,7 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
 /// `paint` gives points other colors than their surface has. It has one entry per pixel, or is
 /// empty.
 ///
-/// # Panics
-/// If `paint` is neither empty nor as long as there are pixels, or if the rays are of a picture of
-/// another width.
+/// # Panics If `paint` is not empty and its length differs from the number of pixels, or if the rays are those of a picture of another width.
 pub fn shade(
     buffer: &GBuffer,
     rays: &RayGrid,

@@ -1,17 +1,19 @@
-//! Boxes that may hold a point of some surface: halved, asked about and counted.
+//! Search for boxes that may hold a point of a surface, by halving, with a limit on evaluations.
 
 use std::cell::Cell as Counter;
 use zeroset_eval::{
     Boxes, ContractTiles, FindZeros, Kernel, LANES, Planes, Points, Sample, Tiles, Values, Zeros,
 };
 
-/// Half the side of the window on a surface that is like itself at every scale.
+/// Half the side of the window on a surface without a scale of its own.
 pub const PLAIN: f64 = 2.0;
 
-/// A box of space; an end may be infinite.
+/// A box of space. Its ends may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
+    /// The corner with the smallest coordinates.
     pub low: [f64; 3],
+    /// The corner with the largest coordinates.
     pub high: [f64; 3],
 }
 
@@ -21,7 +23,7 @@ impl Cell {
         Self { low: [-half; 3], high: [half; 3] }
     }
 
-    /// The cube around a place with this half extent.
+    /// The cube around `place` with this half extent.
     pub fn about(place: [f64; 3], half: f64) -> Self {
         Self { low: place.map(|along| along - half), high: place.map(|along| along + half) }
     }
@@ -36,17 +38,17 @@ impl Cell {
         (0..3).map(|axis| self.extent(axis)).fold(0.0, f64::max)
     }
 
-    /// The largest coordinate of it, whatever its sign.
+    /// The largest magnitude of a coordinate in it.
     pub fn reach(&self) -> f64 {
         (0..3).map(|axis| self.high[axis].max(-self.low[axis])).fold(0.0, f64::max)
     }
 
-    /// The middle.
+    /// The center.
     pub fn centre(&self) -> [f64; 3] {
         [0, 1, 2].map(|axis| self.low[axis].midpoint(self.high[axis]))
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[must_use]
     pub fn around(&self, other: &Self) -> Self {
         let ends = |pick: fn(f64, f64) -> f64, one: &[f64; 3], two: &[f64; 3]| {
@@ -58,13 +60,12 @@ impl Cell {
         }
     }
 
-    /// Whether `other` lies inside.
+    /// Returns whether `other` lies inside.
     pub fn holds(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.low[axis] <= other.low[axis] && other.high[axis] <= self.high[axis])
     }
 
-    /// The eight parts into which halving all sides divides it; they cover it, whatever rounding
-    /// does.
+    /// The eight boxes that result from halving all sides. They cover this box despite rounding.
     fn parts(self) -> impl Iterator<Item = Self> {
         let middle = self.centre();
         (0..8).map(move |n| {
@@ -77,8 +78,7 @@ impl Cell {
     }
 }
 
-/// A place and those around it that are a step away along some of the axes: 27, of which that place
-/// is the middle one.
+/// The 27 places at −1, 0 or 1 steps from `place` along each axis. The middle one is `place`.
 pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
     (0..27).map(move |n: i32| {
         let sides = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1].map(f64::from);
@@ -86,33 +86,34 @@ pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f
     })
 }
 
-/// Which cells may hold a point of some surface, for so many evaluations.
+/// A search for the cells that may hold a point of some surface, with a limit on evaluations.
 pub struct Search<'a> {
-    /// The surfaces' kernels.
+    /// The surfaces' kernels, in interval arithmetic.
     pub surfaces: Vec<&'a dyn Kernel<FindZeros, f64>>,
-    /// The same by affine forms, asked about what the others leave open; none until they are worth
-    /// their code.
+    /// The surfaces' kernels in affine arithmetic, evaluated where intervals leave a cell open.
+    /// Empty until they are worth compiling.
     pub forms: Vec<&'a dyn Kernel<ContractTiles, f64>>,
-    /// Asked between evaluations; once false, it must stay false.
+    /// Returns whether the search is still wanted. Queried between evaluations; once false, it must
+    /// stay false.
     pub wanted: &'a dyn Fn() -> bool,
-    /// Evaluations left. Without any, every cell may hold a point.
+    /// Number of evaluations left. At 0, every cell may hold a point.
     pub work: Counter<u64>,
 }
 
 impl Search<'_> {
-    /// Whether the answers are still wanted.
+    /// Returns whether the search is still wanted.
     pub fn is_wanted(&self) -> bool {
         (self.wanted)()
     }
 
-    /// Takes evaluations from what is left, and tells whether there were as many.
+    /// Takes evaluations from `work`, and returns whether there were enough left.
     pub fn spend(&self, evaluations: u64) -> bool {
         let left = self.work.get();
         self.work.set(left.saturating_sub(evaluations));
         left >= evaluations
     }
 
-    /// A function's values at places, each an evaluation.
+    /// The function's values at places. Each takes one evaluation.
     pub fn values(&self, kernel: &dyn Kernel<Sample, f64>, places: &[[f64; 3]]) -> Vec<f64> {
         self.spend(places.len() as u64);
         let mut values = Vec::with_capacity(places.len());
@@ -124,8 +125,8 @@ impl Search<'_> {
         values
     }
 
-    /// The cells that are not proven empty; none, so that every search ends, when it is no longer
-    /// wanted.
+    /// The cells that are not proven empty. If the search is not wanted, the result is empty, so
+    /// that every search ends.
     pub fn open(&self, cells: &[Cell]) -> Vec<Cell> {
         if !self.is_wanted() {
             return Vec::new();
@@ -155,7 +156,7 @@ impl Search<'_> {
         if self.forms.is_empty() { open } else { self.open_by_forms(&open) }
     }
 
-    /// The cells that are not proven empty by affine forms.
+    /// The cells that affine forms do not prove empty.
     fn open_by_forms(&self, cells: &[Cell]) -> Vec<Cell> {
         let mut open = Vec::with_capacity(cells.len());
         for chunk in cells.chunks(LANES) {
@@ -163,7 +164,7 @@ impl Search<'_> {
                 open.extend_from_slice(chunk);
                 continue;
             }
-            // A box is a tile of rays along z, its screen the plane z = 0.
+            // A box is a tile of rays along z, with its screen in the plane z = 0.
             let mut tiles = Tiles::<f64> { count: chunk.len() as u32, ..Tiles::default() };
             for (lane, cell) in chunk.iter().enumerate() {
                 let centre = cell.centre();
@@ -191,8 +192,8 @@ impl Search<'_> {
         open
     }
 
-    /// Whether there is nothing outside a box, however far: proven, if `true`. The parts of space
-    /// around it are asked about as boxes with infinite ends.
+    /// Returns whether everything outside a box is proven empty, however far away. The space around
+    /// it is divided into boxes with infinite ends.
     pub fn nothing_outside(&self, inner: &Cell) -> bool {
         let parts = (0..27).filter(|n| *n != 13).map(|n: usize| {
             let place = [n % 3, n / 3 % 3, n / 9];
@@ -210,7 +211,7 @@ impl Search<'_> {
         self.open(&parts.collect::<Vec<_>>()).is_empty() && self.is_wanted()
     }
 
-    /// Whether nothing lies between a box and a larger one about it: proven, if `true`.
+    /// Returns whether the space between a box and a larger box around it is proven empty.
     pub fn nothing_between(&self, inner: &Cell, outer: &Cell) -> bool {
         let mut left = vec![*outer];
         for _ in 0..SHELL_DEPTH {
@@ -223,8 +224,9 @@ impl Search<'_> {
         left.is_empty() && self.is_wanted()
     }
 
-    /// A box around everything in `whole` that is not proven empty, found ever finer in cells of
-    /// 2 to minus `depth` of its sides; `None` if there is nothing.
+    /// A box around the cells of `whole` that are not proven empty. The smallest cells have 2 to
+    /// minus `depth` of its sides. Repeats with the resulting box while that shrinks. `None` if
+    /// everything is proven empty.
     pub fn tight(&self, mut whole: Cell, depth: u32) -> Option<Cell> {
         for _ in 0..ROUNDS {
             let hull = self.hull(&whole, depth)?;
@@ -261,19 +263,20 @@ impl Search<'_> {
     }
 }
 
-/// Between two cubes, cells are halved this often, or until more than so many are left: beyond
-/// that, a surface that passes through would only cost time.
+/// Number of halvings of cells between two boxes, and number of open cells beyond which they stop.
+/// A surface that passes through would only cost time.
 const SHELL_DEPTH: u32 = 6;
 const SHELL_CELLS: usize = 2048;
 
-/// A box is looked through in cells of 2 to minus this of its sides; by affine forms, of that.
+/// Halvings of a box that is searched by intervals.
 pub const BOX_DEPTH: u32 = 6;
+/// Halvings of a box that is searched by affine forms too.
 pub const FINE_DEPTH: u32 = 7;
 
-/// A box is looked through again if a side became shorter than this share of itself, at most so
-/// often.
+/// A box is searched again if a side became shorter than this share of itself, at most `ROUNDS`
+/// times.
 const SNUG: f64 = 0.75;
 const ROUNDS: u32 = 400;
 
-/// A side that is shorter than this share of the longest is not looked at again.
+/// A side shorter than this share of the longest does not cause another search.
 const NARROW: f64 = 1e-3;

@@ -1,8 +1,7 @@
-//! Space: rays, the region in which a surface is looked for, and boxes that are divided until
-//! it is found.
+//! Rays, the region in which a surface is looked for, and boxes that are halved to find it.
 //!
 //! Every bound is rounded outward, so that no point of a region is lost. Nothing here knows texts,
-//! cameras or pixels, nor how kernels are made.
+//! cameras or pixels, or how kernels are compiled.
 
 mod cells;
 mod ray;

@@ -1,16 +1,16 @@
-//! Rays. Nothing is known of cameras or pixels.
+//! Rays. Nothing here knows cameras or pixels.
 
 use glam::DVec3;
 
 /// A half line: the points `origin + t · direction` for t ≥ 0, in world coordinates.
 ///
-/// It is *defined* by the `f64` numbers stored here, exactly. Every proof about a pixel, every cap,
-/// normal, shadow and coordinate is about this one real line.
+/// The `f64` numbers stored here define it exactly. Every proof about a pixel, and every cap,
+/// normal, shadow and coordinate, refers to this real line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where t is 0: the eye, or a point of the eye's plane in an orthographic picture.
+    /// The point at t = 0: the eye, or a point of the eye's plane in an orthographic picture.
     pub origin: DVec3,
-    /// The way from t to t + 1, of any length but 0.
+    /// The vector from t to t + 1, of any length but 0.
     pub direction: DVec3,
 }
 

@@ -1,8 +1,7 @@
-//! The part of space in which a surface is looked for: a box, and optionally a half-space and a
-//! ball that cut it.
+//! The region in which a surface is looked for: a box, optionally cut by a half-space and a ball.
 //!
-//! Every bound here is rounded away from the region, so that no part of a ray inside it is ever
-//! lost. Nothing is known of functions or pixels.
+//! Bounds are rounded away from the region, so that no part of a ray inside it is lost. Nothing
+//! here knows functions or pixels.
 
 mod ball;
 
@@ -11,16 +10,16 @@ pub use ball::{Ball, Chord};
 use glam::DVec3;
 use thiserror::Error;
 
-/// Coordinates beyond this magnitude leave no room for squares in `f32` kernels. It holds for `f64`
-/// too, so that a domain does not depend on the precision.
+/// Largest magnitude of a coordinate. Larger ones leave no room for squares in `f32` kernels. The
+/// limit also holds for `f64`, so that a domain does not depend on the precision.
 const LARGEST_COORDINATE: f64 = 1e18;
 
 /// The points `p` with `normal · p ≤ offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
-    /// Points out of the half-space; any length but 0.
+    /// Normal of the boundary plane, out of the half-space; of any length but 0.
     pub normal: DVec3,
-    /// Largest kept value of `normal · p`.
+    /// Largest value of `normal · p` in the half-space.
     pub offset: f64,
 }
 
@@ -33,7 +32,7 @@ pub struct Region {
     ball: Option<Ball>,
 }
 
-/// Why a region cannot exist.
+/// Why a region is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum RegionError {
     /// A bound is NaN, infinite or too large for the kernels.
@@ -60,21 +59,21 @@ pub enum RegionError {
         /// Its upper bound.
         high: f64,
     },
-    /// The half-space has no boundary plane.
+    /// The half-space has no boundary plane, or its numbers are out of range.
     #[error(
         "the clipping plane a,b,c,d needs finite numbers, and a, b, c not all zero nor all below 1e-150 or one above 1e150"
     )]
     Plane,
 }
 
-/// Where a ray comes into a region from outside.
+/// The point where a ray enters a region from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Bounds on the t at which the ray crosses the face.
+    /// Bounds of the t at which the ray crosses the face.
     pub t: (f64, f64),
-    /// The face's unit normal, out of the region.
+    /// The face's unit normal, pointing out of the region.
     pub normal: DVec3,
-    /// Whether the ray certainly meets the region, rounding aside.
+    /// Whether the ray certainly meets the region, despite rounding.
     pub certain: bool,
 }
 
@@ -102,13 +101,13 @@ impl Region {
     /// The same box, cut by a half-space.
     ///
     /// # Errors
-    /// If the plane's numbers are not finite or its normal is zero.
+    /// If the plane's numbers are not finite, or its normal is zero.
     pub fn with_clip(self, clip: HalfSpace) -> Result<Self, RegionError> {
         let valid = clip.normal.try_normalize().is_some() && clip.offset.is_finite();
         if valid { Ok(Self { clip: Some(clip), ..self }) } else { Err(RegionError::Plane) }
     }
 
-    /// The same region, cut by the ball about the box's centre that reaches to its farthest faces.
+    /// The same region, cut by the ball about the box's center that touches its farthest faces.
     #[must_use]
     pub fn with_ball(self) -> Self {
         let ball = Ball { centre: self.centre(), radius: self.half_extent() };
@@ -135,12 +134,12 @@ impl Region {
         self.ball
     }
 
-    /// Whether anything of the box is cut away.
+    /// Returns whether part of the box is cut away.
     pub fn is_cut(&self) -> bool {
         self.clip.is_some() || self.ball.is_some()
     }
 
-    /// The middle of the box, whatever is cut away.
+    /// The center of the box, whatever is cut away.
     pub fn centre(&self) -> DVec3 {
         (self.low + self.high) / 2.0
     }
@@ -150,21 +149,21 @@ impl Region {
         (self.high - self.low).max_element() / 2.0
     }
 
-    /// Bounds on the t ≥ 0 whose points of `ray` lie inside the region, rounded outward: no point
-    /// of the ray inside is left out. `None` if there is none.
+    /// Bounds of the t ≥ 0 at which points of `ray` lie inside the region, rounded outward, so that
+    /// no point inside is left out. `None` if there is no such point.
     pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
         let [near, far] = self.ends::<true>(ray)?;
         (near <= far).then_some((near, far))
     }
 
-    /// Bounds on the t ≥ 0 between which all points of `ray` certainly lie inside the region; not
-    /// in order if none do.
+    /// Bounds of a range of t ≥ 0 in which all points of `ray` certainly lie inside the region.
+    /// They are not in order if no point does.
     pub fn inner(&self, ray: &Ray) -> [f64; 2] {
         self.ends::<false>(ray).unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
     }
 
-    /// Between which t ≥ 0 points lie inside, rounded outward or else inward; `None` or not in
-    /// order if none do.
+    /// The t ≥ 0 between which points lie inside, rounded outward or inward. `None` or not in order
+    /// if no point does.
     #[inline]
     fn ends<const OUTWARD: bool>(&self, ray: &Ray) -> Option<[f64; 2]> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
@@ -175,8 +174,9 @@ impl Region {
         }
         if let Some(clip) = &self.clip {
             let (room, slope) = clip.relation(ray);
-            // Kept are the t with t·slope ≤ room, for some slope and room within their bounds; as t
-            // ≥ 0, the smallest slope and the largest room keep the most, and the others the least.
+            // Kept are the t with t·slope ≤ room, for slope and room within their bounds. As t ≥ 0,
+            // the smallest slope with the largest room keeps the most; the opposite keeps the
+            // least.
             let (slope, room) = if OUTWARD { (slope.0, room.1) } else { (slope.1, room.0) };
             let end = room / slope;
             if slope > 0.0 {
@@ -196,11 +196,11 @@ impl Region {
         Some([near, far])
     }
 
-    /// Where the ray enters, or `None` if it starts inside or never does.
+    /// The point where the ray enters. `None` if it starts inside, or never enters.
     pub fn entry(&self, ray: &Ray) -> Option<Entry> {
         let (mut near, mut far) = ((0.0_f64, 0.0_f64), f64::INFINITY);
         let mut normal = None;
-        // Through a face from outside. The last face that is met tells the normal.
+        // Crosses a face from outside. The last face that is crossed gives the normal.
         let mut cross = |crossing: (f64, f64), face: DVec3| {
             if crossing.0 > near.0 {
                 normal = Some(face);
@@ -235,7 +235,7 @@ impl Region {
         Some(Entry { t: near, normal, certain: near.1 <= far })
     }
 
-    /// Bounds on the t at which the ray enters and leaves the slab of one axis, or `None` if it
+    /// Bounds of the t at which the ray enters and leaves the slab of one axis. `None` if the ray
     /// runs outside.
     fn slab(&self, ray: &Ray, axis: usize) -> Option<((f64, f64), (f64, f64))> {
         let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
@@ -255,11 +255,11 @@ impl Region {
 }
 
 impl HalfSpace {
-    /// Bounds on `offset − normal · origin` and on `normal · direction`.
+    /// Bounds of `offset − normal · origin` and of `normal · direction`.
     fn relation(&self, ray: &Ray) -> ((f64, f64), (f64, f64)) {
         let bounds = |value: f64, magnitude: f64| {
-            // Six operations of at most half an ulp each on terms below `magnitude`; 16 leaves room
-            // for the rounding of `magnitude` itself, and the last term is for underflow.
+            // Six operations have an error of at most half an ulp each, on terms below `magnitude`.
+            // 16 leaves room for the rounding of `magnitude`; the last term covers underflow.
             let error = 16.0 * (f64::EPSILON / 2.0) * magnitude + f64::MIN_POSITIVE;
             ((value - error).next_down(), (value + error).next_up())
         };
@@ -271,13 +271,13 @@ impl HalfSpace {
     }
 }
 
-/// A lower bound of a quotient of a difference, given its value rounded to nearest twice: at most
-/// two ulps away.
+/// A lower bound of a quotient of a difference, whose two operations were rounded to nearest: at
+/// most two ulps away.
 fn down(value: f64) -> f64 {
     value.next_down().next_down().next_down()
 }
 
-/// The upper bound that corresponds to [`down`].
+/// An upper bound, like [`down`].
 fn up(value: f64) -> f64 {
     value.next_up().next_up().next_up()
 }

@@ -1,16 +1,16 @@
-//! Colors for numbers, by name. The maps themselves are those of the crate `colorous`.
+//! Named color maps. The maps themselves come from the crate `colorous`.
 
 use colorous::Gradient;
 
-/// Colors from the first to the last: a row of [`COLOR_MAPS`].
+/// A map from numbers to colors: a row of [`COLOR_MAPS`].
 #[derive(Clone, Copy, Debug)]
 pub struct ColorMap {
-    /// What it is called.
+    /// The name that selects it.
     pub name: &'static str,
     gradient: Gradient,
 }
 
-/// Every color map.
+/// All color maps.
 pub const COLOR_MAPS: [ColorMap; 12] = [
     ColorMap { name: "viridis", gradient: colorous::VIRIDIS },
     ColorMap { name: "magma", gradient: colorous::MAGMA },
@@ -27,13 +27,13 @@ pub const COLOR_MAPS: [ColorMap; 12] = [
 ];
 
 impl ColorMap {
-    /// The map of this name.
+    /// The color map with this name.
     pub fn named(name: &str) -> Option<&'static Self> {
         const { &COLOR_MAPS }.iter().find(|map| map.name == name)
     }
 
-    /// The sRGB bytes of the color at a share of the way from the first to the last; beyond the
-    /// ends, theirs. NaN is as 0.
+    /// The color at `share` as sRGB bytes: 0 is the first color, 1 the last. Values outside [0, 1]
+    /// are clamped; NaN counts as 0.
     pub fn bytes(&self, share: f64) -> [u8; 3] {
         let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
         self.gradient.eval_continuous(share).as_array()

@@ -1,6 +1,6 @@
-//! Looks, named views and color maps: the tables of what a picture's appearance can be chosen from.
+//! Looks, views and color maps: the named choices for a picture's appearance.
 //!
-//! A row has the name, which the language and the command line read, beside the numbers, which
+//! Each row of a table has a name, which the language and the command line read, and numbers, which
 //! cameras and shading use. Nothing here knows texts, rays or pixels.
 
 mod color_map;

@@ -1,34 +1,33 @@
-//! Sets of lights and tones for a picture, by name.
+//! Named sets of lights and tones.
 
-/// How a picture is lit, and what it stands on: a row of [`LOOKS`].
+/// The lights and the background of a picture: a row of [`LOOKS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// What it is called.
+    /// The name that selects it.
     pub name: &'static str,
-    /// One line about it.
+    /// One line that describes it.
     pub help: &'static str,
-    /// Shown where nothing is painted, as sRGB bytes.
+    /// Color where nothing is painted, as sRGB bytes.
     pub background: [u8; 3],
-    /// Share of the light that comes from everywhere, within [0, 1]; of the rest, what its sources
-    /// send is below.
+    /// Share of the light that is ambient, within [0, 1]. The lights below share the rest.
     pub ambient: f32,
-    /// What of the ambient light comes from below, when 1 comes from above.
+    /// Strength of ambient light from below, relative to 1 from above.
     pub ground: f32,
-    /// Strength of the light that casts shadows.
+    /// Strength of the key light, which casts shadows.
     pub key: f32,
-    /// Strength of the light from the other side, which softens what the first leaves dark.
+    /// Strength of the fill light from the other side, which brightens the shadows.
     pub fill: f32,
-    /// Strength of the light from behind, which is seen where a surface turns away.
+    /// Strength of the rim light from behind, which is visible where a surface turns away.
     pub rim: f32,
-    /// Share of a white highlight in the light that casts shadows.
+    /// Strength of the key light's white highlight.
     pub highlight: f32,
-    /// How much darker a surface becomes where it turns away, from 0 to 1: drawn outlines, at 1.
+    /// Darkening of a surface where it turns away, from 0 to 1. At 1 it draws outlines.
     pub outline: f32,
-    /// Whether what is near takes away ambient light.
+    /// Whether nearby points take away ambient light.
     pub occlusion: bool,
 }
 
-/// Every look; the first is the default.
+/// All looks; the first is the default.
 pub const LOOKS: [Look; 4] = [
     Look {
         name: "studio",
@@ -85,7 +84,7 @@ pub const LOOKS: [Look; 4] = [
 ];
 
 impl Look {
-    /// The look of this name.
+    /// The look with this name.
     pub fn named(name: &str) -> Option<&'static Self> {
         LOOKS.iter().find(|look| look.name == name)
     }

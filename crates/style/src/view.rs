@@ -1,9 +1,9 @@
-//! Named points of view, as directions. Nothing is known of regions or cameras.
+//! Named views, as directions. Nothing here knows regions or cameras.
 
-/// A point of view that needs no coordinates: a row of [`VIEWS`].
+/// A view that needs no coordinates: a row of [`VIEWS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StandardView {
-    /// The name by which it is chosen.
+    /// The name that selects it.
     pub name: &'static str,
     /// The eye's offset from the target, in half extents of the region.
     pub offset: [f64; 3],
@@ -11,10 +11,10 @@ pub struct StandardView {
     pub up: [f64; 3],
 }
 
-/// Length of every offset: that of the first one, (2, −3, 1.5).
+/// Length of every offset, which is that of (2, −3, 1.5).
 const DISTANCE: f64 = 3.905_124_837_953_327;
 
-/// Every view; the first, from the right, the front and above, is the default. z is up, and `front`
+/// All views. The first is the default, from the right, the front and above. z is up, and `front`
 /// looks along +y.
 pub const VIEWS: [StandardView; 7] = [
     StandardView { name: "iso", offset: [2.0, -3.0, 1.5], up: UPRIGHT },
@@ -32,7 +32,7 @@ const UPRIGHT: [f64; 3] = [0.0, 0.0, 1.0];
 pub const FOV: f64 = 40.0;
 
 impl StandardView {
-    /// The view called `name`.
+    /// The view with this name.
     pub fn named(name: &str) -> Option<&'static Self> {
         VIEWS.iter().find(|view| view.name == name)
     }

@@ -1,11 +1,11 @@
-//! Rows of a picture: what one thread fills at a time.
+//! Bands: rows of a picture that one thread fills at a time.
 
 use crate::painted::are_misses;
 use crate::ray_result::{LENGTH_ERROR, RayResult, Status, UndecidedReason};
 use std::cell::Cell;
 use std::ops::Range;
 
-/// Some neighbouring rows of a picture, and where what is found of their pixels goes.
+/// Adjacent rows of a picture, into which results are written.
 pub struct Band<'a> {
     /// The first row, counted from the picture's top.
     pub top: usize,
@@ -18,31 +18,31 @@ pub struct Band<'a> {
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     pub(crate) bracket: &'a mut [[f64; 2]],
-    /// Whether a pixel is wanted, row by row; empty if all are.
+    /// Whether each pixel is wanted, row by row; empty if all are.
     pub(crate) only: &'a [bool],
-    /// Of each pixel, what is proven of the surfaces that were looked for before, and where they
-    /// are painted; empty if there are none.
+    /// Results for surfaces traced before: proofs, and distances of painted points. Empty if this
+    /// is the first surface.
     pub(crate) before: (&'a [Status], &'a [f64]),
-    /// Told of how many pixels something was found since it was last called.
+    /// Progress callback: gets the number of results since the last call.
     pub(crate) advance: &'a dyn Fn(usize) -> bool,
-    /// So many that it was not told of yet.
+    /// Number of results not yet reported.
     pub(crate) found: Cell<usize>,
 }
 
 impl Band<'_> {
-    /// Whether what is still to be found is wanted. To be asked every now and then; after a
-    /// `false`, columns that were not reached are to be [given up](Band::give_up).
+    /// Reports progress, and returns whether the remaining results are still wanted. Must be called
+    /// regularly. After `false`, the remaining columns must be [given up](Band::give_up).
     pub fn is_wanted(&self) -> bool {
         (self.advance)(self.found.take())
     }
 
-    /// Whether anybody asks what becomes of a pixel, given by its column and its row in the band.
+    /// Returns whether a pixel is wanted, given its column and its row in the band.
     #[inline]
     pub fn is_asked(&self, column: usize, row: usize) -> bool {
         self.only.is_empty() || self.only[row * self.width + column]
     }
 
-    /// The same of four pixels of a row, as bits; clear for what sticks out of the band.
+    /// As [`Band::is_asked`], for four pixels of a row, as bits. Pixels beyond the row are 0.
     #[inline]
     pub(crate) fn asked_of_four(&self, column: usize, row: usize) -> u16 {
         let Some(rest) = self.only.get(row * self.width + column..(row + 1) * self.width) else {
@@ -54,13 +54,13 @@ impl Band<'_> {
         rest.iter().enumerate().map(|(k, asked)| u16::from(*asked) << k).sum()
     }
 
-    /// Whether that is so of every pixel.
+    /// Returns whether all pixels are wanted.
     pub fn is_all_asked(&self) -> bool {
         self.only.is_empty()
     }
 
-    /// Calls all pixels from this column on undecided from the eye on, for lack of time: to leave
-    /// them misses would be a claim.
+    /// Sets all misses from this column on to undecided, from the eye on, for lack of time. As
+    /// misses they would be false claims.
     pub fn give_up(&mut self, from: usize) {
         for row in 0..self.height {
             for column in from..self.width {
@@ -69,16 +69,16 @@ impl Band<'_> {
         }
     }
 
-    /// The same of one pixel. What was found on its ray was found behind nothing but what is proven
-    /// empty, and stays.
+    /// Sets a miss to undecided. Another result was found behind a segment that is proven empty,
+    /// and stays.
     pub fn give_up_pixel(&mut self, column: usize, row: usize) {
         if self.status[row * self.width + column] == Status::Miss {
             self.set(column, row, &RayResult::GIVEN_UP);
         }
     }
 
-    /// Writes what became of the ray through a pixel, given by its column and its row in the band;
-    /// distances in world units.
+    /// Writes the result for a pixel's ray, given its column and its row in the band. Distances are
+    /// in world units.
     #[inline]
     pub fn set(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
@@ -100,8 +100,8 @@ impl Band<'_> {
         self.found.set(self.found.get() + pixels);
     }
 
-    /// Writes what was found on a ray behind all that was found before: what is proven stays as it
-    /// is where something was, and only what is painted may be new.
+    /// Adds a result that lies behind all earlier ones on the same ray. If there was one, its proof
+    /// stays, and only the painted point may be new.
     #[inline]
     pub fn add(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
@@ -112,8 +112,8 @@ impl Band<'_> {
         }
     }
 
-    /// Paints a place on a ray of which something is known before it, unless that is painted:
-    /// nowhere that is proven empty.
+    /// Paints a point behind the start of an undecided segment, unless a nearer one is painted. The
+    /// point is never where the ray is proven empty.
     #[inline]
     fn paint(&mut self, pixel: usize, distance: f64) {
         if self.status[pixel] == Status::Undecided {
@@ -121,8 +121,7 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add`] for a hit at `distance`, whose bracket reaches as far as `off` to either
-    /// side.
+    /// As [`Band::add`] for a hit at `distance`, whose bracket extends by `off` to either side.
     #[inline]
     pub fn add_hit(&mut self, column: usize, row: usize, distance: f64, off: f64) {
         let pixel = row * self.width + column;
@@ -139,9 +138,8 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add_hit`] for a square of four rows of four pixels, from this column and row on:
-    /// only where nothing else was found, and no brackets are kept. Otherwise does nothing, and
-    /// returns `false`.
+    /// As [`Band::add_hit`] for four rows of four pixels from this column and row on. Does nothing
+    /// and returns `false` if one of them already has a result, or if brackets are kept.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,

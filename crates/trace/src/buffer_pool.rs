@@ -1,29 +1,30 @@
-//! Memory that pictures leave to the next ones, and bands to the next bands.
+//! Pools of memory that pictures leave to later pictures, and bands to later bands.
 //!
-//! To get new pages from the system takes several times as long as to fill them, and longer than
-//! all else that is done about a pixel of the background. Nothing is kept but what a caller hands
-//! back.
+//! Getting new pages from the system takes several times as long as filling them, and longer than
+//! all other work on a background pixel. A pool keeps only buffers that a caller hands back.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What is kept of pictures at most: one is traced while the last one is shown, and a layer beside
-/// what it is merged into.
+/// Number of pictures whose memory is kept. One is traced while the last one is shown; a layer
+/// exists beside the picture that it is merged into.
 pub const PICTURES: usize = 2;
 
-/// Room for so many times what is wanted is far too large, but for what is small anyway.
+/// A buffer with more than this many times the wanted capacity is too large, unless it has few
+/// elements.
 const ROOMY: usize = 4;
 const LEAST: usize = 1 << 12;
 
-/// Whether room serves for so much; what is far too large is given back to the system, so that a
-/// large picture leaves nothing behind once small ones follow.
+/// Returns whether a buffer of capacity `room` serves for `wanted` elements. One that is far too
+/// large is given back to the system, so that a large picture does not hold memory while small ones
+/// follow.
 pub fn serves(room: usize, wanted: usize) -> bool {
     (wanted..=ROOMY * wanted.max(LEAST)).contains(&room)
 }
 
-/// Memory of one kind.
+/// A pool of buffers of one type.
 pub struct BufferPool<T> {
     kept: Mutex<Vec<T>>,
-    /// How much of it is kept at most.
+    /// Largest number of buffers kept.
     most: usize,
 }
 
@@ -33,12 +34,12 @@ impl<T> BufferPool<T> {
         Self { kept: Mutex::new(Vec::new()), most }
     }
 
-    /// What was handed back last.
+    /// Takes the buffer that was handed back last.
     pub fn take(&self) -> Option<T> {
         self.lock().pop()
     }
 
-    /// Keeps this, unless enough is kept.
+    /// Keeps the buffer, unless enough are kept.
     pub fn hand_back(&self, spare: T) {
         let mut spares = self.lock();
         if spares.len() < self.most {

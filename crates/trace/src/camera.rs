@@ -1,11 +1,11 @@
-//! Where a picture is taken from: the camera.
+//! Cameras: the view from which a picture is taken.
 //!
-//! A camera knows nothing of the surface, of pixels' contents, or of how rays are grouped.
+//! A camera knows nothing of surfaces, of pixels' contents, or of how rays are grouped.
 
 use glam::DVec3;
 use thiserror::Error;
 
-/// How points of space are mapped to the picture's plane.
+/// The mapping from space to the picture's plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Rays start at the eye and spread.
@@ -21,14 +21,14 @@ pub enum Projection {
     },
 }
 
-/// A point of view. The eye may lie anywhere, inside the domain too.
+/// A camera. The eye may lie anywhere, also inside the domain.
 ///
-/// The rays of a picture are those of real geometry for the floats given here, up to rounding: each
-/// direction is within 2⁻⁴⁹ radians of the ideal one, perspective rays start at the eye exactly,
-/// and from the eye's plane to the target's parallel rays are within 2⁻²⁰ of the picture's height
-/// of where they should be. In perspective, 2⁻⁴⁹ radians are 2⁻²⁰ of the narrowest field of view. A
-/// camera for which `f64` cannot do this is refused, so the rays of a picture with fewer than 10⁵
-/// rows are all different.
+/// The rays are those of real geometry for the floats given here, up to rounding. Each direction is
+/// within 2⁻⁴⁹ radians of the ideal one. Perspective rays start at the eye exactly. Parallel rays
+/// are within 2⁻²⁰ of the picture's height of the ideal ones, from the eye's plane to the target's.
+/// In perspective, 2⁻⁴⁹ radians are 2⁻²⁰ of the narrowest field of view. A camera for which `f64`
+/// cannot achieve this is refused, so the rays of a picture with fewer than 10⁵ rows are all
+/// different.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,
@@ -46,55 +46,56 @@ pub(crate) struct Basis {
     pub up: DVec3,
 }
 
-/// Why a camera cannot exist.
+/// Why a camera is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum CameraError {
     /// A coordinate is NaN, infinite or too large.
     #[error("the {0} has a coordinate that is not a number within ±1e100")]
     NotFinite(&'static str),
-    /// There is no direction of view.
+    /// The direction of view is undefined.
     #[error("the eye and the target are the same point, so there is no direction to look in")]
     EyeIsTarget,
-    /// There is no way to tell the picture's upper edge.
+    /// The picture's upper edge is undefined.
     #[error("the up vector is zero or points along the view, so the picture has no upper edge")]
     UpAlongView,
-    /// The field of view leaves no picture, or rays would coincide.
+    /// The field of view is out of range, or so small that rays would coincide.
     #[error("the field of view is {0} degrees; it must be at least 1e-7 and below 180")]
     FieldOfView(f64),
-    /// The height leaves no picture.
+    /// The height is out of range.
     #[error("the orthographic height is {0:?}; it must be from 1e-300 to 1e100")]
     Height(f64),
-    /// Parallel rays this close would coincide, or miss the pixels that they are meant for.
+    /// Parallel rays this close would coincide, or miss their pixels.
     #[error(
         "the orthographic height is {height:?}, too little for an eye and a target this far away: 64-bit floats can \
          tell the rays apart from a height of about {least:.1e} on"
     )]
     RaysCoincide {
-        /// The height asked for.
+        /// The given height.
         height: f64,
-        /// The least height that would do, about.
+        /// The least valid height, approximately.
         least: f64,
     },
 }
 
-/// Below this sine between view and `up`, `up` says too little about the picture's upper edge to
-/// mean it.
+/// Least sine of the angle between view and `up`. Below it, `up` does not determine the picture's
+/// upper edge well enough.
 const LEAST_SINE: f64 = 1e-9;
 
-/// Coordinates beyond this magnitude leave no room for their squares.
+/// Largest magnitude of a coordinate. Larger ones leave no room for their squares.
 const LARGEST: f64 = 1e100;
 
-/// Narrower fields of view have rows that differ by less than what rounding does to a direction.
+/// Least field of view. In narrower ones, rows differ by less than the rounding of a direction.
 const LEAST_FOV: f64 = 1e-7;
 
-/// Lower heights leave no room for the fractions of a pixel among normal floats.
+/// Least height. Lower ones leave no room for fractions of a pixel among normal floats.
 const LEAST_HEIGHT: f64 = 1e-300;
 
-/// What rounding may move a parallel ray by, as a share of the picture's height: about a millionth.
+/// Largest distance by which rounding may move a parallel ray, as a share of the picture's height:
+/// about a millionth.
 const LARGEST_DRIFT: f64 = 1.0 / 1_048_576.0; // 2^-20
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`, with `up` as near to upright as the view allows.
+    /// A camera at `eye` that looks at `target`, with `up` as upright as the view allows.
     ///
     /// # Errors
     /// If a coordinate is not within ±1e100, eye and target coincide, `up` does not determine a
@@ -133,7 +134,7 @@ impl Camera {
         Ok(Self { eye, target, up, projection, basis })
     }
 
-    /// Where the picture is taken from.
+    /// The position of the camera.
     pub fn eye(&self) -> DVec3 {
         self.eye
     }
@@ -148,25 +149,25 @@ impl Camera {
         self.up
     }
 
-    /// How space is mapped to the picture.
+    /// The mapping from space to the picture.
     pub fn projection(&self) -> Projection {
         self.projection
     }
 }
 
 impl Basis {
-    /// The axes of a view, each within some units in the last place of the real ones; `None` if
-    /// `up` points along it.
+    /// The axes of a view, each within a few ulps of the real ones; `None` if `up` points along the
+    /// view.
     fn new(eye: DVec3, target: DVec3, up: DVec3) -> Option<Self> {
-        // The way is high + low exactly. What follows only depends on directions, so all is first
-        // brought near 1.
+        // high + low is exactly target − eye. The rest depends on directions only, so the vectors
+        // are first scaled to about 1.
         let low = DVec3::from_array([0, 1, 2].map(|axis| difference(target[axis], eye[axis]).1));
         let high = target - eye;
         let (scale, up) = (towards_one(high), up * towards_one(up));
         let (high, low) = (high * scale, low * scale);
         // (high + low) × up. The two products of a component nearly cancel where `up` is along the
-        // view, so they are taken exactly; as the sine is at least LEAST_SINE, what is rounded here
-        // is beyond the result's last place.
+        // view, so they are computed exactly. The sine is at least LEAST_SINE, so the rounding here
+        // is below the result's last place.
         let component = |i: usize, j: usize| {
             let (one, other) = (high[i] * up[j], high[j] * up[i]);
             let rests = high[i].mul_add(up[j], -one) - high[j].mul_add(up[i], -other);
@@ -175,16 +176,16 @@ impl Basis {
         };
         let across = DVec3::new(component(1, 2), component(2, 0), component(0, 1));
         let sine = across.length() / (high.length() * up.length());
-        // Without an `up` the sine is not a number.
+        // If `up` is zero, the sine is NaN.
         (sine >= LEAST_SINE).then(|| {
             let (forward, right) = (high.normalize(), across.normalize());
             Self { forward, right, up: right.cross(forward) }
         })
     }
 
-    /// A bound of how far rounding moves a parallel ray aside, from the eye's plane to the
-    /// target's: a unit in the last place of its origin, and two of its direction. Moves along the
-    /// ray do not count, so that a view along an axis is exact from anywhere.
+    /// A bound of the distance by which rounding moves a parallel ray aside, from the eye's plane
+    /// to the target's: an ulp of its origin, and two of its direction. Moves along the ray do not
+    /// count, so a view along an axis is exact from anywhere.
     fn drift(&self, eye: DVec3, target: DVec3) -> f64 {
         let DVec3 { x, y, z } = self.forward;
         let aside = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));
@@ -192,16 +193,16 @@ impl Basis {
     }
 }
 
-/// a − b as a float and what that lacks: their sum is exact (Knuth's `TwoSum`) where nothing
-/// overflows.
+/// a − b as a rounded difference and its error. Their sum is exact (Knuth's `TwoSum`) unless
+/// something overflows.
 fn difference(a: f64, b: f64) -> (f64, f64) {
     let main = a - b;
     let taken = main - a;
     (main, (a - (main - taken)) - (b + taken))
 }
 
-/// The power of two that brings a vector's largest component between ½ and 1, or between 2⁻⁵² and 1
-/// if it is subnormal.
+/// The power of two that scales a vector's largest component to between ½ and 1, or to between 2⁻⁵²
+/// and 1 if it is subnormal.
 fn towards_one(vector: DVec3) -> f64 {
     let exponent = vector.abs().max_element().to_bits() >> 52;
     f64::from_bits((2045 - exponent) << 52)
@@ -219,7 +220,7 @@ mod tests {
 
     #[test]
     fn rays_follow_the_stated_formula() {
-        // The formula spelt out once more in scalar arithmetic, for one pixel off every symmetry.
+        // The formula in scalar arithmetic, for one pixel off every symmetry.
         let (i, j, width, height) = (5.0, 11.0, 64.0, 48.0);
         let norm = |v: [f64; 3]| {
             let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
@@ -253,7 +254,7 @@ mod tests {
         let camera = camera(Projection::Orthographic { height: 3.0 });
         let (top, bottom) = (camera.rays(4, 6).ray(2, 0), camera.rays(4, 6).ray(2, 5));
         assert_eq!(top.direction, bottom.direction);
-        // Six rows of half a unit: the outer centres are 2.5 apart.
+        // Six rows of half a unit: the outer centers are 2.5 apart.
         assert!(((top.origin - bottom.origin).length() - 2.5).abs() < 1e-14);
     }
 
@@ -278,7 +279,7 @@ mod tests {
         let parallel = Projection::Orthographic { height: 3.0 };
         let refused = new(DVec3::splat(1e30), DVec3::Y, parallel);
         assert!(matches!(refused, Err(CameraError::RaysCoincide { height: 3.0, .. })));
-        // Along an axis nothing is lost: only the way to the eye is rounded.
+        // Along an axis, only the distance to the eye is rounded.
         assert!(new(DVec3::X * 4e38, DVec3::Y, parallel).is_ok());
     }
 }

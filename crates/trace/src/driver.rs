@@ -1,6 +1,6 @@
-//! What all methods share: threads, cancelling, progress, and where findings go.
+//! The driver that all methods share: threads, cancellation, progress, and storing results.
 //!
-//! How a ray is followed is not known here.
+//! It does not know how a ray is followed.
 
 use crate::gbuffer::{GBuffer, Kept};
 use crate::grid::RayGrid;
@@ -14,22 +14,22 @@ use rayon::prelude::*;
 use std::cell::Cell;
 use zeroset_space::Ray;
 
-/// Rows of a band, the unit of work that threads share and that may be cancelled; and pixels on the
-/// side of its squares.
+/// Number of rows in a band, the unit of work that threads share and that may be cancelled. Also
+/// the number of pixels on the side of its squares.
 pub const BAND_ROWS: usize = 16;
-/// Pixels of a list that go together.
+/// Number of pixels in a list that one thread takes at a time.
 const LIST: usize = 1024;
 
-/// A method at work on one surface, as seen from one place.
+/// A method that traces one surface for one picture.
 #[derive(Clone, Copy)]
 pub struct Driver<'a> {
-    /// Where rays start and go.
+    /// The rays of the picture.
     pub rays: &'a RayGrid,
-    /// What follows them.
+    /// The tracer that follows them.
     pub tracer: &'a dyn Tracer,
-    /// Told how many pixels were finished since it was last called; ends the work early by
-    /// returning `false`. Pixels of a new picture that were not reached then are undecided and not
-    /// painted, and those followed on are as they were.
+    /// Progress callback: gets the number of pixels finished since the last call. Returns `false`
+    /// to end the work early. In a new picture, pixels that were not reached are then undecided and
+    /// not painted; in an existing one, they stay as they were.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
@@ -42,25 +42,26 @@ impl Driver<'_> {
         self.picture_where(&[], buffer)
     }
 
-    /// Traces the pixels for which `only` says so, row by row, all if it is empty. Of others it may
-    /// write what it finds by the way: a proof or nothing.
+    /// Traces the pixels that `only` selects, row by row; all if it is empty. Other pixels may get
+    /// results as a side effect: proofs, or nothing.
     ///
     /// # Panics
-    /// If the buffer has another size than the picture, or `only` another number of pixels.
+    /// If the buffer's size differs from the picture's, or the length of `only` differs from its
+    /// number of pixels.
     pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> KernelStats {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
         work_on(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only, None))
     }
 
-    /// A new picture of the surface with this number, otherwise as [`Driver::picture_where`] makes
-    /// it, with what is to be `kept`. What lies behind the hits of other surfaces, found `before`,
-    /// need not be found. Each [`BAND_ROWS`] rows are handed to `finish` while they are in the
-    /// nearer caches, together with what of `parts` is theirs.
+    /// Traces a new picture of the surface with this id. `kept` selects its optional quantities;
+    /// `only` selects pixels as in [`Driver::picture_where`]. Zeros behind the hits of other
+    /// surfaces in `before` need not be found. Calls `finish` for each [`BAND_ROWS`] rows while
+    /// they are in the nearer caches, together with their element of `parts`.
     ///
     /// # Panics
-    /// If there are fewer parts than bands of rows, `only` has another number of pixels, or
-    /// `before` another size.
+    /// If there are fewer parts than bands of rows, or if `only` or `before` has another size than
+    /// the picture.
     pub fn new_picture<E: Send>(
         &self,
         surface: u16,
@@ -94,7 +95,7 @@ impl Driver<'_> {
         let mut band = rows.band(only, before, &advance);
         if band.is_wanted() {
             self.tracer.band(self.rays, &mut band, &mut work);
-            // Where nothing was found is known now, too.
+            // Pixels without a result are finished, too.
             (self.advance)((band.width * band.height).saturating_sub(told.get()));
         } else {
             band.give_up(0);
@@ -102,12 +103,11 @@ impl Driver<'_> {
         work
     }
 
-    /// Adds to `buffer.shadow` which painted points do not see the light. `towards` gives, for a
-    /// pixel's column and row and its point, the unit vector to the light and the distance. Points
-    /// that are dark already are left out. A ray
-    /// starts `offset` away from its point (in world units), and what it meets before it is clear
-    /// of that surface does not count: otherwise a surface would shade itself wherever enclosures
-    /// are wide.
+    /// Sets `buffer.shadow` of painted points that do not see the light. `towards` gets a pixel's
+    /// column and row, and its point. It returns the unit vector to the light and the distance.
+    /// Points already in shadow are skipped. A shadow ray starts `offset` away from its point, in
+    /// world units. Zeros before it has left the point's surface do not count; otherwise a surface
+    /// would shade itself wherever enclosures are wide.
     pub fn shadows(
         &self,
         buffer: &mut GBuffer,
@@ -123,9 +123,9 @@ impl Driver<'_> {
             let ray = self.rays.ray(column, row);
             let t = ray.parameter(buffer.drawn[pixel]);
             let (way, distance) = towards([column, row], ray.at(t));
-            // Off the surface on the side of the eye, then along the light.
+            // The origin is moved off the surface toward the eye, then along the light.
             let origin = ray.at(t - ray.parameter(offset)) + way * offset;
-            // That something is in the way is enough.
+            // Any zero in the way is enough, so its distance is not refined.
             Segment {
                 ray: Ray { origin, direction: way },
                 to: distance,
@@ -139,13 +139,13 @@ impl Driver<'_> {
         })
     }
 
-    /// Follows the rays of pixels on from the given distances, in world units; where those are not
-    /// finite, the pixel stays as it is. What is found is behind something else, and tells nothing
-    /// of the whole ray.
+    /// Follows rays further, from one start per pixel, in world units. A pixel whose start is not
+    /// finite stays as it is. Results lie behind something else, and say nothing about the whole
+    /// ray.
     ///
     /// # Panics
-    /// If there are not as many distances as pixels, or the buffer has another size than the
-    /// picture.
+    /// If the number of starts differs from the number of pixels, or the buffer's size differs from
+    /// the picture's.
     pub fn behind(&self, starts: &[f64], start: Start, buffer: &mut GBuffer) -> KernelStats {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert_eq!(starts.len(), buffer.status.len());
@@ -173,8 +173,8 @@ impl Driver<'_> {
         })
     }
 
-    /// Follows a ray for each of some pixels, as long as that is wanted; tells what is no miss,
-    /// distances in world units.
+    /// Follows one ray per given pixel, until cancelled. Passes results other than misses to
+    /// `tell`, with distances in world units.
     fn follow(
         &self,
         pixels: &[usize],

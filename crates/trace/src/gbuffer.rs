@@ -1,4 +1,4 @@
-//! What is known of each pixel before it has a color.
+//! The G-buffer: the quantities of each pixel before it has a color.
 
 use crate::buffer_pool::{BufferPool, PICTURES, serves};
 use crate::ray_result::{RayResult, Status, UndecidedReason};
@@ -7,14 +7,14 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
 
-/// How many pixels have each status.
+/// Number of pixels with each status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PixelCounts {
     /// Proven misses.
     pub miss: usize,
     /// Proven hits.
     pub hit: usize,
-    /// Pixels of which neither is proven.
+    /// Undecided pixels.
     pub undecided: usize,
 }
 
@@ -23,10 +23,11 @@ impl PixelCounts {
         dispatch!(Level::new(), simd => Self::of_with(simd, status))
     }
 
-    /// The same, compiled for such vectors.
+    /// As [`PixelCounts::of`], compiled for vectors of this type.
     #[inline(always)]
     fn of_with<S: Simd>(_: S, status: &[Status]) -> Self {
-        /// Pixels side by side, each counted apart in a byte, so that vectors of them are added up.
+        /// Number of pixels counted side by side, each in its own byte, so that whole vectors are
+        /// added.
         const SIDE: usize = 64;
         let (sides, rest) = status.as_chunks::<SIDE>();
         let count = |status: Status| rest.iter().filter(|other| **other == status).count();
@@ -54,43 +55,44 @@ impl AddAssign for PixelCounts {
     }
 }
 
-/// One value per pixel and quantity, row by row from the top.
+/// The quantities of a picture's pixels: one array each, row by row from the top.
 #[derive(Clone, Debug, Default)]
 pub struct GBuffer {
     /// Pixels in a row.
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// What is proven.
+    /// Status: what is proven.
     pub status: Vec<Status>,
-    /// Of undecided pixels, why they are; anything elsewhere, so that it need not be written.
+    /// Reason for an undecided pixel. Unspecified for other pixels, so that it need not be written.
     pub(crate) reason: Vec<UndecidedReason>,
-    /// Of undecided pixels, the distance of the start of the first undecided segment; anything
-    /// elsewhere.
+    /// Distance of the start of an undecided pixel's first undecided segment. Unspecified for other
+    /// pixels.
     pub(crate) open_from: Vec<f64>,
-    /// Of hits, the distances between which the zero is proven to lie; NaN elsewhere. Empty if that
-    /// is not wanted.
+    /// Bracket of a hit: distances between which the zero is proven to lie. NaN for other pixels.
+    /// Empty if brackets are not kept.
     pub bracket: Vec<[f64; 2]>,
-    /// Distance from the ray's origin, in world units, of the point that is painted; infinite where
-    /// the background shows, as it does in every miss, and in no hit. Over kernels of `f32` it is
-    /// known to some 24 bits.
+    /// Distance of the painted point from the ray's origin, in world units. Infinite where the
+    /// background shows, as in every miss; finite in every hit. Kernels in `f32` give it about 24
+    /// bits.
     pub drawn: Vec<f64>,
-    /// Number of the surface that is painted; meaningless where the background shows.
+    /// Id of the surface that is painted; meaningless where the background shows.
     pub surface: SurfaceIds,
-    /// Unit normal of what is painted, towards f > 0; meaningless where the background shows, or if
-    /// none was asked for. Empty if they are not kept.
+    /// Unit normal of the painted point, toward f > 0. Meaningless where the background shows, or
+    /// if normals were not computed. Empty if they are not kept.
     pub normal: Vec<[f32; 3]>,
-    /// Whether the painted point lies on a face of the region that cuts a solid open. Empty if none
-    /// does.
+    /// Whether the painted point lies on a cap, a face of the region that cuts a solid open. Empty
+    /// if none does.
     pub cap: Vec<bool>,
-    /// How much of the light is hidden from the painted point, 255 being all. Empty if none is.
+    /// Share of the light that is hidden from the painted point; 255 is all. Empty if no light is
+    /// hidden.
     pub shadow: Vec<u8>,
-    /// How much of what surrounds the painted point is hidden from it by what is near, 255 being
-    /// all. Empty if nothing is.
+    /// Share of the painted point's surroundings that nearby points hide; 255 is all. Empty if
+    /// nothing is hidden.
     pub occlusion: Vec<u8>,
 }
 
-/// What is kept of a picture that others do without.
+/// Optional quantities that a picture keeps.
 #[derive(Clone, Copy, Debug)]
 pub struct Kept {
     /// [`GBuffer::normal`].
@@ -102,13 +104,13 @@ pub struct Kept {
 }
 
 impl Default for Kept {
-    /// Normals.
+    /// Keeps normals only.
     fn default() -> Self {
         Self { normals: true, brackets: false, caps: false }
     }
 }
 
-/// How far a ray is proven empty.
+/// The distance up to which a ray is proven empty.
 pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
     match status {
         Status::Miss => f64::INFINITY,
@@ -119,10 +121,10 @@ pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
 
 static SPARES: BufferPool<GBuffer> = BufferPool::new(PICTURES);
 
-/// Rows that one thread makes misses at a time.
+/// Number of rows that one thread sets to misses at a time.
 const ROWS: usize = 64;
 
-/// Of pixels of which a quantity says nothing, it may differ.
+/// Ignores quantities where they have no meaning.
 impl PartialEq for GBuffer {
     fn eq(&self, other: &Self) -> bool {
         let is_same = |pixel: usize| {
@@ -143,17 +145,17 @@ impl PartialEq for GBuffer {
 }
 
 impl GBuffer {
-    /// A picture of the given size in which every pixel is a miss, for the surface with this
-    /// number. Its memory is that of a picture that was [handed back](Self::hand_back), if there is
-    /// one as large.
+    /// A picture of the given size in which every pixel is a miss, for the surface with this id.
+    /// Reuses the memory of a picture that was [handed back](Self::hand_back), if its size is
+    /// suitable.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let mut new = Self::unset(width, height, surface, Kept::default());
         new.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
         new
     }
 
-    /// Makes this a picture as [`GBuffer::new`] does, in the memory that it has as far as that
-    /// goes.
+    /// Turns this into a picture as [`GBuffer::new`] creates it, reusing its memory if that is
+    /// large enough.
     ///
     /// # Panics
     /// As [`GBuffer::hand_back`].
@@ -164,8 +166,8 @@ impl GBuffer {
         self.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
     }
 
-    /// A picture of the given size, for the surface with this number, of which all rows are still
-    /// to be cleared: what it holds is of no picture.
+    /// A picture of the given size, for the surface with this id. Its pixels are not initialized:
+    /// all rows must be cleared.
     pub(crate) fn unset(width: usize, height: usize, surface: u16, kept: Kept) -> Self {
         let spare = SPARES.take().filter(|spare| serves(spare.status.capacity(), width * height));
         let mut unset = spare.unwrap_or_default();
@@ -174,7 +176,7 @@ impl GBuffer {
         unset
     }
 
-    /// No miss is painted, and every hit is.
+    /// Asserts in debug builds that no miss is painted, and that every hit is.
     fn check(&self) {
         let is_right = |(status, drawn): (&Status, &f64)| match status {
             Status::Miss => !drawn.is_finite(),
@@ -187,8 +189,7 @@ impl GBuffer {
     fn resize(&mut self, width: usize, height: usize, kept: Kept) {
         fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
             if all.capacity() < pixels {
-                // Zeros come with the pages, and those when they are first written to: by many
-                // threads.
+                // New pages are zero, and are mapped when first written, by many threads.
                 *all = vec![value; pixels];
             } else {
                 all.resize(pixels, value);
@@ -197,7 +198,7 @@ impl GBuffer {
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         resize(&mut self.bracket, if kept.brackets { pixels } else { 0 }, [0.0; 2]);
-        // New memory is of no miss, which says that nothing is drawn.
+        // In new memory `drawn` is 0, so no status may say that its pixel is a miss already.
         if self.drawn.capacity() < pixels {
             self.status.clear();
         }
@@ -211,18 +212,17 @@ impl GBuffer {
         self.occlusion.clear();
     }
 
-    /// Leaves the memory to the next pictures. Up to two buffers are kept, until the end of the
-    /// process.
+    /// Leaves the memory to later pictures. Up to two buffers are kept until the process ends.
     ///
     /// # Panics
-    /// In debug builds, if a miss is painted or a hit is not: those who get the memory count on it.
+    /// In debug builds, if a miss is painted or a hit is not: later pictures rely on that.
     pub fn hand_back(self) {
         self.check();
         SPARES.hand_back(self);
     }
 
-    /// Writes what became of a pixel's ray, distances in world units. What is drawn of a hit is the
-    /// hit.
+    /// Writes the result for a pixel's ray, with distances in world units. A hit must be painted at
+    /// its own distance.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -239,8 +239,8 @@ impl GBuffer {
         }
     }
 
-    /// Distance from the ray's origin, in world units: of the hit, or of the start of the first
-    /// undecided segment; infinite for a miss. Over kernels of `f32` it is known to some 24 bits.
+    /// Distance from the ray's origin, in world units, of the hit or of the start of the first
+    /// undecided segment. Infinite for a miss. Kernels in `f32` give it about 24 bits.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -248,7 +248,7 @@ impl GBuffer {
         distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
     }
 
-    /// Why a pixel is undecided.
+    /// The reason why a pixel is undecided; [`UndecidedReason::None`] for others.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -260,12 +260,12 @@ impl GBuffer {
         }
     }
 
-    /// Whether a painted point lies on a face of the region that cuts a solid open.
+    /// Returns whether a painted point lies on a face of the region that cuts a solid open.
     pub fn is_cap(&self, pixel: usize) -> bool {
         self.cap.get(pixel).copied().unwrap_or_default()
     }
 
-    /// Keeps brackets of hits from now on.
+    /// The same picture, which keeps brackets of later hits.
     #[must_use]
     pub fn with_brackets(mut self) -> Self {
         self.bracket.clear();
@@ -273,12 +273,12 @@ impl GBuffer {
         self
     }
 
-    /// Keeps caps from now on.
+    /// Keeps caps from here on.
     pub fn keep_caps(&mut self) {
         self.cap.resize(self.status.len(), false);
     }
 
-    /// Keeps only some of the rows.
+    /// Keeps only the given rows.
     ///
     /// # Panics
     /// If there are no such rows.
@@ -302,8 +302,8 @@ impl GBuffer {
         keep(&mut self.occlusion, pixels);
     }
 
-    /// Calls every pixel undecided from the eye on, for lack of time: one more surface was not
-    /// looked for. What is painted stays.
+    /// Sets every pixel to undecided, from the eye on, for lack of time: one more surface was not
+    /// traced. Painted points stay.
     pub fn give_up(&mut self) {
         self.status.fill(Status::Undecided);
         self.reason.fill(UndecidedReason::Budget);
@@ -311,10 +311,10 @@ impl GBuffer {
         self.bracket.fill([f64::NAN; 2]);
     }
 
-    /// Adds another surface to the picture: in each pixel, the nearer hit or undecided segment and
-    /// the nearer painted point are kept. Of an undecided segment and a hit at the same distance,
-    /// the former is kept. A pixel that is undecided is so from where the bracket of a hit begins,
-    /// if that is nearer; without brackets a hit's zero is taken to be where it is painted.
+    /// Adds another surface to the picture. Each pixel keeps the nearer hit or undecided segment,
+    /// and the nearer painted point. If an undecided segment and a hit are equally near, the
+    /// segment is kept. An undecided pixel is undecided from the start of a hit's bracket if that
+    /// is nearer. Without brackets, a hit's zero is assumed to be where it is painted.
     ///
     /// # Panics
     /// If the sizes differ.
@@ -340,8 +340,7 @@ impl GBuffer {
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 let [mine, theirs] = [*bracket, other.bracket_of(pixel)];
                 *bracket = if self.status[pixel] == Status::Hit {
-                    // Where both are hit, either may hold the first zero. What is not a number
-                    // gives way.
+                    // If both are hits, either may hold the first zero. `min` ignores NaN.
                     [mine[0].min(theirs[0]), mine[1].min(theirs[1])]
                 } else {
                     [f64::NAN; 2]
@@ -353,19 +352,19 @@ impl GBuffer {
         }
     }
 
-    /// Of a hit, the distances between which the zero is proven to lie, if that is kept.
+    /// The bracket of a hit; NaN if it is not kept.
     fn bracket_of(&self, pixel: usize) -> [f64; 2] {
         self.bracket.get(pixel).copied().unwrap_or([f64::NAN; 2])
     }
 
-    /// Takes what is proven of a pixel, but for brackets.
+    /// Copies the proof of a pixel, except its bracket.
     fn take_proven(&mut self, other: &Self, pixel: usize) {
         self.status[pixel] = other.status[pixel];
         self.reason[pixel] = other.reason[pixel];
         self.open_from[pixel] = other.open_from[pixel];
     }
 
-    /// Takes what is painted in a pixel.
+    /// Copies the painted point of a pixel.
     fn take_painted(&mut self, other: &Self, pixel: usize) {
         fn take<T: Copy + Default>(all: &mut [T], others: &[T], pixel: usize) {
             if let Some(mine) = all.get_mut(pixel) {
@@ -380,7 +379,7 @@ impl GBuffer {
         take(&mut self.occlusion, &other.occlusion, pixel);
     }
 
-    /// Makes room for caps and for hidden light, as far as `other` has any.
+    /// Adds arrays for caps and hidden light if `other` has them.
     pub fn keep_as(&mut self, other: &Self) {
         fn room<T: Copy + Default>(all: &mut Vec<T>, others: &[T], pixels: usize) {
             if !others.is_empty() {
@@ -393,10 +392,9 @@ impl GBuffer {
         room(&mut self.occlusion, &other.occlusion, pixels);
     }
 
-    /// Takes the pixels for which `only` says so from another picture of the same rays.
+    /// Copies the pixels that `only` selects from another picture of the same rays.
     ///
-    /// # Panics
-    /// If the sizes differ, or `only` is not as long as there are pixels.
+    /// # Panics If the sizes differ, or the length of `only` differs from the number of pixels.
     pub fn replace(&mut self, other: &Self, only: &[bool]) {
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         assert_eq!(only.len(), self.status.len(), "one for each pixel");
@@ -410,12 +408,12 @@ impl GBuffer {
         }
     }
 
-    /// How many pixels have each status.
+    /// Number of pixels with each status.
     pub fn counts(&self) -> PixelCounts {
         PixelCounts::of(&self.status)
     }
 
-    /// How many undecided pixels there are for each of [`UndecidedReason::ALL`].
+    /// Number of undecided pixels for each of [`UndecidedReason::ALL`].
     pub fn reasons(&self) -> [usize; UndecidedReason::ALL.len()] {
         let mut counts = [0; UndecidedReason::ALL.len()];
         for (status, reason) in self.status.iter().zip(&self.reason) {
@@ -424,7 +422,7 @@ impl GBuffer {
         counts
     }
 
-    /// Whether anything is painted in the pixel with this index.
+    /// Returns whether something is painted in this pixel.
     pub fn is_drawn(&self, pixel: usize) -> bool {
         self.drawn[pixel].is_finite()
     }
@@ -458,7 +456,7 @@ mod tests {
         assert_eq!((new.status[0], new.distance(0), new.drawn[0], new.surface[0]), expected);
         assert!(new.cap.is_empty() && new.shadow.is_empty() && new.occlusion.is_empty());
         assert!(new.reason(0) == UndecidedReason::None && new.bracket.is_empty());
-        // Nor does a hit in the place of what was undecided.
+        // A hit in place of an undecided pixel does not show the old reason.
         new.set(
             0,
             &RayResult { status: Status::Hit, distance: 2.0, drawn: 2.0, ..RayResult::MISS },
@@ -492,8 +490,8 @@ mod tests {
 
     #[test]
     fn the_nearer_claim_and_the_nearer_paint_win_apart() {
-        // An undecided segment that paints nothing, before a hit: the claim is undecided, the paint
-        // is the hit's.
+        // An undecided segment that paints nothing, before a hit: the proof is undecided, the
+        // painted point is the hit's.
         let mut buffer = pixel(Status::Hit, 5.0, 5.0, 0);
         buffer.merge(&pixel(Status::Undecided, 3.0, f64::INFINITY, 1));
         assert_eq!((buffer.status[0], buffer.distance(0)), (Status::Undecided, 3.0));
@@ -501,7 +499,7 @@ mod tests {
         // A hit in front decides.
         buffer.merge(&pixel(Status::Hit, 2.0, 2.0, 2));
         assert_eq!((buffer.status[0], buffer.surface[0]), (Status::Hit, 2));
-        // A bracket holds the first zero of either.
+        // The merged bracket holds the first zero of both surfaces.
         let bracketed = |near: f64, far: f64| {
             let mut buffer = pixel(Status::Hit, 0.5 * (near + far), 0.5 * (near + far), 0);
             buffer.bracket = vec![[near, far]];
@@ -514,7 +512,7 @@ mod tests {
         assert_eq!(two.bracket[0], [0.5, 2.0]);
         two.merge(&pixel(Status::Undecided, 0.25, 0.25, 1).with_brackets());
         assert!(two.status[0] == Status::Undecided && two.bracket[0][0].is_nan());
-        // Where there may be a zero before an undecided segment, it is undecided from there.
+        // Where a bracket begins before an undecided segment, the pixel is undecided from there.
         for (hit_first, from, expected) in [(true, 1.25, 1.0), (false, 1.25, 1.0), (true, 0.5, 0.5)]
         {
             let open = pixel(Status::Undecided, from, from, 1).with_brackets();
@@ -529,7 +527,7 @@ mod tests {
         let before = buffer.clone();
         buffer.merge(&GBuffer::new(1, 1, 3));
         assert_eq!(buffer, before);
-        // Nor does what is not wanted.
+        // Nor does a pixel that is not selected.
         buffer.replace(&pixel(Status::Undecided, 9.0, 9.0, 9), &[false]);
         assert_eq!(buffer, before);
         let another = pixel(Status::Undecided, 9.0, 9.0, 9);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
 use zeroset_space::Ray;
 
-/// Pixels on the side of a [`Patch`].
+/// Number of pixels on the side of a [`Patch`].
 pub const SIDE: usize = LANES.isqrt();
 
 /// A square of 4×4 pixels of a picture.
@@ -20,32 +20,32 @@ pub struct Patch {
     pub column: usize,
     /// The first row.
     pub row: usize,
-    /// What lies before the first or behind the second of these values of t is not looked for, if a
-    /// method can tell.
+    /// Range of t in which zeros are wanted. Others need not be found, if the method can skip them.
     pub between: [f64; 2],
 }
 
-/// The rays of a picture, one through each pixel's centre; or of [patches](Self::patches) of it.
+/// The rays of a picture, one through each pixel's center; or those of [patches](Self::patches) of
+/// it.
 #[derive(Clone, Debug)]
 pub struct RayGrid {
     width: usize,
     height: usize,
-    /// Where the centre of the first pixel is, to the right of the picture's middle and above it,
-    /// in halves of a pixel.
+    /// Position of the first pixel's center relative to the picture's middle, to the right and
+    /// upward, in halves of a pixel.
     first: [i64; 2],
-    /// Columns and rows of the picture before this part of it.
+    /// Number of columns and rows of the picture before this part of it.
     pub corner: [usize; 2],
-    /// What no screen coordinate exceeds: half the width and height of the whole picture that this
-    /// is a part of, so that parts are traced as the whole is.
+    /// Bounds of the screen coordinates: half the width and height of the whole picture. A part has
+    /// those of the whole, so that it is traced in the same way.
     pub reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
-    /// In `f32`, since that is asked for at every window: the direction of view, and what a ray's
-    /// direction changes by where it moves by half a pixel to the right, or upward; or its origin,
-    /// if parallel.
+    /// In `f32`, since each window needs them: the direction of view, and the change of a ray's
+    /// direction from half a pixel to the right, or upward. In a parallel picture, the change of
+    /// its origin.
     steps: [Vec3; 3],
-    /// Half a pixel's height, which is half the distance of neighbouring pixels' screen
-    /// coordinates: on the plane at distance 1, or in world units if parallel.
+    /// Half a pixel's height, which is half the distance between neighboring pixels in screen
+    /// coordinates. On the plane at distance 1, or in world units if parallel.
     pub unit: f64,
     /// Whether the picture is orthographic.
     pub parallel: bool,
@@ -69,11 +69,11 @@ impl Camera {
 }
 
 impl RayGrid {
-    /// The rays of some columns and rows of the picture, counted from its left edge and its top:
-    /// those of `self`, bit for bit.
+    /// The rays of some columns and rows of the picture, counted from its left and upper edges.
+    /// They are equal to those of `self`, bit for bit.
     ///
     /// # Panics
-    /// If they are not in the picture.
+    /// If the ranges are not in the picture.
     #[must_use]
     pub fn part(&self, columns: Range<usize>, rows: Range<usize>) -> Self {
         assert!(columns.end <= self.width && rows.end <= self.height, "outside of the picture");
@@ -83,8 +83,8 @@ impl RayGrid {
         Self { width: columns.len(), height: rows.len(), first, corner, ..self.clone() }
     }
 
-    /// The rays of the same picture, or part of one, with each pixel cut into `times` columns and
-    /// rows.
+    /// The rays of the same picture, or part of one, with each pixel divided into `times` columns
+    /// and rows.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
         let (width, height) = (self.width * times, self.height * times);
@@ -95,35 +95,35 @@ impl RayGrid {
         Self { width, height, first, corner, steps, unit, ..self.clone() }
     }
 
-    /// The rays of some patches of the picture, one in each row: its sixteen pixels row by row.
-    /// What is found for them may be drawn, but is no claim, since it is looked for only within
+    /// The rays of patches of the picture, one patch per row: its sixteen pixels row by row. Their
+    /// results may be drawn, but prove nothing, since zeros are found only within
     /// [`Patch::between`].
     #[must_use]
     pub fn patches(&self, patches: Arc<[Patch]>) -> Self {
         Self { width: LANES, height: patches.len(), patches: Some(patches), ..self.clone() }
     }
 
-    /// The patch in this row, if these are the rays of patches.
+    /// The patch in this row, if these are rays of patches.
     #[inline]
     pub fn patch(&self, row: usize) -> Option<Patch> {
         self.patches.as_ref().map(|patches| patches[row])
     }
 
-    /// Whether these are the rays of patches.
+    /// Returns whether these are the rays of patches.
     #[inline]
     pub fn is_patched(&self) -> bool {
         self.patches.is_some()
     }
 
-    /// The pixels left of one, right of it, above and below it, by their indices, as far as there
-    /// are any.
+    /// The indices of the pixels left of a pixel, right of it, above and below it; `None` outside
+    /// the picture or patch.
     pub fn beside(&self, pixel: usize) -> [Option<usize>; 4] {
         let width = if self.is_patched() { SIDE } else { self.width };
         let (column, rows) = (pixel % width, self.width * self.height / width);
         let mut row = pixel / width;
         let mut last = rows - 1;
         if self.is_patched() {
-            // Patches are no neighbours.
+            // Patches are not neighbors of each other.
             (row, last) = (row % SIDE, SIDE - 1);
         }
         [
@@ -144,7 +144,7 @@ impl RayGrid {
         self.height
     }
 
-    /// Where the picture is taken from.
+    /// The position of the camera.
     pub fn eye(&self) -> DVec3 {
         self.eye
     }
@@ -154,22 +154,22 @@ impl RayGrid {
         self.basis.forward
     }
 
-    /// The direction of the picture's right edge, of length 1.
+    /// The direction to the right in the picture, of length 1.
     pub fn right(&self) -> DVec3 {
         self.basis.right
     }
 
-    /// The direction of the picture's upper edge, of length 1.
+    /// The direction upward in the picture, of length 1.
     pub fn up(&self) -> DVec3 {
         self.basis.up
     }
 
-    /// The ray through the centre of the pixel in column `i` and row `j`; row 0 is on top.
+    /// The ray through the center of the pixel in column `i` and row `j`; row 0 is on top.
     ///
     /// Its direction is `forward + (2(i+½)/width − 1)·s·(width/height)·right + (1 −
     /// 2(j+½)/height)·s·up`, where `s` is the tangent of half the vertical field of view. In an
     /// orthographic picture the direction is `forward`, and the same two offsets, with `s` half the
-    /// height, move the origin. How exact that is: [`Camera`].
+    /// height, move the origin. Its errors are given at [`Camera`].
     #[inline]
     pub fn ray(&self, i: usize, j: usize) -> Ray {
         let [across, upward] = self.offset(i, j).map(|offset| offset * self.unit);
@@ -182,18 +182,18 @@ impl RayGrid {
         }
     }
 
-    /// Screen coordinates of the point half way between the centres of two pixels, by the sum of
-    /// their columns and the sum of their rows, in the picture that there may be patches of: a
-    /// ray's direction is `forward` + a·`right` + b·`up`, or in an orthographic picture its origin
-    /// is moved so.
+    /// Screen coordinates of the point half way between the centers of two pixels, given the sum of
+    /// their columns and the sum of their rows. These are columns and rows of the whole picture,
+    /// not of a patch. For screen coordinates a and b, a ray's direction is `forward` + a·`right` +
+    /// b·`up`. In an orthographic picture its origin is moved in the same way.
     #[inline]
     pub fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
         let [across, upward] = self.first;
         [across + columns as i64, upward - rows as i64].map(|place| place as f64 * self.unit)
     }
 
-    /// [Screen coordinates](Self::screen) of four points along an axis, by the sum of two columns,
-    /// or of two rows, and by what that grows from one to the next.
+    /// [Screen coordinates](Self::screen) of four points along an axis, given the first sum of two
+    /// columns, or of two rows, and its step from point to point.
     #[inline(always)]
     pub fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
         let [across, upward] = self.first;
@@ -206,21 +206,21 @@ impl RayGrid {
         [0.0, 1.0, 2.0, 3.0].map(|k| (first as f64 + k * step) * self.unit)
     }
 
-    /// About how wide a pixel is at a distance from the eye, in the unit of that distance: of t, or
-    /// of the world.
+    /// The approximate width of a pixel at a distance from the eye, in the unit of that distance:
+    /// of t, or of the world.
     pub fn footprint(&self, distance: f64) -> f64 {
         let [at_eye, growth] = self.pixel();
         at_eye + growth * distance
     }
 
-    /// About how wide a pixel is where a ray's t is 0, and how much that grows with t, in units of
-    /// t.
+    /// The approximate width of a pixel at t = 0, and its growth with t, in units of t.
     pub fn pixel(&self) -> [f64; 2] {
         let width = 2.0 * self.unit;
         if self.parallel { [width, 0.0] } else { [0.0, width] }
     }
 
-    /// Where a pixel is, to the right of the picture's middle and above it, in halves of a pixel.
+    /// The position of a pixel relative to the picture's middle, to the right and upward, in halves
+    /// of a pixel.
     #[inline]
     fn offset(&self, i: usize, j: usize) -> [f64; 2] {
         let (i, j) = self.place(i, j);
@@ -229,8 +229,8 @@ impl RayGrid {
         [(across + 2 * i as i64) as f64, (upward - 2 * j as i64) as f64]
     }
 
-    /// The column and the row of a pixel in the picture that there may be patches of. A window may
-    /// stick out.
+    /// The column and row of a pixel in the whole picture, not in a patch. They may lie outside, as
+    /// part of a window.
     #[inline]
     fn place(&self, i: usize, j: usize) -> (usize, usize) {
         match self.patch(j) {
@@ -244,8 +244,7 @@ impl RayGrid {
         self.ray(index % self.width, index / self.width)
     }
 
-    /// Columns and rows of a window's pixels, from those of its first, in the picture that there
-    /// may be patches of.
+    /// Columns and rows of a window's pixels relative to its first pixel, in the whole picture.
     #[inline(always)]
     fn places(&self, window: Window) -> [Lanes<f32>; 2] {
         if self.is_patched() {
@@ -255,7 +254,7 @@ impl RayGrid {
         }
     }
 
-    /// The points at these distances in world units on the rays of a window:
+    /// The points on the rays of a window at these distances in world units:
     /// `ray.at(ray.parameter(distance))`, bit for bit.
     #[inline(always)]
     pub fn points<S: Simd>(
@@ -294,13 +293,13 @@ impl RayGrid {
         points
     }
 
-    /// Which way the rays of a window go, to some units in the last place of `f32`, which is enough
-    /// for colors.
+    /// The directions of the rays of a window, with an error of a few ulps of `f32`, which is
+    /// enough for colors.
     #[inline(always)]
     pub fn ways<S: Simd>(&self, simd: S, window: Window) -> Ways<S> {
         let [forward, right, up] = self.steps;
-        // In halves of a pixel: integers, so that a part of a picture has the same ways as the
-        // whole.
+        // In halves of a pixel. These are integers, so a part of a picture has the same directions
+        // as the whole.
         let [across, upward] = self.offset(window.column, window.row).map(|offset| offset as f32);
         let [columns, rows] = self.places(window);
         let column = across + 2.0 * f32x16::from_slice(simd, &columns[..]);
@@ -329,9 +328,9 @@ impl RayGrid {
         Ways { to_eye, aside }
     }
 
-    /// The points at these distances in world units on the rays of a window which go these ways.
-    /// They are off by some units in the last place of `f32`, of a point's coordinates or of how
-    /// far it is from the ray through the picture's middle: by far less than a pixel.
+    /// The points on the rays of a window at these distances in world units. The error is a few
+    /// ulps of `f32`, relative to a point's coordinates or to its distance from the picture's
+    /// middle ray: far less than a pixel.
     #[inline(always)]
     pub fn points_along<S: Simd>(
         &self,
@@ -341,12 +340,12 @@ impl RayGrid {
     ) -> [Lanes<f32>; 3] {
         let low = f64x8::from_slice(simd, &distances[..8]);
         let high = f64x8::from_slice(simd, &distances[8..]);
-        // A parallel picture's rays are as far apart anywhere.
+        // In a parallel picture, the distance between rays is the same everywhere.
         let reach = if self.parallel { f32x16::splat(simd, 1.0) } else { low.narrow(high) };
         let mut points = [Lanes::splat(0.0); 3];
         for (axis, points) in points.iter_mut().enumerate() {
             let (eye, forward) = (self.eye[axis], self.basis.forward[axis]);
-            // From a far eye it is a small difference.
+            // In f64, since the terms nearly cancel if the eye is far away.
             let middle = low.mul_add(forward, eye).narrow(high.mul_add(forward, eye));
             let point = ways.aside[axis].mul_add(reach, middle);
             point.store_slice(&mut points[..]);
@@ -355,23 +354,23 @@ impl RayGrid {
     }
 }
 
-/// Which way the rays of a window go.
+/// Directions of the rays of a window.
 #[derive(Clone, Copy)]
 pub struct Ways<S: Simd> {
-    /// The unit vectors from what is seen to where it is seen from.
+    /// Unit vectors from the visible points to the eye.
     pub to_eye: [f32x16<S>; 3],
-    /// How far a ray is from that through the middle of the whole picture: at the same distance
-    /// from the eye, as a share of that; or in world units, if rays are parallel.
+    /// Offset of a ray from the whole picture's middle ray, at the same distance from the eye, as a
+    /// share of that distance. In world units if rays are parallel.
     aside: [f32x16<S>; 3],
 }
 
-/// [`RayGrid::steps`] of a grid whose pixels are twice this `unit` apart.
+/// [`RayGrid::steps`] of a grid whose pixels are two `unit` apart.
 fn steps(basis: &Basis, unit: f64) -> [Vec3; 3] {
     [basis.forward, unit * basis.right, unit * basis.up].map(|way| way.as_vec3())
 }
 
-/// Columns and rows of a window's pixels from this pixel of a patch on. Not in place: it would be
-/// computed of others, too.
+/// Columns and rows of a window's pixels, from pixel `first` of a patch on. Not inlined, so that
+/// windows outside patches do not compute it.
 #[inline(never)]
 fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
     let place = |pixel: usize| [(pixel % SIDE) as f32, (pixel / SIDE) as f32];
@@ -384,7 +383,7 @@ fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
     [columns, rows]
 }
 
-/// The columns of neighbouring pixels.
+/// The columns of neighboring pixels.
 const ALONG: Lanes<f32> = {
     let mut along = [0.0; LANES];
     let mut lane = 1;
@@ -395,8 +394,8 @@ const ALONG: Lanes<f32> = {
     Lanes(along)
 };
 
-/// The tangent of half an angle in degrees. Near 180 it hangs on how much the angle lacks, which is
-/// exact.
+/// The tangent of half an angle in degrees. Near 180 it depends on the difference from 180, which
+/// is exact.
 fn half_tangent(degrees: f64) -> f64 {
     let half = |degrees: f64| (degrees.to_radians() / 2.0).tan();
     if degrees <= 90.0 { half(degrees) } else { half(180.0 - degrees).recip() }

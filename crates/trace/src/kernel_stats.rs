@@ -1,36 +1,36 @@
-//! How much a picture asked of kernels.
+//! Counts of kernel evaluations.
 
 use std::iter::Sum;
 use std::ops::AddAssign;
 
-/// Calls of one kind of kernel.
+/// Evaluations of one kind of kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Count {
-    /// How often it was called.
+    /// Number of evaluations.
     pub calls: u64,
-    /// How many of the lanes it computed were wanted.
+    /// Number of lanes in them that were needed.
     pub lanes: u64,
 }
 
-/// Calls of kernels by kind.
+/// Evaluations by kind of kernel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KernelStats {
-    /// Questions about boxes.
+    /// Evaluations over boxes.
     pub interval: Count,
-    /// Tiles narrowed.
+    /// Evaluations that narrow tiles.
     pub tiles: Count,
-    /// Segments of single rays narrowed.
+    /// Evaluations that narrow segments of single rays.
     pub segments: Count,
     /// Values at points.
     pub point: Count,
     /// Values and gradients at points.
     pub gradient: Count,
-    /// Rays that were given up: their packet had used up its steps.
+    /// Rays that were given up because their packet had used up its steps.
     pub given_up: u64,
 }
 
 impl Count {
-    /// Counts one call with so many lanes that were wanted.
+    /// Counts one evaluation, in which `lanes` lanes were needed.
     #[inline]
     pub fn called(&mut self, lanes: u32) {
         self.calls += 1;

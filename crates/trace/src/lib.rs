@@ -1,9 +1,9 @@
-//! Rays, methods and proofs: from kernels to a G-buffer.
+//! Tracing: cameras, rays, methods and the G-buffer that their results go to.
 //!
-//! A method evaluates kernels to find where each ray first meets the zero set, and the driver writes
+//! A method evaluates kernels to find where each ray first meets the zero set. The driver writes
 //! the results into a [`GBuffer`]. [`cap_rows`] adds the faces where a region cuts a solid. This
-//! crate never names a code generator, knows nothing of light and color, reads no file and prints
-//! nothing: the reference evaluator drives it as well as native code does.
+//! crate knows nothing of code generation, light or color. It works with the reference evaluator as
+//! well as with native code. It reads no files and prints nothing.
 
 mod band;
 pub mod buffer_pool;

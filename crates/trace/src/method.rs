@@ -1,8 +1,8 @@
-//! What a method is: a way to find where rays first meet a surface.
+//! Methods: the ways to find where rays first meet a surface.
 //!
-//! It is a file with a row, and a [`Tracer`] that the row makes. Which rays it is given, on which
-//! threads, and what becomes of its findings, a method does not know: that is the
-//! [`Driver`](crate::Driver)'s.
+//! A method is a file with a row of [`METHODS`](crate::METHODS), which creates a [`Tracer`]. A
+//! method does not know which rays it gets, on which threads, or how its results are used: that is
+//! up to the [`Driver`](crate::Driver).
 
 use crate::band::Band;
 use crate::grid::RayGrid;
@@ -18,48 +18,47 @@ use zeroset_space::Region;
 /// A way to find where rays first meet a surface: a row of [`METHODS`](crate::METHODS).
 #[derive(Clone, Copy)]
 pub struct Method {
-    /// What it is called, in one word.
+    /// The name, in one word.
     pub name: &'static str,
     /// One line of help.
     pub help: &'static str,
-    /// What it proves of rays that meet the region; beside the region every ray is a miss.
+    /// The proofs that it gives for rays that meet the region. Every other ray is a miss.
     pub proves: Proves,
-    /// The options that it reads; it does not look at others.
+    /// The options that it reads. It ignores others.
     pub reads: &'static [MethodOption],
-    /// In `f32`, and in `f64`.
+    /// Creates the tracer in `f32`, and in `f64`.
     pub(crate) prepare: [Prepare; 2],
 }
 
-/// What a method is made ready for.
+/// The input from which a tracer is prepared.
 #[derive(Clone, Copy)]
 pub(crate) struct Task<'a> {
-    /// What rays are to meet.
+    /// The surface to be found.
     pub surface: &'a dyn SurfaceKernels,
-    /// Where they are followed.
+    /// The region in which rays are followed.
     pub region: &'a Region,
     pub options: TraceOptions,
 }
 
-/// Asks the surface for kernels, and gets ready to follow rays through the region.
+/// Requests the surface's kernels, and prepares a tracer for the region.
 pub(crate) type Prepare = fn(Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError>;
 
-/// What a method is able to prove of a ray through the region.
+/// The proofs that a method can give for a ray through the region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proves {
-    /// That it meets a zero, or that it meets none.
+    /// The ray meets a zero, or it meets none.
     HitsAndMisses,
-    /// Only that it meets none. What is drawn may be there or not.
+    /// Only that a ray meets no zero. Drawn points may not exist.
     Misses,
-    /// Nothing. What is drawn may not be there, and what is there may not be drawn.
+    /// Nothing. Drawn points may not exist, and existing ones may not be drawn.
     Nothing,
 }
 
-/// A method made ready for one surface.
+/// A method prepared for one surface.
 pub trait Tracer: Sync {
-    /// Follows rays, and says of each in `found` what became of it.
+    /// Follows rays, and writes the result for each to `found`, which has the same length.
     ///
-    /// Each four in a row are neighbours if possible, as are each sixteen and so on. `found` has as
-    /// many places.
+    /// Every four rays in sequence are neighbors if possible, as are every sixteen, and so on.
     fn follow(
         &self,
         rays: &[Segment],
@@ -68,19 +67,19 @@ pub trait Tracer: Sync {
         work: &mut KernelStats,
     );
 
-    /// The method that traces these rays in the place of this one, if another one does.
+    /// The method that traces these rays instead of this one, if another one does.
     fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
         None
     }
 
-    /// Follows the rays through all pixels of a band, in which everything is a miss so far, as long
-    /// as it [is wanted](Band::is_wanted).
+    /// Follows the rays of all pixels of a band, as long as it [is wanted](Band::is_wanted). All
+    /// pixels must be misses at first.
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
         by_squares(self, rays, band, work);
     }
 }
 
-/// Another method in the place of the one that was asked for.
+/// A method that replaces the chosen one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fallback {
     /// The method that traces instead.
@@ -89,7 +88,7 @@ pub struct Fallback {
     pub why: String,
 }
 
-/// [`Tracer::band`] for methods that know only rays.
+/// [`Tracer::band`] for methods that follow rays one by one.
 pub(crate) fn by_squares<T: Tracer + ?Sized>(
     tracer: &T,
     rays: &RayGrid,
@@ -137,20 +136,20 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
 pub struct Segment {
     /// The ray.
     pub ray: Ray,
-    /// May be infinite.
+    /// The end; may be infinite.
     pub to: f64,
-    /// About how wide a pixel is where t is 0, and how much that grows with t, in units of t.
-    /// Infinite where nobody asks how near a place is.
+    /// Approximate width of a pixel at t = 0, and its growth with t, in units of t. Infinite if the
+    /// place of a hit does not matter.
     pub pixel: [f64; 2],
 }
 
 impl Segment {
-    /// About how wide a pixel is at the point at `t`, in units of t.
+    /// The approximate width of a pixel at the point at `t`, in units of t.
     pub(crate) fn footprint(&self, t: f64) -> f64 {
         self.pixel[0] + t * self.pixel[1]
     }
 
-    /// [`Region::span`] of it; `None` if it does not meet the region.
+    /// The [`Region::span`] of the segment; `None` if it does not meet the region.
     pub(crate) fn within(&self, region: &Region) -> Option<[f64; 2]> {
         let (near, last) = region.span(&self.ray)?;
         let far = last.min(self.to);
@@ -158,21 +157,21 @@ impl Segment {
     }
 }
 
-/// Where rays start.
+/// The start of segments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// The first zero counts.
+    /// Anywhere. The first zero counts.
     Anywhere,
-    /// On a surface, which does not count: zeros do only after a place that is free of them.
+    /// On a surface. A zero counts only behind a place that is proven to have none.
     OnSurface,
 }
 
 impl Method {
-    /// Asks a surface for the kernels that this needs, and gets ready to follow rays through
-    /// `region`.
+    /// Requests the kernels that the method needs from a surface, and prepares to follow rays
+    /// through `region`.
     ///
     /// # Errors
-    /// If a kernel cannot be had.
+    /// If a kernel is not available.
     pub fn prepare<'a>(
         &self,
         surface: &'a dyn SurfaceKernels,

@@ -5,7 +5,7 @@ use crate::scalar::Scalar;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// How a method works. A method reads the options that its row names, and ignores the others.
+/// Settings of a method. A method reads the options that its row names, and ignores the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct TraceOptions {
@@ -25,9 +25,9 @@ pub struct TraceOptions {
     pub tiles: bool,
     /// Whether intervals are tried on segments that affine forms leave open.
     pub intervals: bool,
-    /// Length of the segments that stay open, as a share of the longest bracket. 0 follows them to
-    /// the limit of precision; more leaves them sooner to be painted, for a preview. Methods that
-    /// prove hits read it.
+    /// Length below which a segment may stay undecided, as a share of the longest bracket. 0
+    /// follows it to the limit of precision; more paints it sooner, for a preview. Only methods
+    /// that prove hits read it.
     pub least: f64,
     /// Whether a place where the function is unbounded counts as an asymptote rather than a root.
     /// Its pixel then is undecided, but not painted there.
@@ -105,9 +105,9 @@ pub struct MethodOption {
     pub name: &'static str,
     /// Other names of the flag.
     pub aliases: &'static [&'static str],
-    /// The prompt's command that sets it; empty if there is none.
+    /// The prompt's command that sets it; empty if it has no command.
     pub command: &'static str,
-    /// How a value is written; empty for a switch, which takes none.
+    /// Notation of a value; empty for a switch, which takes no value.
     pub value: &'static str,
     /// One line of help.
     pub help: &'static str,
@@ -133,23 +133,22 @@ pub struct MethodOption {
     pub unit: &'static str,
 }
 
-/// Values of [`TraceOptions::steps`] that can be chosen: from the two ends of a ray's way to as many
-/// as make a picture take minutes.
+/// Valid values of [`TraceOptions::steps`]: from the two ends of a ray's path to a number at which
+/// a picture takes minutes.
 pub const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
 
 /// The range of [`TraceOptions::tolerance`], and its reason.
 pub const TOLERANCES: &str = "a tolerance is a number of pixels, above 0, since no arithmetic finds a root exactly, and at \
      most 100; 0.5 is the default";
 
-/// Whether a picture can be made with this tolerance, in pixels.
+/// Returns whether a picture can be made with this tolerance, in pixels.
 pub fn is_tolerance(pixels: f64) -> bool {
     pixels > 0.0 && pixels <= 100.0
 }
 
 /// Checks that slabs of this depth are thick enough for floats of this precision.
 ///
-/// # Errors
-/// If they are not, or there are none; the message has neither flag nor command.
+/// # Errors If the slabs are too thin, or `depth` is 0. The message names neither flag nor command.
 pub fn check_depth(depth: u32, precision: Precision) -> Result<(), String> {
     let most = precision.max_depth();
     if (1..=most).contains(&depth) {
@@ -316,12 +315,12 @@ const SWITCH: MethodOption = MethodOption {
 };
 
 impl MethodOption {
-    /// Whether it takes no value.
+    /// Returns whether it takes no value.
     pub fn is_switch(&self) -> bool {
         self.value.is_empty()
     }
 
-    /// Whether the value is the default.
+    /// Returns whether the value is the default.
     pub fn is_default(&self, options: &TraceOptions) -> bool {
         (self.get)(options) == (self.get)(&TraceOptions::default())
     }

@@ -1,9 +1,9 @@
-//! A packet of rays that cross the region together, slab by slab along one axis.
+//! Packets of rays that cross the region together, slab by slab along one axis.
 //!
-//! Along the axis K on which the rays advance fastest, the region's extent is divided into slabs. A
-//! place along a ray is given by its share τ of that extent, from 0 where rays enter to 1 where
-//! they leave, so one τ is one plane for all rays of the packet. Everything here is in the kernel's
-//! floats with explicit slack, and encloses the exact rays.
+//! K is the axis on which the rays advance fastest. The region's extent along K is divided into
+//! slabs. A place along a ray is given by its share τ of that extent: 0 where rays enter, 1 where
+//! they leave. So a value of τ is the same plane for all rays of the packet. All numbers are floats
+//! of the kernel with explicit slack, and enclose the exact rays.
 
 use crate::method::Segment;
 use crate::scalar::Scalar;
@@ -13,36 +13,36 @@ use glam::DVec3;
 use zeroset_eval::{Boxes, LANES, Lanes, Segments};
 use zeroset_space::Region;
 
-/// The most rays in a packet.
+/// Maximum number of rays in a packet.
 pub(crate) const RAYS: usize = LANES;
 
-/// Up to sixteen rays, and what they share. Lanes that no ray has repeat the last one's.
+/// Up to sixteen rays, and what they share. Unused lanes repeat the last ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Packet<T: Scalar> {
     planes: Planes,
-    /// How many rays there are.
+    /// Number of rays.
     count: usize,
     /// Per axis, the region's bounds as (−lo, hi), rounded outward.
     bounds: [[T; 2]; 3],
-    /// By axis.
+    /// The rays' coordinates, by axis.
     sides: [Side<T>; 3],
-    /// A ray is within the region only between these τ.
+    /// Values of τ outside of which a ray is not in the region.
     enter: Lanes<T>,
     leave: Lanes<T>,
 }
 
-/// Up to [`RAYS`] rays by their coordinates. Lanes that no ray has repeat the last one's.
+/// Coordinates of up to [`RAYS`] rays. Unused lanes repeat the last ray.
 pub(crate) struct Lines {
     pub origin: [Lanes<f64>; 3],
     pub direction: [Lanes<f64>; 3],
-    /// Up to which t they are looked at.
+    /// Per ray, the largest t that is examined.
     to: Lanes<f64>,
     /// [`Segment::pixel`].
     pub pixel: [Lanes<f64>; 2],
 }
 
 impl Lines {
-    /// Of one ray at least.
+    /// Copies the rays' coordinates. There must be at least one ray.
     #[inline]
     pub fn new(segments: &[Segment]) -> Self {
         let zero = Lanes::splat(0.0);
@@ -72,8 +72,8 @@ struct Planes {
 }
 
 impl Planes {
-    /// τ at the t of a ray with this origin and direction along K, moved out by more than its
-    /// error: forward if `outward` is 1, back if it is −1.
+    /// Returns τ at t for a ray with this origin and direction along K. The result is moved by more
+    /// than its error: forward if `outward` is 1, back if it is −1.
     #[inline]
     fn share<T: Scalar>(&self, [origin, direction]: [f64; 2], t: f64, outward: f64) -> T {
         let Self { start, inverse, .. } = *self;
@@ -92,14 +92,14 @@ struct Side<T> {
     slack: Lanes<T>,
 }
 
-/// Relative error of what is computed in `f64` from coordinates of a ray's origin, which may be far
-/// away: eight operations of half a unit in the last place each.
+/// Relative error of results computed in `f64` from coordinates of a ray's origin, which may be far
+/// away. Eight operations round by half a unit in the last place each.
 const DOUBLE_ERROR: f64 = 4.0 * f64::EPSILON;
-/// A ray belongs into a packet if K is no slower on it than this part of its fastest axis.
+/// Minimum speed of a packet's rays along K, as a share of that along their fastest axis.
 const LEAST_SHARE: f64 = 0.25;
 
 impl<T: Scalar> Packet<T> {
-    /// A packet through `region`, without rays.
+    /// Creates a packet through `region`, without rays.
     pub fn new(region: &Region) -> Self {
         Self {
             planes: Planes { k: 0, start: 0.0, extent: 0.0, inverse: 0.0 },
@@ -111,9 +111,9 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Takes these rays, one to [`RAYS`], of which `lines` are the coordinates, advancing on the
-    /// first one's fastest axis. Returns whether they all advance together: otherwise they need
-    /// packets of their own.
+    /// Takes these rays, one to [`RAYS`], whose coordinates are `lines`. K becomes the fastest axis
+    /// of the first. Returns whether all of them advance together on K; otherwise they need
+    /// separate packets.
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
     pub fn take<S: Simd>(
@@ -145,8 +145,7 @@ impl<T: Scalar> Packet<T> {
         true
     }
 
-    /// The distance from a ray's origin to the plane τ = `share`, or to where the ray enters the
-    /// region if that is farther; as a value of t.
+    /// Returns the t of a ray at the plane τ = `share`, or where it enters the region, if farther.
     pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
         let Planes { k, start, extent, .. } = self.planes;
         let share = share.into().max(self.enter[lane].into());
@@ -154,8 +153,8 @@ impl<T: Scalar> Packet<T> {
         ((plane - segment.ray.origin[k]) / segment.ray.direction[k]).max(0.0)
     }
 
-    /// Boxes around the rays between two planes in order, clipped to the region: those of rays up
-    /// to the last of some, which are bits.
+    /// Writes boxes around the rays between two planes in order, clipped to the region. Only lanes
+    /// up to the last of `rays`, given as bits, are written.
     #[inline(always)]
     pub fn boxes<S: Simd>(&self, simd: S, [from, to]: [T; 2], rays: u16, out: &mut Boxes<T>) {
         out.count = LANES as u32 - rays.leading_zeros();
@@ -166,7 +165,7 @@ impl<T: Scalar> Packet<T> {
                 let extent = part.load(extent);
                 let slack = part.load(slack);
                 let (a, b) = (start + extent * from, start + extent * to);
-                // Where anything overflows so does the slack, and the region's bounds are left.
+                // If anything overflows, so does the slack, and the region's bounds remain.
                 let lower = (slack - a.min(b)).min_precise(part.splat(neg_lo));
                 let upper = (slack + a.max(b)).min_precise(part.splat(hi));
                 part.store(lower, &mut out.neg_lo[axis]);
@@ -175,11 +174,10 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// The rays as lines of which t is τ: what does not hang on planes.
+    /// Writes the rays as segments whose t is τ, except for `near` and `far`.
     #[inline(always)]
     pub fn lines<S: Simd>(&self, simd: S, out: &mut Segments<T>) {
-        // The slack is for τ within [0, 1], all of a packet's; what kernels round is added to it,
-        // generously.
+        // The slack holds for τ within [0, 1]. The rounding in kernels is added generously.
         let rounding = T::nearest(2.0 * T::PATH_ERROR);
         let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
         for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
@@ -192,12 +190,12 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Finds where the rays are.
+    /// Computes the coordinates of the rays, and between which τ each is in the region.
     #[inline(always)]
     fn place<S: Simd>(&mut self, simd: S, lines: &Lines, region: &Region) {
         let Planes { k, start, extent, inverse } = self.planes;
-        // τ = (origin_k + t · d_k − start) / extent grows with t; t0 is where τ = 0, dt the way
-        // from there to τ = 1.
+        // τ = (origin_k + t · d_k − start) / extent grows with t. `t0` is the t of τ = 0; `dt` is
+        // the difference to the t of τ = 1.
         let most = T::integer(1) + T::SHARE_ERROR;
         let (mut from, mut to) = (Lanes::splat(T::integer(0)), Lanes::splat(most));
         let (mut t0, mut dt) = ([0.0_f64; RAYS], [0.0_f64; RAYS]);
@@ -242,7 +240,7 @@ impl<T: Scalar> Packet<T> {
         self.clip(simd, lines, &t0, &dt, region);
     }
 
-    /// Keeps only these τ. What is not a number gives way.
+    /// Restricts the rays to these values of τ. NaN restricts nothing.
     #[inline(always)]
     fn keep_between<S: Simd>(&mut self, simd: S, from: &Lanes<T>, to: &Lanes<T>) {
         for part in parts::<S, T::Vector<S>>(simd, LANES) {
@@ -255,7 +253,7 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Keeps only τ in the region's ball.
+    /// Restricts the rays to the region's ball.
     #[inline(always)]
     fn round<S: Simd>(&mut self, simd: S, segments: &[Segment], region: &Region) {
         if region.ball().is_none() {
@@ -264,8 +262,8 @@ impl<T: Scalar> Packet<T> {
         let k = self.planes.k;
         let (mut from, mut to) = (Lanes::splat(T::integer(1)), Lanes::splat(-T::integer(1)));
         for (lane, segment) in segments.iter().enumerate() {
-            // What the box keeps of the ray is cut by the ball alone: no end moves that the ball
-            // does not move.
+            // The box has cut the rays already. Ends are moved outward here, so only the ball cuts
+            // further.
             let Some((near, far)) = region.span(&segment.ray) else { continue };
             let ray = [segment.ray.origin, segment.ray.direction].map(|vector| vector[k]);
             let share = |t: f64, outward: f64| self.planes.share(ray, t, outward);
@@ -274,7 +272,7 @@ impl<T: Scalar> Packet<T> {
         self.keep_between(simd, &from, &to);
     }
 
-    /// Keeps only τ in the region's half-space.
+    /// Restricts the rays to the region's half-space.
     #[inline(always)]
     fn clip<S: Simd>(
         &mut self,
@@ -285,9 +283,9 @@ impl<T: Scalar> Packet<T> {
         region: &Region,
     ) {
         let Some(half) = region.clip() else { return };
-        // offset − normal · p at τ = 0, and its change: kept where it is ≥ 0. Both are sums of
-        // terms that may cancel; each takes at most eight operations of half a unit in the last
-        // place of `f64`.
+        // A ray is kept where `room` + τ · `change` ≥ 0. At τ = 0 this is offset − normal · p. Both
+        // are sums of terms that may cancel, and take at most eight operations of half a unit in
+        // the last place of `f64`.
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
         let [mut room, mut change, mut terms] = [Lanes::splat(T::integer(0)); 3];
@@ -314,7 +312,7 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Keeps only τ with `room + τ · change ≥ 0`, on some of the rays.
+    /// Restricts some of the rays to τ with `room + τ · change ≥ 0`.
     #[inline(always)]
     fn cut<S: Simd>(
         &mut self,
@@ -326,19 +324,19 @@ impl<T: Scalar> Packet<T> {
         let leave = part.load(&self.leave);
         let zero = part.splat(T::integer(0));
         let crossing = -room / change;
-        // NaN only for 0/0: such a ray stays. Comparisons with NaN are false.
+        // NaN only for 0/0. Such a ray stays, since comparisons with NaN are false.
         let (rising, falling) = (change.simd_gt(zero), change.simd_lt(zero));
         let never = change.simd_eq(zero) & room.simd_lt(zero);
         let first = rising.select(crossing - T::SHARE_ERROR, enter);
         let last = falling.select(crossing + T::SHARE_ERROR, leave);
-        // What is not a number gives way: of an overflow nothing is concluded.
+        // NaN restricts nothing: an overflow allows no conclusion.
         let nowhere = part.splat(-T::integer(1));
         let leave = never.select(nowhere, leave.min_precise(last));
         part.store(enter.max_precise(first), &mut self.enter);
         part.store(leave, &mut self.leave);
     }
 
-    /// The rays whose part inside the region meets the planes from `from` to `to`, as bits.
+    /// Returns the rays whose part in the region meets the slab between these planes, as bits.
     #[inline(always)]
     pub fn meets<S: Simd>(&self, simd: S, from: T, to: T) -> u16 {
         let mut meets = 0;
@@ -351,7 +349,7 @@ impl<T: Scalar> Packet<T> {
         meets & self.rays()
     }
 
-    /// The rays that have some part inside the region, as bits.
+    /// Returns the rays that have a part in the region, as bits.
     #[inline(always)]
     pub fn inside<S: Simd>(&self, simd: S) -> u16 {
         let mut outside = 0;
@@ -363,7 +361,7 @@ impl<T: Scalar> Packet<T> {
         self.rays() & !outside
     }
 
-    /// All rays, as bits.
+    /// Returns all rays, as bits.
     #[inline]
     pub fn rays(&self) -> u16 {
         u16::MAX >> (RAYS - self.count)

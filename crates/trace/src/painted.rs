@@ -1,25 +1,26 @@
-//! Where a picture is painted: windows of sixteen pixels of a row, which are computed together.
+//! The painted pixels of a picture, in windows of sixteen pixels of a row that are computed
+//! together.
 //!
-//! What is done with the pixels is not known here.
+//! Does not know how the pixels are used.
 
 use crate::ray_result::Status;
 use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 
-/// Rows whose looks one thread deals with at a time: few enough for the nearest caches. Windows are
-/// the same whatever the number of threads.
+/// Number of rows that one thread shades at a time: few enough for the nearest caches. Windows do
+/// not depend on the number of threads.
 pub const BAND: usize = 8;
 
-/// Pixels side by side, a lane each. The window may stick out of the row, and of the picture.
+/// Adjacent pixels of a row, one per lane. The window may extend beyond the row and the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
-    /// Of the first pixel, counted from the left edge of the picture.
+    /// Column of the first pixel, from the left edge of the picture.
     pub column: usize,
-    /// Counted from its top.
+    /// Row, from the top of the picture.
     pub row: usize,
-    /// Of the first pixel within what is looked through.
+    /// Index of the first pixel in the arrays of the rows being processed.
     pub index: usize,
-    /// The lanes that are painted and wanted, as bits: at least the first.
+    /// The lanes that are painted and wanted, as bits. Lane 0 is always set.
     pub wanted: u32,
 }
 
@@ -40,14 +41,14 @@ impl Window {
         self.lanes().map(move |lane| index + lane)
     }
 
-    /// Lanes up to the last that is wanted.
+    /// Number of lanes up to the last that is wanted.
     #[inline]
     pub fn count(self) -> u32 {
         u32::BITS - self.wanted.leading_zeros()
     }
 
-    /// What `all` has of these pixels, and what `spare` holds where they stick out of it, as they
-    /// do if it is empty.
+    /// The elements of `all` for these pixels. Pixels beyond the end of `all` have the elements of
+    /// `spare`.
     #[inline]
     pub fn load<'a, T: Copy>(&self, all: &'a [T], spare: &'a mut [T; LANES]) -> &'a [T; LANES] {
         let Some(all) = all.get(self.index..) else { return spare };
@@ -58,7 +59,7 @@ impl Window {
         spare
     }
 
-    /// Writes those values that are wanted to `all`.
+    /// Stores the values of wanted lanes in `all`.
     #[inline(always)]
     pub fn store<T: Copy>(&self, values: [T; LANES], all: &mut [T]) {
         let all = &mut all[self.index..];
@@ -68,8 +69,8 @@ impl Window {
         }
     }
 
-    /// The same of colors. What was just written by sixteen bytes is read by as many: a wider read
-    /// would wait until all of it is in the nearest cache.
+    /// As [`Window::store`], for colors. They were just written sixteen bytes at a time, and are
+    /// read in the same pieces: a wider read would wait until all of them are in the nearest cache.
     #[inline(always)]
     pub fn store_colors(&self, colors: &[[u8; 3]; LANES], all: &mut [[u8; 3]]) {
         let all = &mut all[self.index..];
@@ -85,7 +86,7 @@ impl Window {
         }
     }
 
-    /// Writes the values that are wanted to the start of `all`.
+    /// Stores the values of wanted lanes at the start of `all`.
     #[inline(never)]
     fn store_runs<T: Copy>(&self, values: &[T; LANES], all: &mut [T]) {
         let mut left = self.wanted;
@@ -99,7 +100,7 @@ impl Window {
     }
 }
 
-/// The lanes for which something holds, as bits.
+/// The lanes for which `holds` is true, as bits.
 #[inline]
 pub fn bits(holds: impl Fn(usize) -> bool) -> u32 {
     let (mut any, mut all) = (false, true);
@@ -107,7 +108,7 @@ pub fn bits(holds: impl Fn(usize) -> bool) -> u32 {
         any |= holds(lane);
         all &= holds(lane);
     }
-    // Mostly it is none or all, which is found for several lanes at once.
+    // Mostly no lane or all lanes are set, which is tested for several lanes at once.
     match (any, all) {
         (false, _) => 0,
         (_, true) => FULL,
@@ -115,7 +116,7 @@ pub fn bits(holds: impl Fn(usize) -> bool) -> u32 {
     }
 }
 
-/// The places of the bits that are set: the other way round.
+/// The positions of the bits that are set: the inverse of [`bits`].
 #[inline]
 pub fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -125,8 +126,9 @@ pub fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Windows over all that is painted in a band that begins in row `first` of a picture of this
-/// width, given what its pixels are and how far. Each starts with a painted pixel; no two overlap.
+/// The windows over all painted pixels of a band that begins in row `first` of a picture of this
+/// width. `status` and `drawn` are those of the band's pixels. Each window starts with a painted
+/// pixel; no two overlap.
 pub fn windows(
     vectors: Level,
     status: &[Status],
@@ -135,7 +137,7 @@ pub fn windows(
     width: usize,
 ) -> Vec<Window> {
     let width = width.max(1);
-    // As many as there may be: they are soon let go of.
+    // Room for the largest possible number of windows: the memory is soon released.
     let mut found = Vec::with_capacity(status.len().div_ceil(width) * width.div_ceil(LANES));
     dispatch!(vectors, simd => look(simd, status, drawn, first, width, &mut found));
     found
@@ -153,13 +155,13 @@ fn look<S: Simd>(
     for (row, (status, drawn)) in status.chunks(width).zip(drawn.chunks(width)).enumerate() {
         let mut column = 0;
         while column < drawn.len() {
-            // Most of what is not painted is seen by a byte each.
+            // Most unpainted pixels are skipped by comparing one byte each.
             if status[column..].first_chunk::<LANES>().is_some_and(are_misses) {
                 column += LANES;
                 continue;
             }
             let mut wanted = painted(simd, &status[column..], &drawn[column..]);
-            // Once more from the first painted pixel on, so that few windows have lanes to spare.
+            // Starts again at the first painted pixel, so that few windows have unused lanes.
             if wanted & 1 == 0 {
                 column += (wanted | 1 << LANES).trailing_zeros() as usize;
                 if wanted == 0 {
@@ -173,16 +175,16 @@ fn look<S: Simd>(
     }
 }
 
-/// Whether nothing is painted, since all of these are misses.
+/// Returns whether all of these pixels are misses, so that nothing is painted.
 #[inline]
 pub fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
     status.iter().fold(0, |any, status| any | *status as u8) == Status::Miss as u8
 }
 
-/// Which of the first sixteen of these pixels are painted.
+/// The painted pixels among the first sixteen, as bits.
 #[inline(always)]
 fn painted<S: Simd>(simd: S, status: &[Status], drawn: &[f64]) -> u32 {
-    // What is decided is seen by a byte each: a hit is painted, and a miss is not.
+    // Decided pixels need one byte each: a hit is painted, and a miss is not.
     if let Some(status) = status.first_chunk::<LANES>() {
         let mut bytes = [0; LANES];
         for (byte, status) in bytes.iter_mut().zip(status) {
@@ -216,7 +218,7 @@ mod tests {
             for (step, open) in [(1, 0), (2, 0), (3, 0), (17, 0), (1, 40), (3, 40), (17, 1)] {
                 let paint = |pixel| if pixel % step == 0 { pixel as f64 } else { f64::INFINITY };
                 let drawn: Vec<f64> = (0..width * height).map(paint).collect();
-                // What is undecided may be painted or not.
+                // An undecided pixel may be painted or not.
                 let status = |(pixel, drawn): (usize, &f64)| match drawn.is_finite() {
                     _ if open > 0 && pixel % open == 0 => Status::Undecided,
                     true => Status::Hit,

@@ -1,42 +1,42 @@
-//! What becomes of one ray.
+//! The result for one ray.
 
-/// What is proven of the ray through a pixel's centre.
+/// The proof about the ray through a pixel's center.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
-    /// It meets no zero inside the region.
+    /// The ray meets no zero inside the region.
     #[default]
     Miss = 0,
-    /// It meets one.
+    /// The ray meets a zero.
     Hit = 1,
     /// Neither is proven.
     Undecided = 2,
 }
 
-/// Why nothing is proven of an undecided ray, by the first part of it that is so.
+/// The reason why a ray is undecided, at its first undecided segment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum UndecidedReason {
-    /// It is decided, or the method does not tell.
+    /// The ray is decided, or the method gives no reason.
     #[default]
     None = 0,
-    /// The function comes as near to 0 as arithmetic can tell, and shows no change of sign: it
+    /// The function comes as near to 0 as arithmetic can resolve, without a change of sign: it
     /// touches 0, or the surface meets itself.
     Touching = 1,
-    /// It is not known to be defined there.
+    /// The function may be undefined there.
     Undefined = 2,
-    /// It is not known to be continuous there.
+    /// The function may be discontinuous there.
     Discontinuous = 3,
-    /// What was to be spent on the ray, or on the picture, was not enough.
+    /// The effort allowed for the ray or the picture was used up.
     Budget = 4,
-    /// The method proves nothing of such a ray, whether it draws something or not.
+    /// The method proves nothing about such a ray, even if it draws something.
     Unproven = 5,
-    /// No bound of its slope is known there, without which the method cannot go on.
+    /// The function's slope has no known bound there, which the method needs.
     Steep = 6,
 }
 
 impl UndecidedReason {
-    /// Every reason, in the order of its number.
+    /// All reasons, in the order of their numbers.
     pub const ALL: [Self; 7] = [
         Self::None,
         Self::Touching,
@@ -47,7 +47,7 @@ impl UndecidedReason {
         Self::Steep,
     ];
 
-    /// What it is called, in one word.
+    /// The reason in one word.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "other",
@@ -60,7 +60,7 @@ impl UndecidedReason {
         }
     }
 
-    /// What it says of a ray, after "undecided".
+    /// The reason as a phrase after "undecided".
     pub fn describe(self) -> &'static str {
         match self {
             Self::None => "without a reason that is known",
@@ -74,27 +74,26 @@ impl UndecidedReason {
     }
 }
 
-/// A relative error above that of a direction's length, and of what is multiplied by it.
+/// Bound of the relative error of a direction's length, and of products with it.
 pub(crate) const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
 
-/// What became of one ray. Distances are values of its parameter t.
+/// The result for one ray. Distances are values of its parameter t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayResult {
-    /// What is proven, whatever the distances are.
+    /// The proof, which does not depend on the distances.
     pub status: Status,
-    /// Of the hit, or of the start of the first undecided part; infinite for a miss.
+    /// Distance of the hit, or of the start of the first undecided segment; infinite for a miss.
     pub distance: f64,
-    /// Of what is to be painted; infinite for nothing.
+    /// Distance of the painted point; infinite if nothing is painted.
     pub drawn: f64,
-    /// Why it is undecided.
+    /// Reason for an undecided ray.
     pub reason: UndecidedReason,
-    /// Of a hit: the part of the ray that is proven to hold its first zero, and nothing before it.
-    /// Else NaN.
+    /// Bracket of a hit: the ray's first zero is proven to lie in it. NaN for other rays.
     pub bracket: [f64; 2],
 }
 
 impl RayResult {
-    /// No zero.
+    /// A ray without a zero.
     pub const MISS: Self = Self {
         status: Status::Miss,
         distance: f64::INFINITY,
@@ -103,12 +102,12 @@ impl RayResult {
         bracket: [f64::NAN; 2],
     };
 
-    /// Whether this says anything but that there is no zero.
+    /// Returns whether the ray is a miss.
     pub(crate) fn is_miss(&self) -> bool {
         self.status == Status::Miss
     }
 
-    /// Nothing is known of the ray, for lack of time.
+    /// A ray about which nothing is known, for lack of time.
     pub(crate) const GIVEN_UP: Self = Self {
         status: Status::Undecided,
         distance: 0.0,
@@ -116,7 +115,8 @@ impl RayResult {
         ..Self::MISS
     };
 
-    /// The same with distances in world units, for a ray whose direction has this length.
+    /// The same result with distances in world units. `length` is the length of the ray's
+    /// direction.
     pub(crate) fn scaled(self, length: f64) -> Self {
         let [near, far] = self.bracket.map(|t| t * length);
         Self {

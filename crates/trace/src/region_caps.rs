@@ -1,7 +1,7 @@
-//! Caps: where the region's faces cut a solid open.
+//! Caps: the faces where the region cuts a solid open.
 //!
-//! A traverser finds the boundary f = 0; a solid f ≤ 0 is also seen where a ray enters the region
-//! already inside it.
+//! A tracer finds the boundary f = 0. A solid f ≤ 0 is also visible where a ray enters the region
+//! inside the solid.
 
 use crate::driver::BAND_ROWS;
 use crate::gbuffer::GBuffer;
@@ -14,10 +14,10 @@ use zeroset_interval::{Facts, Interval};
 use zeroset_space::Ray;
 use zeroset_space::{Entry, Region};
 
-/// Rays that are asked about at a time.
+/// Number of rays whose entry points are enclosed at a time.
 const BATCH: usize = 256;
 
-/// What the solid does at the point where a ray enters the region.
+/// Whether the point where a ray enters the region lies in the solid.
 #[derive(Clone, Copy, PartialEq)]
 enum Inside {
     Yes,
@@ -25,11 +25,10 @@ enum Inside {
     Unknown(UndecidedReason),
 }
 
-/// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates
-/// what is proven: an entry point enclosed in f < 0 is a hit, one enclosed in f > 0 or where f is
-/// undefined changes nothing, and any other makes its pixel undecided from there on. A ray that
-/// starts inside the region enters nowhere. Only pixels for which `only` says so are looked at, all
-/// if it is empty. Returns what was asked of the kernel.
+/// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates the
+/// proofs. An entry point with f < 0 is a hit. One with f > 0 or undefined f changes nothing. Any
+/// other makes its pixel undecided from there on. A ray that starts inside the region has no entry
+/// point. `only` selects pixels; empty selects all. Returns the number of evaluations.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
     rays: &RayGrid,
@@ -41,11 +40,11 @@ pub fn cap<T: Real>(
     work_on(buffer.rows(BAND_ROWS), |mut rows| cap_rows(&mut rows, rays, region, kernel, only))
 }
 
-/// As [`cap`], for some rows of a picture in which caps and normals are [kept](crate::Kept); `only`
-/// is of the whole picture.
+/// As [`cap`], for some rows of a picture that [keeps](crate::Kept) caps and normals. `only` is for
+/// the whole picture.
 ///
 /// # Panics
-/// If they are not kept.
+/// If caps or normals are not kept.
 pub fn cap_rows<T: Real>(
     rows: &mut Rows<'_>,
     rays: &RayGrid,
@@ -70,9 +69,9 @@ pub fn cap_rows<T: Real>(
         let (distance, pixel) = (ray.distance(entry.t.0), pixel - first);
         let (from, reason) = match inside {
             Inside::No => continue,
-            // What the traverser found at the face may lie before it by a rounding.
+            // A zero found at the face may lie before it because of rounding.
             Inside::Unknown(reason) => (rows.distance(pixel).min(distance), reason),
-            // It may pass by an edge of the region.
+            // The ray may pass by an edge of the region.
             Inside::Yes => (distance, UndecidedReason::Touching),
         };
         let mut bracket = [f64::NAN; 2];
@@ -127,14 +126,14 @@ fn judge<T: Real>(
         .collect()
 }
 
-/// Bounds on one coordinate of the point where the ray enters, which lies in the box.
+/// Bounds of one coordinate of the ray's entry point, which lies in the region's box.
 fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> Interval {
     let (origin, slope) = (ray.origin[axis], ray.direction[axis]);
     let ends = [slope * entry.t.0, slope * entry.t.1];
     let low = (origin + ends[0].min(ends[1]).next_down()).next_down();
     let high = (origin + ends[0].max(ends[1]).next_up()).next_up();
-    // Clamped on both sides, so that the two stay in order even if rounding put the point outside.
-    // What is not a number, because an end overflowed, becomes the region's own end.
+    // Both ends are clamped on both sides, so that they stay in order even if rounding moved the
+    // point out of the box. A NaN, from overflow, becomes the box's own end.
     let (least, most) = (region.low()[axis], region.high()[axis]);
     Interval { lo: low.max(least).min(most), hi: high.min(most).max(least) }
 }
@@ -173,7 +172,7 @@ mod tests {
     fn the_front_face_is_painted_where_the_solid_reaches_it() {
         let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("valid");
         let buffer = picture(&region);
-        // Pixel centres at x = −7/8, −5/8, … 7/8; the first five are left of 0.25.
+        // Pixel centers are at x = −7/8, −5/8, … 7/8; the first five are left of 0.25.
         for pixel in 0..64 {
             let expected = pixel % 8 < 5;
             assert_eq!(buffer.status[pixel] == Status::Hit, expected, "{pixel}");

@@ -1,4 +1,4 @@
-//! Some rows of a picture: what one thread takes from nothing to colors while it is in the nearer
+//! Rows of a picture that one thread takes from tracing to colors while they are in the nearer
 //! caches.
 
 use crate::band::Band;
@@ -12,10 +12,10 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-/// Pixels that are made misses at a time.
+/// Number of pixels that are set to misses at a time.
 const CLEARED: usize = 64;
 
-/// Some neighbouring rows of a [`GBuffer`], all that is known of their pixels.
+/// Adjacent rows of a [`GBuffer`], with all quantities of their pixels.
 pub struct Rows<'a> {
     /// The first row, counted from the picture's top.
     pub(crate) first: usize,
@@ -23,21 +23,21 @@ pub struct Rows<'a> {
     pub(crate) width: usize,
     pub(crate) status: &'a mut [Status],
     pub(crate) reason: &'a mut [UndecidedReason],
-    /// Empty if they are not wanted.
+    /// Empty if brackets are not kept.
     pub(crate) bracket: &'a mut [[f64; 2]],
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
-    /// Of those that are painted.
+    /// Ids for pixels that are painted.
     pub(crate) surface: Numbers<'a>,
-    /// Empty if they are not kept.
+    /// Empty if normals are not kept.
     pub(crate) normal: &'a mut [[f32; 3]],
-    /// These are empty if they are nowhere set.
+    /// This and the next two are empty if no pixel has the quantity.
     pub(crate) cap: &'a mut [bool],
     pub(crate) shadow: &'a mut [u8],
     pub(crate) occlusion: &'a mut [u8],
 }
 
-/// The columns of a G-buffer that shading reads, for neighbouring pixels.
+/// The quantities of adjacent pixels of a G-buffer that shading reads.
 #[derive(Clone, Copy)]
 pub struct Columns<'a> {
     /// [`GBuffer::status`].
@@ -57,10 +57,10 @@ pub struct Columns<'a> {
 }
 
 impl GBuffer {
-    /// The columns that shading reads, for a range of pixels.
+    /// The quantities that shading reads, for a range of pixels.
     ///
     /// # Panics
-    /// If there are no such pixels.
+    /// If the range is out of the picture.
     pub fn columns(&self, pixels: Range<usize>) -> Columns<'_> {
         Columns {
             status: &self.status[pixels.clone()],
@@ -73,10 +73,11 @@ impl GBuffer {
         }
     }
 
-    /// Does `work` on each part of so many rows, on all threads, and returns what it took.
+    /// Runs `work` on the picture in parts of this many rows, on all threads, and returns the sum
+    /// of its results.
     ///
     /// # Panics
-    /// As `work`, once the other threads are done.
+    /// If `work` panics, after the other threads have finished.
     pub fn each_rows(
         &mut self,
         rows: usize,
@@ -85,7 +86,7 @@ impl GBuffer {
         work_on(self.rows(rows), work)
     }
 
-    /// The picture in parts of so many rows each, from the top; the last may have fewer.
+    /// The picture in parts of this many rows, from the top. The last part may have fewer.
     pub(crate) fn rows(&mut self, rows: usize) -> Vec<Rows<'_>> {
         let width = self.width.max(1);
         let size = rows * width;
@@ -119,13 +120,13 @@ impl GBuffer {
     }
 }
 
-/// What was asked for by doing something with each part of a picture, on all threads. Each takes
-/// one part after another, from the middle of the picture outward: mostly there is little in the
-/// last ones, so that no thread ends long before the others (a sphere on two threads takes 0.52 of
-/// one's time, and 0.56 where any part may be the last).
+/// Runs `work` on each part of a picture, on all threads, and returns the sum of its results.
+/// Threads take parts from the middle of the picture outward. The last parts mostly have little in
+/// them, so that all threads end at about the same time. (A sphere on two threads takes 0.52 of the
+/// time on one, and 0.56 where any part may be the last.)
 ///
 /// # Panics
-/// As `work`, once the other threads are done.
+/// If `work` panics, after the other threads have finished.
 pub(crate) fn work_on<P: Send>(
     parts: Vec<P>,
     work: impl Fn(P) -> KernelStats + Sync,
@@ -139,7 +140,7 @@ pub(crate) fn work_on<P: Send>(
         *all.lock().unwrap_or_else(PoisonError::into_inner) += own;
     };
     if threads <= 1 {
-        // Another thread would have to be waited for twice, until it wakes and until this one does.
+        // Another thread would cost two waits: until it wakes, and until this one does.
         take();
     } else {
         rayon::scope(|scope| {
@@ -150,7 +151,7 @@ pub(crate) fn work_on<P: Send>(
     all.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From both ends in turn to the middle.
+/// Orders parts from both ends in turn to the middle.
 fn outside_first<P>(parts: Vec<P>) -> Vec<P> {
     let mut rest = parts.into_iter();
     let mut ordered = Vec::with_capacity(rest.len());
@@ -162,28 +163,27 @@ fn outside_first<P>(parts: Vec<P>) -> Vec<P> {
 }
 
 impl Rows<'_> {
-    /// How many of their pixels have each status.
+    /// Number of pixels with each status.
     pub fn counts(&self) -> PixelCounts {
         PixelCounts::of(self.status)
     }
 
-    /// Their pixels, counted from the picture's first.
+    /// The range of the rows' pixels in the picture.
     pub fn pixels(&self) -> Range<usize> {
         let first = self.first * self.width;
         first..first + self.status.len()
     }
 
-    /// Makes every pixel a miss.
+    /// Sets every pixel to a miss.
     pub(crate) fn clear(&mut self) {
         dispatch!(Level::new(), simd => self.clear_with(simd));
     }
 
-    /// The same, compiled for such vectors.
+    /// As [`Rows::clear`], compiled for vectors of this type.
     #[inline(always)]
     fn clear_with<S: Simd>(&mut self, _: S) {
-        // What says nothing of a miss stays as it is: to write it would take time for nothing. Nor
-        // need it be written that nothing is painted where the memory holds a miss of an earlier
-        // picture.
+        // Quantities without meaning for a miss are not written, which saves time. Neither are
+        // pixels that are already misses, from an earlier picture in this memory.
         let parts = self.status.chunks_mut(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
         for (status, drawn) in parts {
             if !status.first_chunk::<CLEARED>().is_some_and(are_misses) {
@@ -202,13 +202,13 @@ impl Rows<'_> {
         distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
     }
 
-    /// Where they are painted.
+    /// The windows over all painted pixels.
     pub fn windows(&self) -> Vec<Window> {
         windows(Level::new(), self.status, self.drawn, self.first, self.width)
     }
 
-    /// Where normals go, empty if they are not kept, and the columns that shading reads. The
-    /// columns' own normals are empty.
+    /// The normals to be written, which are empty if they are not kept, and the quantities that
+    /// shading reads. The latter have no normals.
     pub fn columns(&mut self) -> (&mut [[f32; 3]], Columns<'_>) {
         let columns = Columns {
             status: self.status,
@@ -222,8 +222,8 @@ impl Rows<'_> {
         (self.normal, columns)
     }
 
-    /// Where a method writes what it finds. `only` says of each pixel of the picture whether it is
-    /// wanted, if not all are; `before` holds other surfaces; `advance` is as a driver's.
+    /// The band that a method writes its results to. `only` selects pixels of the picture; empty
+    /// selects all. `before` holds other surfaces; `advance` is as in [`Driver`](crate::Driver).
     pub(crate) fn band<'a>(
         &'a mut self,
         only: &'a [bool],

@@ -1,7 +1,6 @@
-//! The floats in which rays and slabs are followed, and vectors of them.
+//! The float types in which rays and slabs are followed, and vectors of them.
 //!
-//! Everything here rounds to nearest; what that costs is added as slack by whoever computes with
-//! it.
+//! All operations here round to nearest. Their callers add the error as slack.
 
 use crate::simd_chunks::parts;
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
@@ -11,32 +10,32 @@ use zeroset_eval::{KernelFloat, LANES, Lanes, PATH_UNITS};
 /// Lanes of an `f64` vector: half of a batch.
 pub(crate) const HALF: usize = LANES / 2;
 
-/// A float type in which a traverser follows rays: that of the kernel which it asks.
+/// A float type in which a tracer follows rays: that of its kernels.
 pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Output = Self> {
-    /// As many numbers as a vector holds.
+    /// A vector of as many numbers as a register holds.
     type Vector<S: Simd>: SimdFloat<S, Element = Self>;
 
     /// Largest depth of a traversal. Slabs of 2⁻²⁰ of the region are near the resolution of `f32`.
-    /// In `f64`, those of 2⁻⁴⁰ are still hundreds of times as thick as what rounding adds to a
+    /// In `f64`, slabs of 2⁻⁴⁰ are still hundreds of times thicker than the rounding of a
     /// coordinate of the region's size.
     const MAX_DEPTH: u32;
-    /// Relative error of a coordinate at any τ: `start` and `extent` are each rounded, as are their
-    /// product with τ, the sum, and what is added to it. In `f32` these are five roundings of 2⁻²⁴
-    /// each, and everything before was done in `f64`. In `f64` the way to `extent` takes three more
-    /// of 2⁻⁵³, and the end of the region one. So 8 and 16 units are nearly twice what these add up
-    /// to.
+    /// Relative error of a coordinate at any τ. `start`, `extent`, the product of `extent` and τ,
+    /// the sum, and a last addend are each rounded. In `f32` these are five roundings of 2⁻²⁴ each,
+    /// and everything before was done in `f64`. In `f64`, computing `extent` takes three more
+    /// roundings of 2⁻⁵³, and the end of the region one. The bounds of 8 and 16 units are nearly
+    /// twice these sums.
     const COORDINATE_ERROR: Self;
-    /// What the ends of the range of τ are moved out by: above the error of a quotient that lies
-    /// within [−1, 2], which is at most 4 units in `f32` and 10 in `f64`, where the operands are
+    /// Amount by which the ends of a range of τ are moved outward. It is above the error of a
+    /// quotient within [−1, 2]: at most 4 units in `f32`, and 10 in `f64`, where the operands are
     /// rounded too.
     const SHARE_ERROR: Self;
-    /// The shortest segments that are looked at, as a share of the way: somewhat longer than what
+    /// Shortest segments that are searched, as a share of the ray's way: somewhat longer than what
     /// rounding adds.
     const GRAIN: f64;
-    /// What kernels round coordinates by, as a share of the sum of their terms' magnitudes.
+    /// Rounding error of coordinates in kernels, as a share of the sum of their terms' magnitudes.
     const PATH_ERROR: f64 = PATH_UNITS * Self::UNIT;
 
-    /// An integer, exactly if it is below 2^[`Scalar::MAX_DEPTH`].
+    /// The float for an integer, exact below 2^[`Scalar::MAX_DEPTH`].
     #[inline]
     fn integer(value: u64) -> Self {
         Self::nearest(value as i64 as f64)
@@ -48,13 +47,13 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
     }
     /// The numbers of all lanes, in two vectors.
     fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2];
-    /// Writes the floats next to numbers.
+    /// Stores the numbers, rounded to nearest.
     fn narrow<S: Simd>(numbers: [f64x8<S>; 2], lanes: &mut Lanes<Self>);
-    /// Moves the lanes whose bits are set to the first ones.
+    /// Moves the lanes in `kept` to the front, in order.
     fn pack<S: Simd>(simd: S, lanes: &mut Lanes<Self>, kept: u16);
-    /// Copies the lanes `from` of some lanes, in order, to the lanes `to` of others: as many.
+    /// Copies the lanes `from` of `some`, in order, to as many lanes `to` of `others`.
     fn copy<S: Simd>(simd: S, some: &Lanes<Self>, from: u16, others: &mut Lanes<Self>, to: u16);
-    /// Writes a number to these lanes.
+    /// Writes a number to the lanes `to`.
     #[inline(always)]
     fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16) {
         for part in parts::<S, Self::Vector<S>>(simd, LANES) {
@@ -71,7 +70,7 @@ impl Scalar for f32 {
     const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
     const GRAIN: f64 = 1.0 / 262_144.0; // 2^-18
 
-    // Not by way of `f64`: both are asked for at every slab.
+    // Not by way of `f64`, since both are needed at every slab.
     #[inline]
     fn integer(value: u64) -> Self {
         value as i64 as Self

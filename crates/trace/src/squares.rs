@@ -1,12 +1,12 @@
-//! Which pixels of a band go together where rays are followed: squares of neighbours, or patches.
+//! The order in which pixels of a band are followed: squares of neighbors, or patches.
 
 use crate::grid::SIDE;
 use zeroset_eval::LANES;
 
-/// Rays handed to a method at once: 8×8 pixels, whose data stay in the nearest cache.
+/// Number of rays given to a method at once: 8×8 pixels, whose data stay in the nearest cache.
 pub(crate) const RAYS: usize = 64;
 
-/// Columns and rows within a square, in Morton's order: each four in a row are 2×2 pixels, each
+/// Columns and rows within a square, in Morton order: every four in sequence are 2×2 pixels, every
 /// sixteen 4×4.
 const ORDER: [[usize; 2]; RAYS] = {
     let mut order = [[0; 2]; RAYS];
@@ -23,7 +23,8 @@ const ORDER: [[usize; 2]; RAYS] = {
     order
 };
 
-/// The pixels of a band, square by square. Squares of 2×2 that stick out repeat its last pixels.
+/// The pixels of a band, square by square. Squares of 2×2 that extend beyond the band repeat its
+/// last pixels.
 pub(crate) fn squares(width: usize, height: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
     let side = RAYS.isqrt();
     let corners = (0..height.div_ceil(side))
@@ -40,7 +41,7 @@ pub(crate) fn squares(width: usize, height: usize) -> impl Iterator<Item = Vec<[
     })
 }
 
-/// The pixels of a band of patches, a few of these at a time.
+/// The pixels of a band of patches, a few patches at a time.
 pub(crate) fn patches(height: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
     let at_once = RAYS / LANES;
     let of_patch = |row: usize| ORDER[..LANES].iter().map(move |[x, y]| [x + SIDE * y, row]);

@@ -1,24 +1,24 @@
-//! Which surface is painted where.
+//! The surface that is painted in each pixel.
 
 use std::ops::{Index, Range};
 
-/// The number of the surface that is painted, by pixel; meaningless where the background shows.
-/// Where all pixels have the same, as in most pictures, nothing is kept by pixel.
+/// The id of the surface that is painted, per pixel; meaningless where the background shows. If all
+/// pixels have the same id, as in most pictures, it is stored once.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceIds {
     all: u16,
-    /// Empty if all have that number.
+    /// Empty if all pixels have the id `all`.
     each: Vec<u16>,
 }
 
 impl SurfaceIds {
-    /// Gives all pixels a number.
+    /// Gives all pixels the same id.
     pub fn fill(&mut self, number: u16) {
         self.all = number;
         self.each.clear();
     }
 
-    /// Gives one of so many pixels a number.
+    /// Gives one of `pixels` pixels an id.
     ///
     /// # Panics
     /// If there is no such pixel.
@@ -30,13 +30,13 @@ impl SurfaceIds {
         }
     }
 
-    /// Keeps only some pixels.
+    /// Keeps only the given pixels.
     pub fn crop(&mut self, pixels: &Range<usize>) {
         self.each.truncate(pixels.end);
         self.each.drain(..pixels.start.min(self.each.len()));
     }
 
-    /// Those of some pixels.
+    /// The ids of the given pixels.
     pub fn part(&self, pixels: Range<usize>) -> Numbers<'_> {
         Numbers { all: self.all, each: self.each.get(pixels).unwrap_or_default() }
     }
@@ -50,11 +50,11 @@ impl Index<usize> for SurfaceIds {
     }
 }
 
-/// The numbers of neighbouring pixels.
+/// The ids of neighboring pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Numbers<'a> {
-    /// The number of all pixels, if `each` is empty.
+    /// The id of all pixels, if `each` is empty.
     pub all: u16,
-    /// Empty if all have that number.
+    /// One id per pixel, or empty.
     pub each: &'a [u16],
 }

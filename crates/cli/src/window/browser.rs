@@ -4,11 +4,11 @@
 use super::Window;
 use super::enlarge::enlarge;
 use super::thumbnails::{SIDE, Thumbnails};
-use crate::canvas::{Canvas, Rgb};
 use crate::theme::{CHOSEN, DIM, INK};
 use minifb::Key;
 use std::ops::Range;
 use std::time::Instant;
+use zeroset_render::overlay::{Canvas, Rgb};
 
 const GROUND: Rgb = 0x0018_1820;
 const CELL: Rgb = 0x0028_2832;

@@ -6,8 +6,6 @@ use super::enlarge::enlarge;
 use super::page::Page;
 use super::panel::Panel;
 use super::{MESSAGE, PAUSE, Window, browser, list};
-use crate::annotate::Around;
-use crate::canvas::{Canvas, Rgb};
 use crate::help;
 use crate::theme::{GROUND, INK};
 use anyhow::{Context, Result};
@@ -15,6 +13,8 @@ use minifb::MouseMode;
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset_live::{Fault, Rendering, Slider, Snapshot};
+use zeroset_render::overlay::Around;
+use zeroset_render::overlay::{Canvas, Rgb};
 
 const PAPER: Rgb = 0x00f4_f4f6;
 const DIM: Rgb = 0x00b0_b0bc;

@@ -1,6 +1,6 @@
 //! A picture in a window that has more pixels: coarse ones are seen smooth, not as blocks.
 
-use super::super::canvas::Rgb;
+use zeroset_render::overlay::Rgb;
 
 /// Steps between two pixels of a picture.
 const ONE: usize = 256;

@@ -2,9 +2,9 @@
 //! mouse and no document.
 
 use super::rows::{RowLayout, SPACE};
-use crate::canvas::{Canvas, Rgb};
 use crate::theme::{CHOSEN, GROUND, INK, TRACK};
 use zeroset_live::Listed;
+use zeroset_render::overlay::{Canvas, Rgb};
 
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;

@@ -18,7 +18,6 @@ mod tasks;
 mod thumbnails;
 mod wheel;
 
-use super::canvas::Canvas;
 use super::line_edit::LineEdit;
 use super::session::Session;
 use super::tips;
@@ -39,6 +38,7 @@ use std::time::{Duration, Instant};
 use surfaces::Surfaces;
 use tasks::{Outcome, enter_all};
 use zeroset_live::{Rendering, Snapshot};
+use zeroset_render::overlay::Canvas;
 
 /// A message in the window is shown for so long.
 const MESSAGE: Duration = Duration::from_secs(8);

@@ -1,8 +1,8 @@
 //! A text over the picture, in lines that fit, as far as there is room; the rest is scrolled to.
 //! Knows no keys.
 
-use crate::canvas::Canvas;
 use crate::theme::{DIM, GROUND, INK};
+use zeroset_render::overlay::Canvas;
 
 /// Space around the text, in dots of a letter.
 const PAD: usize = 8;

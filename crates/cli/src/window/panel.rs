@@ -2,9 +2,9 @@
 //! stands for. Knows no mouse and no document.
 
 use super::rows::{RowLayout, SPACE};
-use crate::canvas::Canvas;
 use crate::theme::{CHOSEN, DIM, INK, TRACK};
 use zeroset_live::Slider;
+use zeroset_render::overlay::Canvas;
 
 /// Letters of a name, and of a value, that are shown.
 const NAME: usize = 8;

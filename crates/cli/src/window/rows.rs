@@ -1,8 +1,8 @@
 //! Rows over the picture, one below the other: as many as there is room for, and the others are
 //! scrolled to. Knows nothing of what stands in them.
 
-use crate::canvas::{Canvas, Rgb};
 use crate::theme::GROUND;
+use zeroset_render::overlay::{Canvas, Rgb};
 
 /// So many are shown at once.
 const SHOWN: usize = 8;

@@ -3,9 +3,9 @@
 
 use super::panel::Panel;
 use super::{FRAME, Window};
-use crate::canvas::Canvas;
 use std::time::{Duration, Instant};
 use zeroset_live::{Slider, Snapshot};
+use zeroset_render::overlay::Canvas;
 
 /// Two presses of the same slider within so long are a double click.
 const DOUBLE: Duration = Duration::from_millis(400);

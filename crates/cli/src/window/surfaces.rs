@@ -3,10 +3,10 @@
 use super::Window;
 use super::list::{List, ListPart, Shown};
 use super::sliders::is_next_due;
-use crate::canvas::Canvas;
 use minifb::Key;
 use std::time::Instant;
 use zeroset_live::{Listed, Snapshot};
+use zeroset_render::overlay::Canvas;
 
 /// How far an arrow key moves an opacity.
 const STEP: f64 = 0.05;

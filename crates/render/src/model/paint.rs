@@ -3,7 +3,7 @@
 //! Values are those of floats: no claim depends on them.
 
 use super::Model;
-use crate::legend::{Legend, nice};
+use crate::overlay::{Legend, nice};
 use rayon::prelude::*;
 use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
 use zeroset_ir::{Constant, Node};

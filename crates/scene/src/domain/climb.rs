@@ -105,8 +105,8 @@ fn climb(
     None
 }
 
-/// Whether the paraboloid through the heights around a place has its top nearby, too. In a bent
-/// valley it has not.
+/// Returns whether the paraboloid through the heights around a place has its top nearby, too. In a
+/// bent valley it has not.
 fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> bool {
     let places: Vec<[f64; 2]> = (0..9)
         .map(|n: i32| [x + f64::from(n % 3 - 1) * step, y + f64::from(n / 3 - 1) * step])
@@ -123,8 +123,8 @@ fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> boo
     way.is_nan() || way <= apart
 }
 
-/// Whether the height differs from its surroundings abruptly, as where rounding leaves a finite
-/// value at a pole.
+/// Returns whether the height differs from its surroundings abruptly, as where rounding leaves a
+/// finite value at a pole.
 fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
     let falls = |far: f64| {
         let place = |n: i32| [x + f64::from(n % 3 - 1) * far, y + f64::from(n / 3 - 1) * far];
@@ -139,8 +139,8 @@ fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> 
     at_once > 0 && 4 * at_once >= 3 * near.len()
 }
 
-/// Whether a top is higher than all places around it. On a ridge, some place on the square around
-/// the top is about as high.
+/// Returns whether a top is higher than all places around it. On a ridge, some place on the square
+/// around the top is about as high.
 fn is_alone(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
     // `along` is the length along the square. Each side is 2 long.
     let on_square = |along: f64| {

@@ -35,7 +35,7 @@ pub struct Seeker<'a> {
     pub depends: [bool; 3],
     /// The center of the search.
     pub centre: [f64; 3],
-    /// Half the side of the cube that starts are spread in. Some points are found farther away.
+    /// Half the side of the cube in which starts are spread. Some points are found farther away.
     pub half: f64,
 }
 

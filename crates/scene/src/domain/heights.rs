@@ -103,7 +103,7 @@ impl Grid {
         self.sorted.first().zip(self.sorted.last()).map(|(lowest, highest)| [*lowest, *highest])
     }
 
-    /// Whether some heights are far below most others, and some far above, as at poles.
+    /// Returns whether some heights are far below most others, and some far above, as at poles.
     pub fn is_far_out(&self) -> bool {
         let [quarter, rest] = self.without(0.25);
         let far = POLE * (rest - quarter);

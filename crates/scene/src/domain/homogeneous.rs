@@ -132,7 +132,7 @@ impl Homogeneous {
         })
     }
 
-    /// Whether there are values of both signs at infinity. If so, there is no proof.
+    /// Returns whether there are values of both signs at infinity. If so, there is no proof.
     fn changes_sign_at_infinity(&self, work: &mut u64) -> bool {
         let (mut below, mut above, mut scratch) = (false, false, Vec::new());
         for chart in charts() {

@@ -40,17 +40,17 @@ impl Bounds {
         Self { low, high }
     }
 
-    /// Whether 0 may be among the values.
+    /// Returns whether 0 may be among the values.
     pub fn has_zero(self) -> bool {
         !(self.is_negative() || self.is_positive())
     }
 
-    /// Whether all values are below 0.
+    /// Returns whether all values are below 0.
     pub fn is_negative(self) -> bool {
         self.high < 0.0
     }
 
-    /// Whether all values are above 0.
+    /// Returns whether all values are above 0.
     pub fn is_positive(self) -> bool {
         self.low > 0.0
     }
@@ -102,7 +102,7 @@ impl Bounds {
         Self { low: exact(low, wide.low), high: exact(high, wide.high) }
     }
 
-    /// Whether a bound 0 of the product comes from a factor that is 0, not from underflow.
+    /// Returns whether a bound 0 of the product comes from a factor that is 0, not from underflow.
     fn is_zero_by(self, other: Self) -> bool {
         let ends = [self.low, self.high, other.low, other.high];
         ends.contains(&0.0) && ends.into_iter().all(|end| end == 0.0 || end.abs() > LEAST_FACTOR)

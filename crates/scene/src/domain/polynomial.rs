@@ -111,7 +111,7 @@ impl Polynomial {
         for (axis, along) in place.into_iter().enumerate().filter(|(_, along)| *along != 0.0) {
             let mut moved = Self::default();
             for (powers, factor) in &seen.0 {
-                // The terms of a power of a sum, from the highest down.
+                // The binomial terms, from the highest power down.
                 let (mut lower, mut factor) = (*powers, *factor);
                 for k in 0..=powers[axis] {
                     moved = moved.with(lower, factor);

@@ -253,7 +253,7 @@ fn sides(found: &AutoDomain) -> [f64; 2] {
 
 #[test]
 fn a_window_has_no_size_of_waves_that_have_none() {
-    // The sine of an angle or of a quotient has no size. The rest of the formula may have one.
+    // Sines of an angle or of a quotient give the window no size. The rest of the formula may.
     for (text, longest) in [
         ("r=2cos(theta)", 2.0..5.0),
         ("r=cos(2*theta)", 2.0..5.0),
@@ -264,7 +264,7 @@ fn a_window_has_no_size_of_waves_that_have_none() {
         ("z^2=cos(theta)", 2.0..5.0),
         ("z=r^2*cos(2*theta)", 4.0..6.0),
         ("z=sin(1/x)", 2.0..5.0),
-        // An inner wave has a size.
+        // The inner wave gives the window its size.
         ("z=sin(2*sin(x^2+y^2))", 4.0..8.0),
     ] {
         let found = found(text);
@@ -272,7 +272,7 @@ fn a_window_has_no_size_of_waves_that_have_none() {
     }
 }
 
-/// Whether a range is roughly symmetric about a place.
+/// Returns whether a range is roughly symmetric about a place.
 fn is_about(place: f64, [low, high]: [f64; 2]) -> bool {
     (low + high - 2.0 * place).abs() < 0.1 * (high - low)
 }

@@ -78,8 +78,8 @@ impl Tops {
     }
 }
 
-/// Whether the heights seem to have poles: some are far up and some far down, more so in a smaller
-/// window.
+/// Returns whether the heights seem to have poles: some are far up and some far down, more so in a
+/// smaller window.
 fn has_poles(heights: &Heights<'_>) -> bool {
     let [plain, inner] = [PLAIN, PLAIN / 2.0].map(|half| Grid::new(heights, half));
     plain.is_far_out() && spread(&inner) > GROWS * spread(&plain)

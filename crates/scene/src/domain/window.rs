@@ -43,7 +43,7 @@ const OFF_CENTRE: f64 = 0.1;
 /// An empty window is doubled less often than this.
 const DOUBLINGS: i32 = 6;
 
-/// Relative accuracy of a place on an axis before it is searched for.
+/// Relative accuracy to which a place on an axis is known before the search.
 const NEAR: f64 = 0.01;
 
 /// Length of a surface that does not change along an axis, in multiples of its width.
@@ -79,7 +79,7 @@ impl Sight<'_> {
         let known = self.known();
         self.centre = self.centre.map(|along| super::rounded(along, known));
         let half = self.half();
-        // Features move with the surface, and so does the size, so the center may be rounded by it.
+        // The size does not depend on where the surface lies, so the center can be rounded by it.
         self.centre = self.centre.map(|along| {
             if along.abs() <= CENTRED * half { 0.0 } else { super::rounded(along, GRAIN * half) }
         });
@@ -87,9 +87,9 @@ impl Sight<'_> {
         (cell, self.is_round(&cell))
     }
 
-    /// Whether the surface goes on alike in all directions, so that edges made by the box would
-    /// look like its own. Planes, periodic surfaces and graphs over two axes look better in the
-    /// box.
+    /// Returns whether the surface goes on alike in all directions, so that edges made by the box
+    /// would look like its own. Planes, periodic surfaces and graphs over two axes look better in
+    /// the box.
     fn is_round(&self, cell: &Cell) -> bool {
         let Shape { depends, period, ref waves, is_of_planes, height, .. } = self.shape;
         let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
@@ -151,7 +151,7 @@ impl Sight<'_> {
             let about = PLAIN.max(NEAR * near.abs());
             (window.low[axis], window.high[axis]) = (near - about, near + about);
             let found = self.search.tight(window, BOX_DEPTH).unwrap_or(window).centre()[axis];
-            // A place near a short decimal is that decimal.
+            // The middle is rounded to two decimals.
             let short = (found * 100.0).round() / 100.0;
             let middle = if short.is_finite() { short } else { found };
             (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);

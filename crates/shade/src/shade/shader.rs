@@ -109,7 +109,7 @@ pub(crate) struct Seen<'a> {
     pub paint: &'a [Paint],
 }
 
-/// Unit vectors of a window's pixels: to the eye, and normals.
+/// Unit vectors of a window's pixels: directions to the eye, then normals.
 pub(crate) type Faced<S> = ([f32x16<S>; 3], [f32x16<S>; 3]);
 
 /// Quantities of a window's pixels that most windows do not have.
@@ -136,7 +136,7 @@ impl Own {
         marks: [Lanes([1.0; LANES]), Lanes([0.0; LANES])],
     };
 
-    /// The quantities of a window; `None` if it has none of them.
+    /// The quantities of a window; `None` if all of them are the defaults.
     #[inline]
     fn of(seen: &Seen<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Option<Self> {
         let Seen { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
@@ -225,7 +225,7 @@ impl Shader<'_> {
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            // Mostly executed once. Before the loop it takes longer.
+            // The loop mostly runs once. Computing this before it takes longer.
             let own = Own::of(seen, window, marks);
             let amounts = match &own {
                 None => self.light::<S, false>(simd, seen, window, faced, colors, &Own::NONE),

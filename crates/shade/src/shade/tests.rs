@@ -1,4 +1,4 @@
-//! Single pixels; and sixteen at once have the colors of single ones.
+//! Colors of single pixels, and of sixteen at once compared with single ones.
 
 use super::*;
 use glam::DVec3;

@@ -6,37 +6,38 @@ use glam::DVec3;
 /// The points no farther than `radius` from `centre`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
-    /// Its centre, in world units.
+    /// Center, in world units.
     pub centre: DVec3,
-    /// In world units, above 0.
+    /// Radius in world units, above 0.
     pub radius: f64,
 }
 
-/// The part of a ray in a ball, by values of t, which may be below 0.
+/// The part of a ray in a ball, as values of t, which may be negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
-    /// No point of the ray in the ball is outside of these.
+    /// All points of the ray in the ball have t within these.
     pub outer: [f64; 2],
-    /// All points between these are in the ball; not in order if none are known to be.
+    /// All points with t within these are in the ball. Not in order if no such points are known.
     pub inner: [f64; 2],
 }
 
 impl Ball {
-    /// The unit normal, out of the ball, of the sphere about its centre on which a point lies.
+    /// The unit normal at `point`, out of the ball, of the sphere about the ball's center through
+    /// that point.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         (point - self.centre).normalize_or_zero()
     }
 
-    /// Whether all points between two corners certainly lie in the ball.
+    /// Returns whether all points of the box from `low` to `high` certainly lie in the ball.
     pub fn holds(&self, low: DVec3, high: DVec3) -> bool {
         let farthest = (low - self.centre).abs().max((high - self.centre).abs());
-        // A dozen roundings, of the corners' own size where they are subtracted.
+        // Room for a dozen roundings, relative to the corners where they are subtracted.
         let size = farthest + low.abs().max(high.abs()) * f64::EPSILON;
         size.length() * (1.0 + 16.0 * f64::EPSILON) <= self.radius
     }
 
-    /// The part of `ray` in the ball; `None` if there is none. Where squares overflow nothing is
-    /// known, so that the ray may be in the ball everywhere.
+    /// The part of `ray` in the ball; `None` if the ray misses the ball. Where squares overflow,
+    /// nothing is known, and the ray may be in the ball everywhere.
     pub fn chord(&self, ray: &Ray) -> Option<Chord> {
         const UNKNOWN: Chord = Chord {
             outer: [f64::NEG_INFINITY, f64::INFINITY],
@@ -44,22 +45,22 @@ impl Ball {
         };
         let direction = ray.direction;
         let square = direction.length_squared();
-        // From the float next to the nearest point onwards, so that little cancels however far the
-        // eye is.
+        // Measured from the float next to the nearest point, so that little cancels however far
+        // away the eye is.
         let way = self.centre - ray.origin;
         let nearest = way.dot(direction) / square;
         let offset = way - nearest * direction;
         let speed = square.sqrt();
         let size = offset.length();
-        // How far the offset is from the real one: a rounding of each coordinate's difference,
-        // product and difference.
+        // Error of the offset: one rounding for each coordinate's difference, product and
+        // difference.
         let error =
             4.0 * f64::EPSILON * (way.length() + nearest.abs() * speed) + f64::MIN_POSITIVE.sqrt();
-        // The middle of the chord, from `nearest` on: the offset is upright on the ray but for
-        // rounding.
+        // The middle of the chord, measured from `nearest`. The offset is perpendicular to the ray
+        // up to rounding.
         let middle = offset.dot(direction) / square;
         let half = |radius: f64, outward: f64| {
-            // Room for the roundings of two squares and what the middle's own part is.
+            // Room for the roundings of two squares and of the middle's contribution.
             let slack = outward * 16.0 * f64::EPSILON * (radius * radius + size * size);
             let room = radius * radius - size * size + middle * middle * square + slack;
             (room >= 0.0).then(|| room.sqrt() / speed)

@@ -1,4 +1,4 @@
-//! Rays that meet regions, and regions that cannot be.
+//! Rays that meet regions, and invalid regions.
 
 use super::*;
 
@@ -85,10 +85,10 @@ fn a_ball_cuts_corners() {
     assert_eq!(region.ball(), Some(Ball { centre: DVec3::ZERO, radius: 1.0 }));
     let (near, far) = region.span(&ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0])).expect("meets");
     assert!((2.0 - near).abs() < 1e-13 && near <= 2.0 && (4.0..4.0 + 1e-13).contains(&far));
-    // Through a corner of the cube, and beside the ball by less than a rounding of 1e-15.
+    // Through a corner of the cube, and past the ball by 1e-12.
     assert_eq!(region.span(&ray([-3.0, 0.9, 0.9], [1.0, 0.0, 0.0])), None);
     assert_eq!(region.span(&ray([-3.0, 1.0 + 1e-12, 0.0], [1.0, 0.0, 0.0])), None);
-    // A tangent is kept, and certainly in the ball nowhere.
+    // A tangent is kept, but no point of it is certainly in the ball.
     let tangent = ray([-3.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
     assert!(region.span(&tangent).is_some_and(|(near, far)| near <= 3.0 && far >= 3.0));
     let [first, last] = region.inner(&tangent);

@@ -1,4 +1,4 @@
-//! Rays of ordinary and extreme cameras against those of real geometry, in exact arithmetic.
+//! Rays of ordinary and extreme cameras, compared with real geometry in exact arithmetic.
 
 use super::*;
 use crate::camera::CameraError;
@@ -8,7 +8,7 @@ use num_rational::BigRational;
 
 type Exact = [BigRational; 3];
 
-/// Bits behind the point of what is not rational: lengths and tangents.
+/// Number of binary places of irrational values: lengths and tangents.
 const BITS: usize = 400;
 
 fn exact(value: f64) -> BigRational {
@@ -31,13 +31,13 @@ fn sum(a: &Exact, b: &Exact, factor: &BigRational) -> Exact {
     std::array::from_fn(|k| &a[k] + &b[k] * factor)
 }
 
-/// Rounded to [`BITS`] behind the point.
+/// The value rounded to [`BITS`] binary places.
 fn rounded(value: &BigRational) -> BigRational {
     let one = BigInt::from(1) << BITS;
     BigRational::new((value * BigRational::from(one.clone())).to_integer(), one)
 }
 
-/// The vector at length 1, but for some 2^−`BITS`.
+/// The vector at length 1, up to a few 2^−`BITS`.
 fn unit(v: &Exact) -> Exact {
     // Scaled first, so that short vectors keep their digits.
     let largest = v.iter().max_by_key(|c| (*c).max(&-*c).clone()).expect("three").clone();
@@ -71,7 +71,7 @@ fn tangent(degrees: f64) -> BigRational {
     sine / cosine
 }
 
-/// The real axes of a camera's picture: forward, right and up.
+/// The exact axes of a camera's picture: forward, right and up.
 fn ideal(eye: DVec3, target: DVec3, up: DVec3) -> [Exact; 3] {
     let way = sum(&vector(target), &vector(eye), &exact(-1.0));
     let right = cross(&way, &vector(up));
@@ -89,7 +89,7 @@ impl Random {
         self.0
     }
 
-    /// Uniform in [−1, 1].
+    /// A number uniform in [−1, 1].
     fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
@@ -102,8 +102,8 @@ impl Random {
         10_f64.powi(least + (self.next() % (most - least + 1) as u64) as i32)
     }
 
-    /// Eye, target and up: of any size, the target perhaps next to the eye, `up` perhaps along the
-    /// view.
+    /// Eye, target and up, of any magnitude. The target may be next to the eye, and `up` may be
+    /// along the view.
     fn view(&mut self) -> [DVec3; 3] {
         let eye = match self.next() % 4 {
             0 => DVec3::ZERO,
@@ -282,7 +282,7 @@ fn points_in_f32_are_near_however_far_the_eye_is() {
             let window = Window { column, row, index: 0, wanted: 1 };
             let distances = std::array::from_fn(|lane| {
                 let ray = rays.ray(column + lane, row);
-                // Where it is nearest to the middle, or thereabouts.
+                // About the point nearest to the target.
                 let t = (target - ray.origin).dot(ray.direction) / ray.direction.length_squared();
                 ray.distance(t) - 0.5 + 0.06 * lane as f64
             });
@@ -318,11 +318,11 @@ fn rays_of_a_part_are_those_of_the_picture() {
             let doubled = [2 * whole[0] + 2 * i, 2 * whole[1] + 2 * j];
             assert_eq!(part.screen(2 * i, 2 * j), rays.screen(doubled[0], doubled[1]));
         }
-        // The middle of four is the centre of the one that they are cut from.
+        // The middle of four pixels is the center of the pixel that was divided.
         let finer = rays.finer(2);
         assert_eq!((finer.width(), finer.height()), (122, 80));
         assert_eq!(finer.screen(2 * 7 * 2 + 1, 2 * 16 * 2 + 1), rays.screen(2 * 7, 2 * 16));
-        // The parts of a part are the finer picture's.
+        // The rays of a divided part are those of the divided picture.
         let (finer, parts) = (rays.finer(4), part.finer(4));
         assert_eq!((parts.width(), parts.height()), (132, 60));
         for (i, j) in [(0, 0), (131, 59), (17, 40)] {
@@ -348,7 +348,7 @@ fn rays_of_patches_are_those_of_the_picture() {
             for (n, ray) in own.iter().enumerate() {
                 assert_eq!((*ray, *ray), (patches.ray(n, row), patches.ray_of(16 * row + n)));
             }
-            // A window that begins within the patch, too.
+            // Windows that begin at the first pixel of a patch, or later.
             for first in [0, 5] {
                 let wanted = 0xffff >> first;
                 let window = Window { column: first, row, index: 16 * row + first, wanted };

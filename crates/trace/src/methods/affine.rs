@@ -3,13 +3,13 @@
 //! A tile's form is a linear function of its two screen axes and of depth. Solved for depth, it
 //! narrows the segment in which the tile's rays may meet a zero. Where the coefficient of depth
 //! outweighs all others, it proves a zero on every ray. Tiles of 16×16 pixels are split into tiles
-//! of 4×4 pixels, and those into rays. Parts of a tile start from the segment that the tile has
-//! left. A tile is split if its segment does not get much shorter, and its parts need less of it:
-//! the segment is short relative to the tile's width, or the surface is steep. Otherwise the
-//! segment is cut in two, and the nearer part comes first.
+//! of 4×4 pixels, and those into rays; parts inherit the narrowed segment. A tile whose segment
+//! does not get much shorter is split if its parts need less of it: if the segment is short for the
+//! tile's width, or the surface steep. Otherwise the segment is cut in two, and the nearer part
+//! comes first.
 //!
-//! A hit is a segment on which the function is continuous and whose ends have opposite signs. All
-//! parts before it are proven empty. Segments are narrowed down to the limit of precision: with
+//! A hit is a segment on which the function is continuous and has opposite signs at the ends,
+//! behind nothing but proven empty parts. Segments are narrowed to the limit of precision: with
 //! [`Precision::Auto`], in `f64` where `f32` does not suffice.
 
 mod bundle;
@@ -68,7 +68,7 @@ fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErro
     }
 }
 
-/// The method `knoll` in the place of this one, for a formula whose forms cannot be compiled.
+/// The method `knoll` as a replacement, for a formula whose forms cannot be compiled.
 struct Boxes<'a> {
     tracer: Box<dyn Tracer + 'a>,
     why: String,
@@ -95,7 +95,7 @@ impl Tracer for Boxes<'_> {
     }
 }
 
-/// The row of the method that takes this one's place.
+/// Returns `knoll`, which replaces this method.
 fn knoll_row() -> &'static Method {
     Method::named(knoll::METHOD.name).unwrap_or_default()
 }
@@ -108,9 +108,9 @@ struct Affine<'a, T: Scalar> {
     task: Task<'a>,
     /// [`TraceOptions::longest`].
     longest: f64,
-    /// Those that no thread is in.
+    /// Buffers that no thread is using.
     rooms: BufferPool<Box<Room<T>>>,
-    /// Made for the first picture that needs it.
+    /// The method in `f64`, created for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
 
@@ -129,8 +129,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
             // Both are compiled at the same time.
             rayon::join(|| kernels.tiles(), follower)
         } else {
-            // They are usually compiled already, and handing one to another thread would take
-            // longer.
+            // They are usually compiled already: a second thread would cost more time.
             (kernels.tiles(), follower())
         };
         Ok(Self {
@@ -146,8 +145,8 @@ impl<'a, T: Scalar> Affine<'a, T> {
 }
 
 impl<'a, T: Scalar> Affine<'a, T> {
-    /// Whether rays are so far away that forms say nothing of where in the region a ray is; boxes
-    /// within it may.
+    /// Returns whether the eye is too far away for forms to tell where in the region a ray is.
+    /// Boxes, which are clipped to the region, still do.
     fn is_too_far(&self, frame: &RayFrame) -> bool {
         let extent = self.task.region.high() - self.task.region.low();
         frame.error.cmpgt(extent * FARTHEST).any()
@@ -159,8 +158,8 @@ impl<'a, T: Scalar> Affine<'a, T> {
             return double.as_deref();
         }
         let options = TraceOptions { precision: Precision::F64, ..self.task.options };
-        // Not created inside `get_or_init`. A thread that waits there for its half of a `join` may
-        // take up another band, which would wait for this very thread.
+        // Not created inside `get_or_init`: a thread that waits there for the other half of its
+        // `join` may take up another band, which would wait for this very thread.
         let made = Affine::new(Task { options, ..self.task }).ok().map(Box::new);
         self.double.get_or_init(|| made).as_deref()
     }

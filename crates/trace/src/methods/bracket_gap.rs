@@ -1,5 +1,5 @@
-//! Brackets of zeros that arithmetic cannot locate: between two places whose signs are certain and
-//! different.
+//! Brackets of zeros that arithmetic cannot locate, between two places with certain, opposite
+//! signs.
 
 use super::local_ray::{LocalRay, between_faces, bounds};
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
@@ -9,7 +9,8 @@ use zeroset_space::Region;
 /// Number of places beside an open segment at which the sign is evaluated, each 1.5 times as far
 /// away as the one before. Also the number of times that a bracket is halved.
 const STEPS: i32 = 48;
-/// How far behind an open segment a zero is searched, as a share of the ray's length in the region.
+/// How far behind an open segment to search for a zero, as a share of the ray's length in the
+/// region.
 const LONGEST: f64 = 1.0 / 64.0;
 
 /// How far around a segment its denominator is tested for zeros, in lengths of the segment.
@@ -53,9 +54,9 @@ impl<T: Real> Bridge<'_, T> {
         Some([near, behind])
     }
 
-    /// Whether a segment is a gap, like that of sin(x)/x at 0, rather than a surface. The function
-    /// has the same sign on both sides of a gap, and its `denominator` may vanish in it or close to
-    /// it.
+    /// Returns whether a segment is a gap, like that of sin(x)/x at 0, rather than a surface. The
+    /// function has the same sign on both sides of a gap, and its `denominator` may vanish in or
+    /// near it.
     pub fn is_gap(&self, [near, far]: [f64; 2], denominator: &dyn Kernel<Enclose, T>) -> bool {
         let [first, last] = self.inside();
         let least = (far - near).max(f64::EPSILON * (near.abs() + far.abs()));
@@ -78,8 +79,8 @@ impl<T: Real> Bridge<'_, T> {
         [near.max(way.start).max(enter), far.min(leave)]
     }
 
-    /// Returns the first place with a certain sign and whether the sign is +, going from `start` to
-    /// `end` in steps of growing length. Only the `wanted` sign counts, if one is given.
+    /// Returns the first place with a certain sign, and whether it is positive, on the way from
+    /// `start` to `end` in steps of growing length. Only the `wanted` sign counts, if one is given.
     fn sign_from(
         &self,
         start: f64,
@@ -100,8 +101,8 @@ impl<T: Real> Bridge<'_, T> {
         None
     }
 
-    /// Returns whether the function at a place is certainly above 0, or `Some(false)` if it is
-    /// certainly below.
+    /// Returns the sign at a place: `Some(true)` if the function is certainly above 0,
+    /// `Some(false)` if it is certainly below.
     fn sign(&self, s: f64) -> Option<bool> {
         let value = self.enclose([s, s]);
         if !value.facts(0).has(Facts::DEFINED) {

@@ -1,6 +1,6 @@
 //! Rays within the region, and boxes that contain parts of them.
 //!
-//! Boxes contain the real ray despite rounding. This module does not know what they are used for.
+//! Boxes contain the real ray despite rounding. This module does not know what boxes are used for.
 
 use crate::method::Segment;
 use glam::DVec3;
@@ -23,7 +23,7 @@ pub(super) struct LocalRay {
     pub error: DVec3,
     /// Value of s where the ray starts.
     pub start: f64,
-    /// Values of s between which zeros are searched.
+    /// Values of s between which zeros are searched for.
     pub span: [f64; 2],
     /// Values of s between which the ray is certainly in the region.
     pub inside: [f64; 2],
@@ -55,7 +55,8 @@ impl LocalRay {
 /// Returns values of s between which a ray is certainly in the region, for t = s + `start`.
 pub(super) fn inside(region: &Region, ray: &Ray, start: f64) -> [f64; 2] {
     let [near, far] = region.inner(ray);
-    // The differences are rounded, so they are moved inward. An eye in the region needs none.
+    // The differences are rounded, so they are moved inward. The near end is exact for an eye
+    // inside.
     [if near == 0.0 { -start } else { (near - start).next_up() }, (far - start).next_down()]
 }
 

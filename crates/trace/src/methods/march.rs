@@ -1,4 +1,4 @@
-//! Uniform samples along each ray: a change of sign between neighbours is taken for a root.
+//! Uniform samples along each ray: a change of sign between neighbors is taken for a root.
 //!
 //! It proves nothing. Features thinner than the distance between two samples are missed. Where the
 //! function changes sign at a pole, a wall is drawn.

@@ -1,4 +1,4 @@
-//! Outcomes of rays whose hits are proven, and their results.
+//! Outcomes of methods that prove hits, and how they become results.
 
 use super::local_ray::LocalRay;
 use crate::method::{Segment, Task};
@@ -9,7 +9,7 @@ use zeroset_interval::Facts;
 /// Outcome of following a ray. Places are values of s.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
-    /// The bracket of the first proven hit.
+    /// Bracket of the first proven hit.
     pub hit: Option<[f64; 2]>,
     /// Start of the first part before the hit that is not proven empty, and the reason.
     pub open: Option<(f64, UndecidedReason)>,

@@ -1,10 +1,9 @@
 //! Affine forms along rays, after Knoll, Hijazi, Kensler, Schott, Hansen and Hagen ("Fast Ray
 //! Tracing of Arbitrary Implicit Surfaces with Interval and Affine Arithmetic", Computer Graphics
-//! Forum 28, 2009). A ray's position in a slab is one symbol. A slab whose form does not reach 0 is
-//! empty.
+//! Forum 28, 2009). A form has one symbol: a ray's position in a slab. A slab whose form does not
+//! reach 0 is empty.
 //!
-//! Forms are only tested for 0: slabs are halved, not contracted. This distinguishes the method
-//! from `affine`.
+//! Forms are only tested for 0: slabs are halved, not contracted. In this it differs from `affine`.
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::kernel_stats::KernelStats;
@@ -27,8 +26,8 @@ pub(crate) const METHOD: Method = Method {
 
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     let kernels = T::kernels(task.surface);
-    // Intervals tell whether the function is bounded in a slab. A form without bounds does not tell
-    // that the function has none.
+    // Intervals tell whether the function is bounded in a slab. An unbounded form does not mean
+    // that the function is unbounded.
     let bounded = if task.options.suppress_asymptotes { kernels.zeros().ok() } else { None };
     let test = Forms { kernel: kernels.segments()?, bounded };
     Ok(Box::new(Slabs::new(test, task)))

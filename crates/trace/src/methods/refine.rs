@@ -62,7 +62,7 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         Self { kernel, tolerance, solid: !suppress_asymptotes }
     }
 
-    /// Whether the function changes sign between two neighbouring samples.
+    /// Returns whether the function changes sign between two neighboring samples.
     pub fn is_crossing(&self, [a, b]: [f64; 2]) -> bool {
         if self.solid {
             return (a < 0.0) != (b < 0.0);
@@ -147,7 +147,7 @@ fn enough<T: Scalar, S: Simd>(
         let [at_eye, growth] = &lines.pixel;
         let growth = part.load(growth);
         let footprint = part.load(at_eye) + near * growth;
-        // Below the rounding of a coordinate, samples are taken at other points.
+        // Brackets below the rounding of a coordinate would be sampled at other points.
         part.store((footprint * tolerance).max_precise(size * (2.0 * T::UNIT)), &mut enough);
     }
     enough
@@ -169,8 +169,7 @@ impl Brackets {
             let far = part.load(&ends[1]);
             let enough = part.load(&enough);
             part.store(far - near, &mut length);
-            // Double `enough` as many times as halving takes to reach it: multiply it by the next
-            // power of two.
+            // Double `enough` as often as halving takes to reach it: by the next power of two.
             let times = ((far - near) / enough).max(1.0).min(2_f64.powi(1000));
             let bits: S::u64s = times.bitcast();
             let power: S::f64s = ((bits + FRACTION) & !FRACTION).bitcast();
@@ -199,7 +198,7 @@ impl Brackets {
             let is_long = length.simd_gt(enough) & near.simd_lt(middle) & middle.simd_lt(far);
             let is_done = a.simd_eq(zero) | b.simd_eq(zero) | !is_long;
             done |= part.bits(is_done);
-            // Distance from the middle at which this is still no slower than halving.
+            // Distance from the middle at which ITP is still no slower than halving.
             let reach = (halved - length * 0.5).max(0.0);
             part.store(halved * 0.5, &mut self.halved);
             let interpolated = (near * b - far * a) / (b - a);
@@ -259,7 +258,7 @@ mod tests {
     use super::*;
     use zeroset_testkit::simd::levels;
 
-    /// Returns the number of samples that a part of a ray takes, and the place that they lead to.
+    /// Returns the number of samples that a part of a ray takes, and the place that is found.
     fn refine(f: impl Fn(f64) -> f64, ends: [f64; 2], solid: bool) -> (u32, f64) {
         let all = |numbers: [f64; 2]| numbers.map(Lanes::splat);
         let mut brackets = dispatch!(Vectors::new(), simd => {

@@ -1,9 +1,9 @@
 //! Packets of up to sixteen rays march through slabs of their dominant axis. Slabs in which the
-//! function may vanish are halved, down to a fixed depth. `knoll` and `raa` share this. If a slab
-//! is proven empty for a ray, its parts are not tested for that ray. So a ray's result depends on
-//! its neighbors only by the axis, and by the steps that are left.
+//! function may vanish are halved, down to a fixed depth. The methods `knoll` and `raa` share this.
+//! If a slab is proven empty for a ray, its parts are not tested for that ray. So a ray's result
+//! depends on its neighbors only by the axis, and by the steps that are left.
 //!
-//! It proves misses only. A root is drawn where a slab of the last depth may hold one, but it is
+//! It proves misses only. A root is drawn where a slab of the last level may hold one, but it is
 //! not proven: such pixels are undecided. This module does not know how a slab is tested.
 
 use super::refine::{Parts, Refiner};
@@ -25,15 +25,16 @@ pub const MOST_STEPS: u64 = 1 << 15;
 
 /// A test which rays of a packet may meet a zero between two planes.
 pub(super) trait SlabTest<T: Scalar>: Sync {
-    /// Memory that is reused.
+    /// Buffers that are reused.
     type Batch: Default;
 
-    /// Computes what is the same in all slabs of a packet.
+    /// Prepares buffers for a packet: writes everything that all its slabs share.
     #[inline(always)]
     fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Batch) {}
 
-    /// Tests whether rays may meet a zero in a slab and, if it is a last one, whether it is bounded
-    /// there. Bits of other rays are meaningless. Adds the kernel calls to `work`.
+    /// Tests whether rays may meet a zero in a slab and, if the slab is of the last level, whether
+    /// the function is bounded there. Bits of other rays are meaningless. Adds the kernel calls to
+    /// `work`.
     fn eval<V: Simd>(
         &self,
         simd: V,
@@ -51,8 +52,8 @@ pub(super) struct Slab<T> {
     pub planes: [T; 2],
     /// Rays to be tested, as bits.
     pub rays: u16,
-    /// Whether the slab is not halved if a zero is possible. Then it matters whether the function
-    /// is bounded.
+    /// True if the slab is of the last level, which is not halved. Only there it matters whether
+    /// the function is bounded.
     pub is_last: bool,
 }
 
@@ -114,7 +115,7 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
             let Some(refiner) = &self.refiner else { continue };
             let places = refiner.places(&lines, &slabs, work);
             for lane in ones(slabs.rays).filter(|lane| places[*lane].is_finite()) {
-                // What lies before the slab is proven empty, so nothing is painted there.
+                // The part before the slab is proven empty, so nothing is painted there.
                 found[lane].drawn = found[lane].drawn.max(places[lane]);
             }
         }
@@ -150,8 +151,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             return;
         }
         if some.len() == 1 {
-            // A single ray always advances with itself, unless its direction is NaN. Then nothing
-            // is known.
+            // A single ray is refused only if its direction is NaN. Then nothing is known about it.
             found[some.start] =
                 RayResult { status: Status::Undecided, distance: 0.0, ..RayResult::MISS };
             return;
@@ -201,11 +201,10 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             }
             let mut vanishing = told.possible & active;
             if start == Start::OnSurface {
-                // A ray is on the surface that it started from until it has passed through an empty
-                // slab.
+                // A ray is on the surface that it started from until it has passed an empty slab.
                 leaving &= !(active & !vanishing);
             }
-            // Tests evaluate either intervals or forms for each slab.
+            // A slab takes at most one call of each kind.
             let is_last = done.interval.calls.max(done.segments.calls) >= MOST_STEPS;
             if vanishing != 0 {
                 if level < self.last && !is_last {
@@ -243,7 +242,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         outcomes
     }
 
-    /// Records the rays that may meet a zero in a slab of the last depth. `unbounded`: those on
+    /// Records the rays that may meet a zero in a slab of the last level. `unbounded`: those on
     /// which the function has no bounds there. Returns the rays whose root is drawn in the slab.
     #[inline(always)]
     fn record(

@@ -62,8 +62,7 @@ impl<'a, T: Scalar> Slopes<'a, T> {
         out.facts(0)
     }
 
-    /// Returns bounds of the values in up to [`LANES`] boxes. Where the function may be undefined
-    /// they are infinite.
+    /// Returns bounds of the values in up to [`LANES`] boxes, infinite where one may be undefined.
     pub fn values(&self, boxes: &[Cuboid], work: &mut KernelStats) -> [Interval; LANES] {
         let mut values = [Interval::ENTIRE; LANES];
         if boxes.is_empty() {

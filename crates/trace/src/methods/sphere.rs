@@ -60,20 +60,21 @@ struct Walk {
     /// A step shorter than this ends at a root.
     enough: f64,
     steps: u32,
-    /// Whether the ray is still on the surface that it started from.
+    /// True while the ray is on the surface that it started from.
     leaving: bool,
     /// End of the part that is certainly in the region.
     end: f64,
-    /// Whether there may be a zero before and behind that part. The ray's place where it crosses
-    /// the region's faces is known only to within rounding.
+    /// True if there may be a zero before and behind that part. A ray's place at the region's faces
+    /// is known only to within rounding.
     open: [bool; 2],
 }
 
-/// How the search along a ray ended. Places are values of s.
+/// End of the search along a ray. Places are values of s.
 enum End {
     /// The ray meets no zero.
     Empty,
-    /// Nothing is known from the first place on, and why. A root may be drawn at the second place.
+    /// Nothing is known from the first place on, for this reason. A root may be drawn at the second
+    /// place.
     Open(f64, UndecidedReason, Option<f64>),
 }
 
@@ -120,7 +121,7 @@ impl<T: Scalar> Sphere<'_, T> {
         }
     }
 
-    /// Takes one step on each ray, and removes those that ended.
+    /// Takes one step on each ray, and removes the finished ones.
     fn step(&self, walks: &mut Vec<Walk>, found: &mut [RayResult], work: &mut KernelStats) {
         let mut places = [[Interval::ENTIRE; 3]; LANES];
         let mut parts = places;

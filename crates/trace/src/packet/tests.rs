@@ -1,4 +1,4 @@
-//! Boxes and ranges of τ against exact points of exact rays.
+//! Tests of boxes and of ranges of τ against exact points of exact rays.
 
 use super::*;
 use crate::painted::ones;
@@ -19,7 +19,7 @@ impl Random {
         self.0
     }
 
-    /// Uniform in [−1, 1].
+    /// Returns a number uniform in [−1, 1].
     fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
@@ -28,7 +28,7 @@ impl Random {
         DVec3::new(self.unit(), self.unit(), self.unit()) * scale
     }
 
-    /// A power of ten between 10^−3 and 10^`most`.
+    /// Returns a power of ten between 10^−3 and 10^`most`.
     fn scale(&mut self, most: i32) -> f64 {
         10_f64.powi((self.next() % (most + 4) as u64) as i32 - 3)
     }
@@ -38,8 +38,8 @@ pub(crate) fn exact(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
 }
 
-/// A region, some rays that meet its box, perhaps a clipping plane or a ball, of all sizes and from
-/// near and very far.
+/// Returns a region of any size and rays that meet its box, from near and very far. The region may
+/// have a clipping plane or a ball.
 fn scene(random: &mut Random) -> (Region, Vec<Segment>) {
     let size = random.scale(3);
     let away = size * random.scale(2);
@@ -118,7 +118,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
         for _ in 0..6 {
             let depth = random.next() % u64::from(T::MAX_DEPTH - 4);
             let count = 1_u64 << (depth + 1);
-            // The first and the last slabs are where a range that is too short would show.
+            // A range that is too short would show in the first and the last slabs.
             let index = match random.next() % 8 {
                 0 => 0,
                 1 => count - 2,
@@ -151,8 +151,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                 };
                 for lane in ones(asked) {
                     let segment = &segments[lane];
-                    // extent is the rounded end − start: a plane anywhere near stands for the same
-                    // slab's contents as long as it lies between the exact end planes.
+                    // `extent` is end − start, rounded. Any plane between the exact end planes
+                    // does.
                     let plane = exact(start) + &share * exact(extent);
                     let t =
                         (&plane - exact(segment.ray.origin[k])) / exact(segment.ray.direction[k]);
@@ -177,8 +177,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                             lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
                         );
-                        // Along the segment the point is where τ says, with room for what kernels
-                        // round.
+                        // The segment's point at τ is near this point. Some of `error` is left for
+                        // rounding in kernels.
                         let [o, d, error]: [f64; 3] = [&ways.origin, &ways.direction, &ways.error]
                             .map(|part| part[axis][lane].into());
                         let off = exact(o) + &share * exact(d) - point;
@@ -215,7 +215,7 @@ fn rays_that_do_not_advance_together_are_refused() {
     assert!(!packet(DVec3::NAN));
 }
 
-/// Rays through the region's middle, exactly, from where coordinates overflow in `f32`, and their
+/// Rays exactly through the region's middle, from where coordinates overflow in `f32`, and their
 /// squares in `f64`.
 #[test]
 fn rays_from_very_far_keep_the_point_that_they_meet() {
@@ -267,7 +267,7 @@ fn what_is_certainly_in_the_region_is() {
         let (mut region, segments) = scene(&mut random);
         let ray = segments[0].ray;
         if random.next().is_multiple_of(2) {
-            // A plane that the ray runs along, but for a little.
+            // A plane almost parallel to the ray.
             let across = ray.direction.cross(random.vector(1.0)).normalize();
             let normal =
                 across + ray.direction.normalize() * random.unit() * random.scale(0) * 1e-13;

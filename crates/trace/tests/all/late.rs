@@ -1,4 +1,4 @@
-//! Kernels that are made while a picture is traced keep no thread waiting for itself.
+//! Threads must not wait for themselves while kernels are compiled during a picture.
 
 use glam::DVec3;
 use std::sync::mpsc;
@@ -10,7 +10,7 @@ use zeroset_eval::{
 use zeroset_space::Region;
 use zeroset_trace::{Camera, Driver, GBuffer, Method, Precision, Projection, Status, TraceOptions};
 
-/// A function without zeros, whose kernels take their time to be made.
+/// A function without zeros, whose kernels take time to compile.
 struct Late;
 
 impl<T: Real> Kernel<ContractTiles, T> for Late {
@@ -52,15 +52,14 @@ impl SurfaceKernels for Late {
 fn bands_do_not_wait_for_each_other() {
     const SIZE: usize = 512;
     let (done, finished) = mpsc::channel();
-    // More threads than this machine may have: what matters is that one waits while others have
-    // bands left.
+    // More threads than this machine may have. One of them must wait while others have bands left.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("threads");
     pool.spawn(move || {
         let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
         let parallel = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
         let rays = camera.expect("valid").rays(SIZE, SIZE);
-        // So near that no ray is followed in f32.
+        // So near that no ray is followed in `f32`.
         let options =
             TraceOptions { precision: Precision::Auto, tolerance: 1e-6, ..TraceOptions::default() };
         for _ in 0..10 {

@@ -1,4 +1,4 @@
-//! Drivers and methods over kernels of the tests' own.
+//! Tests of drivers and methods with kernels of their own.
 
 mod late;
 mod steps;

@@ -1,5 +1,4 @@
-//! A packet takes a bounded number of steps, whatever the depth, and what it does not reach is
-//! called undecided.
+//! A packet takes a bounded number of steps, whatever the depth. The rest of its rays is undecided.
 
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,8 +12,8 @@ use zeroset_trace::{
     Segment, Start, Status, TraceOptions,
 };
 
-/// A function of z that vanishes nowhere below `top`, as is seen only of slabs no thicker than
-/// `finest`; above, it is 0.
+/// A function of z that is 0 above `top` and has no zero below. Bounds show the latter only for
+/// slabs no thicker than `finest`.
 struct Stubborn {
     top: f32,
     finest: f32,
@@ -26,7 +25,7 @@ impl Stubborn {
         Self { top, finest, calls: AtomicU64::new(0) }
     }
 
-    /// A bit for each lane that may hold a zero, given bounds of z.
+    /// Returns a bit for each lane that may hold a zero, given bounds of z.
     fn possible(&self, count: u32, bounds: impl Fn(usize) -> [f32; 2]) -> u16 {
         self.calls.fetch_add(1, Ordering::Relaxed);
         let is_possible = |lane: usize| {
@@ -63,7 +62,7 @@ impl Kernels<f32> for Stubborn {
     }
 }
 
-/// x² + y² + z² = 1/2, in bounds that round to nearest.
+/// x² + y² + z² = 1/2, with bounds that are rounded to nearest.
 struct Ball;
 
 impl Ball {
@@ -126,10 +125,10 @@ impl SurfaceKernels for Stubborn {
 }
 
 const SIZE: usize = 4;
-/// Of 4×4 rays.
+/// Packets of 4×4 rays.
 const PACKETS: u64 = (SIZE * SIZE / 16) as u64;
 
-/// Looks up along z.
+/// Returns the rays of a camera that looks along z.
 fn frame() -> RayGrid {
     let parallel = Projection::Orthographic { height: 1.0 };
     let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
@@ -166,7 +165,7 @@ fn steps_are_bounded_whatever_the_depth() {
         assert_eq!(work.given_up, (SIZE * SIZE) as u64);
         for pixel in 0..SIZE * SIZE {
             assert_eq!(buffer.status[pixel], Status::Undecided);
-            // So far the way is proven empty, and no farther.
+            // The ray is proven empty up to here, and no farther.
             let distance = buffer.distance(pixel);
             assert!(!buffer.is_drawn(pixel) || buffer.drawn[pixel] == distance);
             assert!((4.0..6.0).contains(&distance) && distance > 4.1, "{distance}");
@@ -196,7 +195,7 @@ fn depths_out_of_range_are_brought_within() {
     let (shallow, deep) = (Stubborn::new(-0.875, 2.1e-5), Stubborn::new(-0.875, 2.1e-5));
     let (buffer, work) = trace(&shallow, 0);
     assert_eq!((buffer, work), trace(&Stubborn::new(-0.875, 2.1e-5), 1));
-    // Beyond 2^24 slabs, not every index is an f32: ends would no longer meet.
+    // With more than 2^24 slabs not every index would be an `f32`, and ends would not meet.
     let (buffer, work) = trace(&deep, 41);
     assert_eq!((buffer, work), trace(&Stubborn::new(-0.875, 2.1e-5), 20));
 }
@@ -227,7 +226,7 @@ fn pixels_followed_from_the_eye_are_as_in_the_whole_picture() {
         let expected = if *start == 0.0 { whole.distance(pixel) } else { f64::INFINITY };
         assert_eq!(buffer.distance(pixel), expected, "{pixel}");
     }
-    // What is no longer wanted stays as it was: nothing is proven of it.
+    // Pixels that are not wanted any more stay as they were: nothing is proven about them.
     let before = buffer.clone();
     let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| false };
     driver.behind(&starts, Start::Anywhere, &mut buffer);
@@ -237,7 +236,7 @@ fn pixels_followed_from_the_eye_are_as_in_the_whole_picture() {
 #[test]
 fn what_is_found_of_a_ray_does_not_hang_on_its_neighbours() {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    // Past the ball, through its edge and through its middle; each along z first.
+    // Past the ball, through its edge and through its middle. All rays advance fastest along z.
     let rays: Vec<Segment> = (0..16)
         .map(|n: i32| {
             let [i, j] = [n % 4, n / 4].map(f64::from);

@@ -3,7 +3,7 @@
 use super::super::Stopwatch;
 use super::super::paint::{Finish, Painter};
 use super::RenderPass;
-use crate::legend::Legend;
+use crate::overlay::Legend;
 use crate::picture::{Normals, Times};
 use glam::DVec3;
 use zeroset_eval::{KernelFloat, Points};

@@ -1,8 +1,8 @@
-//! The rays of a tile of 4×4 pixels, asked together: each along what the tile's form leaves of its
-//! segment.
+//! The rays of a tile of 4×4 pixels, evaluated together. Each starts with the part of the segment
+//! that the tile's form leaves it.
 //!
-//! Most meet something or nothing at once. Those that do not go on in the [pool](super::pool), with
-//! rays of other tiles.
+//! Most rays are decided at once. The others continue in the [pool](super::pool), with rays of
+//! other tiles.
 
 use super::level::Level;
 use super::pixels::Patch;
@@ -15,12 +15,13 @@ use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
 use zeroset_eval::{LANES, Lanes};
 
-/// So few rays of a tile are not asked on their own: they wait in the pool for others.
+/// Maximum number of rays of a tile that are not evaluated on their own, but wait in the pool for
+/// others.
 const FEW: u32 = 8;
 
 impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
-    /// Follows the rays of a tile of 4×4 that are not finished, or puts them into the pool.
-    /// `within`: all of the segment is in the region.
+    /// Follows the unfinished rays of a 4×4 tile, or puts them into the pool. `within`: the whole
+    /// segment is in the region.
     #[inline(always)]
     pub(super) fn follow(
         &mut self,
@@ -73,7 +74,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let ends = self.memory.left(bit);
             self.set_apart(rays.at(bit), ends.map(Into::into));
         }
-        // What is left is read before others are asked.
+        // The far ends are copied, since the pool may be evaluated before they are used.
         let last = self.memory.contractions.far;
         let mut rest = sifted.shorter | sifted.cut;
         while rest != 0 {
@@ -89,9 +90,10 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Puts the rays of a tile of 4×4 into the batch, each with what a form of the tile leaves of a
-    /// segment, and if that is not `within` the region, what may be in it, and where that certainly
-    /// is; returns on which anything is left.
+    /// Writes the rays of a 4×4 tile to the batch, each with the part of the segment that the
+    /// tile's plane leaves. If the segment is not `within` the region, it is clipped to the region,
+    /// and `inside` is set to where each ray is certainly in it. Returns the lanes in which
+    /// anything is left, as bits.
     #[inline(always)]
     fn place(
         &mut self,

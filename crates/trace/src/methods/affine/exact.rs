@@ -1,5 +1,5 @@
-//! What is left of segments, against exact points of exact rays: of random pictures and tiles, from
-//! near and far, of all sizes.
+//! Tests of the remaining parts of segments against exact points of exact rays. Pictures and tiles
+//! are random, from near and far, and of all sizes.
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace exact -- --nocapture`.
 
@@ -19,13 +19,13 @@ use zeroset_space::Region;
 use zeroset_testkit::simd::levels;
 use zeroset_testkit::{Adversarial, Effort, Ends, Rng};
 
-/// Pixels in a row, and rows.
+/// Number of pixels in a row, and of rows.
 const SIDE: u32 = 48;
 
-/// Checks a random case with vectors of some width: what it counts, or what is wrong.
+/// Checks a random case with vectors of one width. Returns what it counts, or what is wrong.
 type Property<const N: usize> = fn(&mut Rng, Level) -> Result<[u32; N], String>;
 
-/// Tries a property on as many cases as are wanted, of both floats in turn; adds up what it counts.
+/// Checks random cases of a property, each in `f32` or `f64`, and adds up what they count.
 fn attack<const N: usize>(
     seed: u64,
     cases: u64,
@@ -50,7 +50,7 @@ fn attack<const N: usize>(
     (all, cases)
 }
 
-/// Uniform in [−1, 1].
+/// Returns a number uniform in [−1, 1].
 fn signed(rng: &mut Rng) -> f64 {
     f64::uniform(rng) * 2.0 - 1.0
 }
@@ -59,13 +59,13 @@ fn vector(rng: &mut Rng) -> DVec3 {
     DVec3::new(signed(rng), signed(rng), signed(rng))
 }
 
-/// A power of two: mostly of a moderate number, now and then of up to so large a one.
+/// Returns a power of two: usually of moderate size, sometimes with an exponent of up to `extreme`.
 fn size(rng: &mut Rng, extreme: i32) -> f64 {
     let most = if rng.u32(0..8) == 0 { extreme } else { 8 };
     2_f64.powi(rng.i32(-most..=most))
 }
 
-/// A number, or one that is off by a few roundings or some more.
+/// Returns the number itself, or a number at a distance between a few roundings and `size` / 8.
 fn beside(number: f64, size: f64, rng: &mut Rng) -> f64 {
     match rng.u32(0..4) {
         0 => number,
@@ -73,7 +73,7 @@ fn beside(number: f64, size: f64, rng: &mut Rng) -> f64 {
     }
 }
 
-/// A picture, its region and its frame; `None` if there is no such camera.
+/// Returns a region, the rays of a picture and their frame; `None` if the random camera is invalid.
 fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     let size = size(rng, 55);
     let away = [0.0, 1.0, 1e4][rng.u32(0..3) as usize];
@@ -86,13 +86,13 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     let distance = size * 10_f64.powi(rng.i32(-2..=7));
     let mut way = vector(rng);
     if rng.u32(0..3) == 0 {
-        // Along an axis: rays may be level with faces.
+        // Along an axis, so that rays may be level with faces.
         let axis = rng.u32(0..3) as usize;
         way = DVec3::AXES[axis] * way[axis];
     }
     let mut eye = centre + distance * way;
     if rng.u32(0..6) == 0 {
-        // Within the region, or in a face of it.
+        // In the region, or in one of its faces.
         eye = centre + half * vector(rng);
         let axis = rng.u32(0..3) as usize;
         if rng.bool() {
@@ -113,7 +113,7 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     Some((region, rays, frame))
 }
 
-/// Sixteen tiles of so many pixels on a side: their first pixels, centres and halves.
+/// Sixteen tiles with this many pixels on a side: their first pixels, centers and half extents.
 struct Sixteen {
     side: usize,
     first: [[usize; 2]; LANES],
@@ -134,14 +134,14 @@ impl Sixteen {
         Self { side, first, centre, half }
     }
 
-    /// The rays of a tile's corners.
+    /// Returns the rays of a tile's corners.
     fn corners(&self, rays: &RayGrid, lane: usize) -> [Ray; 4] {
         let ([column, row], last) = (self.first[lane], self.side - 1);
         [[0, 0], [last, 0], [0, last], [last, last]].map(|[i, j]| rays.ray(column + i, row + j))
     }
 }
 
-/// s between which a ray is in the region's box; `None` if it is nowhere.
+/// Returns the values of s between which a ray is in the region's box; `None` if it misses the box.
 fn in_box(region: &Region, ray: &Ray, start: f64) -> Option<[BigRational; 2]> {
     let mut ends: Option<[BigRational; 2]> = None;
     for axis in 0..3 {
@@ -172,13 +172,13 @@ fn at(ray: &Ray, s: f64, start: f64) -> [BigRational; 3] {
     [0, 1, 2].map(|axis| exact(ray.origin[axis]) + &t * exact(ray.direction[axis]))
 }
 
-/// Whether what is left of a segment holds all that is in both it and `wanted`, and how much is.
+/// Returns whether `left` contains what `asked` and `wanted` have in common; `None` if nothing.
 fn keeps(asked: [f64; 2], left: [f64; 2], [first, last]: &[BigRational; 2]) -> Option<bool> {
     let (first, last) = (first.max(&exact(asked[0])).clone(), last.min(&exact(asked[1])).clone());
     (first <= last).then(|| exact(left[0]) <= first && last <= exact(left[1]))
 }
 
-/// About where a tile's first ray meets the faces of the region, or else the frame's span.
+/// Returns about where a ray meets the faces of the region, within the frame's span.
 fn about(region: &Region, ray: &Ray, frame: &RayFrame) -> [f64; 2] {
     let [mut near, mut far] = frame.span;
     for axis in 0..3 {
@@ -189,7 +189,7 @@ fn about(region: &Region, ray: &Ray, frame: &RayFrame) -> [f64; 2] {
     [near, far]
 }
 
-/// Segments as they are asked about: throughout, or about where the tile is in the region.
+/// Returns segments to clip: the frame's span, or about where the tile is in the region.
 fn segments(
     tiles: &Sixteen,
     (region, rays, frame): &(Region, RayGrid, RayFrame),
@@ -208,7 +208,8 @@ fn segments(
     asked
 }
 
-/// Counts rays of which something is left, segments that were shortened, and tiles that are inside.
+/// Counts rays with something left, segments that were shortened, tiles that are inside the region,
+/// and rays that are certainly between its faces.
 fn clipped<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 4], String> {
     let mut counts = [0; 4];
     let Some(picture) = picture(rng) else { return Ok(counts) };
@@ -286,21 +287,20 @@ fn no_exact_point_of_the_region_is_clipped_away_and_none_outside_is_called_insid
     assert!(inside > cases && certain > cases, "{inside} {certain}");
 }
 
-/// A form's value and slopes, and how far the function may be off; over a segment of this half
-/// length.
+/// Returns a form's value and slopes, and its error, for a segment of this half length.
 fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 4], f64) {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
     let extreme = if T::UNIT > 1e-10 { 140 } else { 1000 };
     let mut scale = size(rng, extreme);
     if rng.u32(0..8) == 0 {
-        // So small that what t changes by per unit of the function overflows.
+        // So small that the change of t per unit of the function overflows.
         scale = half_way * 2_f64.powi(-extreme + rng.i32(-8..=16));
     }
     let depth = number(scale * signed(rng));
     let share = if rng.bool() { signed(rng) * 1.25 } else { f64::from(rng.i32(-1..=1)) };
     let small = |rng: &mut Rng, most: i32| match rng.u32(0..3) {
         0 => 0.0,
-        // Across the tile a function may be steeper than along it.
+        // Across the tile the function may be steeper than along it.
         _ => number(depth * signed(rng) * 2_f64.powi(rng.i32(-most..=2))),
     };
     let mut form = [number(depth * share), small(rng, 6), small(rng, 6), depth];
@@ -311,7 +311,7 @@ fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 
             4 => error = any.abs(),
             k => form[k as usize] = any,
         }
-        // A form has no number that is infinite but for what overflowed, which its error says.
+        // A form has infinite numbers only after an overflow; then its error says so.
         if form.iter().any(|number| !number.is_finite()) {
             error = if rng.bool() { f64::INFINITY } else { f64::NAN };
         }
@@ -319,7 +319,7 @@ fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 
     (form, error)
 }
 
-/// The exact zeros of a form along a ray at these symbols; `None` if there are none.
+/// Returns the exact zeros of a form along a ray at these symbols, if any.
 fn zeros_of(
     form: [f64; 4],
     error: f64,
@@ -338,11 +338,11 @@ fn zeros_of(
     Some(if a < b { [a, b] } else { [b, a] })
 }
 
-/// A form of a tile, and what its plane leaves of segments of sixteen parts of it: counts zeros
-/// that are left, segments that were shortened, and hits.
+/// Narrows segments of sixteen parts of a tile by its form's plane. Counts zeros that are left,
+/// segments that were shortened, and hits.
 fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32; 3], String> {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
-    // A tile, as it is put into a batch.
+    // A tile as it is written to a batch.
     let reach = size(rng, 60);
     let mut tile = Tiles::<T> { count: 1, ..Tiles::default() };
     let mut out = Planes::<T>::default();
@@ -352,7 +352,7 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
         tile.centre[axis][0] = T::nearest(centre[axis]);
         tile.half[axis][0] = T::nearest(half[axis] + T::PATH_ERROR * reach);
     }
-    // A segment, and a form with zeros on it.
+    // A segment, and a form that may have zeros on it.
     let length = size(rng, 60);
     let near = number(length * signed(rng));
     let far: f64 = T::above(near + length * 2_f64.powi(-rng.i32(0..=20))).into();
@@ -375,7 +375,7 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
             let part = if are_rays { 0.0 } else { 2_f64.powi(-rng.i32(0..=4)) };
             let aside = if rng.bool() { signed(rng) } else { f64::from(rng.i32(-1..=1)) };
             let at = centre[axis] + half[axis] * (1.0 - part) * aside;
-            // Rays are where they are, and told of as floats.
+            // Exact places of rays need not be floats of `T`.
             centres[axis][lane] = if are_rays { at } else { number(at) };
             halves[axis][lane] = number(half[axis] * part);
             places[axis][lane] = T::nearest(at);
@@ -425,7 +425,7 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
                 Some(false) => return wrong("a zero is left out", &symbols),
                 None => {}
             }
-            // Where the form proves a zero on each ray, a hit is written there.
+            // If the form proves a zero on each ray, a hit is written at the plane.
             let [value, across, upward, depth] = form.map(f64::abs);
             if are_rays && (value + across + upward + error) * (1.0 + 1e-9) < depth {
                 counts[2] += 1;
@@ -450,9 +450,9 @@ fn no_exact_zero_of_a_form_is_outside_of_what_its_plane_leaves() {
     assert!(kept > 8 * cases && shorter > 4 * cases && hit > cases, "{kept} {shorter} {hit}");
 }
 
-/// Rays as a batch has them: counts coordinates whose error is small beside the region.
+/// Writes rays to a batch. Counts coordinates whose error is small compared with the region.
 fn placed<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
-    /// What a kernel rounds on its way along a ray, in units of a coordinate's terms.
+    /// Rounding of kernels along a ray, in units of a coordinate's terms.
     const ALONG: f64 = 3.0;
     let Some((region, rays, frame)) = picture(rng) else { return Ok([0]) };
     let pixels = [(); LANES].map(|()| [(); 2].map(|()| rng.u32(0..SIDE) as usize));
@@ -494,7 +494,7 @@ fn exact_rays_are_no_farther_from_those_of_a_batch_than_its_error() {
     assert!(close > 20 * cases, "{close}");
 }
 
-/// Segments as floats, rounded outward.
+/// Rounds remaining parts of segments to floats. Counts segments both of whose ends moved.
 fn rounded<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
     // Segments are far longer than what underflows.

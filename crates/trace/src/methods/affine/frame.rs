@@ -1,8 +1,8 @@
 //! The rays of a picture as points o + a·o₁ + b·o₂ + s·(d + a·d₁ + b·d₂) near the region, in the
-//! floats of the kernels.
+//! precision of the kernels.
 //!
-//! Screen coordinates (a, b) are those of the [`RayGrid`]; s is the ray's t less that of a plane
-//! through the region's centre, so that `f32` is spent on the region and not on the way to it.
+//! Screen coordinates (a, b) are those of the [`RayGrid`]. s is the ray's t minus the t of a plane
+//! through the region's center. So `f32` resolves the region, and not the distance to it.
 
 use super::screens::{Ends, Rays};
 use crate::grid::RayGrid;
@@ -13,23 +13,23 @@ use glam::DVec3;
 use zeroset_eval::{LANES, Lanes, Segments, Tiles};
 use zeroset_space::Region;
 
-/// Forms lose a few times what their coordinates are rounded by.
+/// Error of forms in multiples of the rounding error of their coordinates.
 pub(super) const BLURS: f64 = 4.0;
 
-/// What the rays of a picture have in common.
+/// The quantities that all rays of a picture share.
 pub(super) struct RayFrame {
     /// t where s is 0.
     pub start: f64,
-    /// s between which the region lies, as far as rays reach it.
+    /// Values of s between which rays may be in the region.
     pub span: [f64; 2],
-    /// o, o₁ and o₂.
+    /// The vectors o, o₁ and o₂.
     pub origin: [DVec3; 3],
-    /// d, d₁ and d₂.
+    /// The vectors d, d₁ and d₂.
     pub direction: [DVec3; 3],
-    /// The largest screen coordinates of a picture's rays.
+    /// Largest screen coordinates of the picture's rays.
     pub reach: [f64; 2],
-    /// Bounds on the error of coordinates that are computed in `f64`, from this frame or for the
-    /// rays themselves.
+    /// Per axis, a bound on the error of coordinates that are computed in `f64`, from this frame or
+    /// from the rays themselves.
     pub error: DVec3,
 }
 
@@ -40,7 +40,7 @@ impl RayFrame {
         let start = middle.max(0.0);
         let half = (region.high() - region.low()) / 2.0;
         let reach_of_box = half.dot(forward.abs());
-        // Moved out by more than what these few operations round.
+        // Moved outward by more than the rounding of these operations.
         let slack = 1e-12 * (middle.abs() + reach_of_box + eye.length());
         let near = (middle - reach_of_box - slack).max(0.0);
         let far = (middle + reach_of_box + slack).max(0.0);
@@ -52,8 +52,7 @@ impl RayFrame {
             ([at, start * right, start * up], [forward, right, up])
         };
         let reach = rays.reach;
-        // The way from the eye in f64: a dozen roundings of what is added up, here and in the ray
-        // itself.
+        // Error in `f64` on the way from the eye: a dozen roundings, here and in the ray itself.
         let farthest = far.max(start);
         let error = 16.0
             * f64::EPSILON
@@ -63,21 +62,21 @@ impl RayFrame {
         Self { start, span: [near - start, far - start], origin, direction, reach, error }
     }
 
-    /// The farthest end of a segment from s = 0.
+    /// Returns the largest |s| of a segment's end.
     pub fn size(&self) -> f64 {
         self.span[0].abs().max(self.span[1].abs())
     }
 
-    /// What `T` tells apart along a ray: the length of the shortest segments, or some times what
-    /// coordinates are rounded by.
+    /// Returns the shortest length along a ray that `T` resolves: that of the shortest segments, or
+    /// a few times the rounding error of coordinates.
     pub fn resolution<T: Scalar>(&self) -> f64 {
         (T::GRAIN * self.size()).max(BLURS * self.error_in::<T>(self.size()).max_element())
     }
 
-    /// Bounds on the error of coordinates that kernels compute from this frame in `T`, for s within
-    /// `most` of 0.
+    /// Returns bounds on the error of coordinates that kernels compute from this frame in `T`, for
+    /// |s| up to `most`.
     ///
-    /// Room is left for underflow, and for rounding parts and screen coordinates to `T` first.
+    /// They cover underflow, and the rounding of vectors and screen coordinates to `T`.
     pub fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
         let least: f64 = T::LEAST_NORMAL.into();
         let scale = (1.0 + most) * (1.0 + self.reach[0] + self.reach[1]);
@@ -86,7 +85,7 @@ impl RayFrame {
         self.error + rounding + DVec3::splat(4.0 * least * scale)
     }
 
-    /// A batch in which the frame is set.
+    /// Returns a batch of tiles with the vectors of this frame.
     pub fn tiles<T: Scalar>(&self) -> Tiles<T> {
         let mut tiles = Tiles { error: self.segments_error(), ..Tiles::default() };
         for axis in 0..3 {
@@ -99,15 +98,15 @@ impl RayFrame {
         tiles
     }
 
-    /// The error of coordinates of this picture's rays, in all lanes of a batch.
+    /// Returns the error of coordinates of this picture's rays, in all lanes of a batch.
     pub fn segments_error<T: Scalar>(&self) -> [Lanes<T>; 3] {
         let error = self.error_in::<T>(self.size());
         [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)))
     }
 
-    /// Writes the origins (s = 0) and directions of rays at screen coordinates that were rounded to
-    /// `T`, with as many roundings as a kernel takes for those of tiles: errors have
-    /// [room](Self::error_in) for that.
+    /// Writes the origins (s = 0) and directions of rays, given their screen coordinates rounded to
+    /// `T`. This takes as many roundings as a kernel does for tiles, which [`Self::error_in`]
+    /// covers.
     #[inline(always)]
     pub fn place<S: Simd, T: Scalar>(&self, simd: S, at: &[Lanes<T>; 2], rays: &mut Segments<T>) {
         let ways = [&mut rays.origin, &mut rays.direction];
@@ -123,8 +122,8 @@ impl RayFrame {
         }
     }
 
-    /// Writes one screen coordinate of tiles: that of their centres, and how far their rays are
-    /// from it, with room for rounding both.
+    /// Writes one screen coordinate of tiles: that of their centers, and their half extents,
+    /// enlarged by the rounding of both.
     #[inline(always)]
     pub fn place_tiles<S: Simd, T: Scalar>(
         &self,
@@ -137,26 +136,26 @@ impl RayFrame {
         T::narrow([half[0] + reach, half[1] + reach], &mut tiles.half[axis]);
     }
 
-    /// Origin (s = 0) and direction of the ray at screen coordinates.
+    /// Returns the origin (s = 0) and direction of the ray at these screen coordinates.
     pub fn ray(&self, [a, b]: [f64; 2]) -> [DVec3; 2] {
         [&self.origin, &self.direction].map(|parts| parts[0] + a * parts[1] + b * parts[2])
     }
 
-    /// The parts of origins and of directions, by axis.
+    /// Returns the vectors of origins, then those of directions, as three parts per axis.
     #[inline(always)]
     pub fn by_axis(&self) -> [[[f64; 3]; 3]; 2] {
         [self.origin, self.direction]
             .map(|[start, a, b]| [[start.x, a.x, b.x], [start.y, a.y, b.y], [start.z, a.z, b.z]])
     }
 
-    /// The region's lower and upper faces, by axis, and the error of coordinates.
+    /// Returns the region's lower faces, its upper faces and the error of coordinates, by axis.
     #[inline(always)]
     fn faces(&self, region: &Region) -> [[f64; 3]; 3] {
         [region.low(), region.high(), self.error].map(|ends| ends.to_array())
     }
 
-    /// Shortens segments to what of them may be in the region on some ray of their tile; the ends
-    /// of one that is not reached come out in the wrong order.
+    /// Shortens segments to the part that may be in the region on some ray of their tile. If
+    /// nothing is left, the ends are in the wrong order.
     #[inline(always)]
     pub fn clip<S: Simd, T: Scalar>(
         &self,
@@ -172,17 +171,18 @@ impl RayFrame {
             for axis in 0..3 {
                 let [o, d] = [rays.range(origin[axis], k), rays.range(direction[axis], k)];
                 let (low, high) = (low[axis] - error[axis], high[axis] + error[axis]);
-                // Where all rays go the same way, they come in after the first that can and leave
-                // before the last that can.
+                // Rays that go the same way enter after the earliest possible entry, and leave
+                // before the latest possible exit.
                 let (up, down) = (d[0].simd_gt(0.0), d[1].simd_lt(0.0));
                 let enter = up.select(low - o[1], o[0] - high);
                 let leave = up.select(high - o[0], o[1] - low);
                 let (least, most) = (up.select(d[0], -d[1]), up.select(d[1], -d[0]));
-                // A negative way is longest over the least speed, a positive one over the greatest.
+                // For the earliest entry, a negative distance is divided by the least speed, a
+                // positive one by the greatest. For the latest exit it is the other way round.
                 let first = enter / enter.simd_lt(0.0).select(least, most);
                 let last = leave / leave.simd_lt(0.0).select(most, least);
                 let one_way = up | down;
-                // What is not a number bounds nothing.
+                // NaN bounds nothing.
                 let first = near.max_precise(first - 1e-12 * first.abs());
                 let last = far.min_precise(last + 1e-12 * last.abs());
                 *near = one_way.select(first, *near);
@@ -193,10 +193,11 @@ impl RayFrame {
         f64::narrow(fars, &mut ends[1]);
     }
 
-    /// Shortens segments of single rays to what of them may be in the region, as
-    /// [`clip`](Self::clip) does, and returns between which values of s the rays are certainly
-    /// between its faces, its clipping plane apart, rounded inward; as [`local_ray::between_faces`] has
-    /// it, and not behind the eye. No segment reaches farther than `size` from 0.
+    /// Shortens segments of single rays as [`clip`](Self::clip) does. Returns the values of s
+    /// between which each ray is certainly between the region's faces, rounded inward, and not
+    /// behind the eye. The clipping plane is ignored, as in
+    /// [`between_faces`](crate::methods::local_ray::between_faces). No segment reaches farther than
+    /// `size` from 0.
     #[inline(always)]
     pub fn clip_rays<S: Simd, T: Scalar>(
         &self,
@@ -206,10 +207,10 @@ impl RayFrame {
         size: f64,
         ends: &mut Ends,
     ) -> [Lanes<T>; 2] {
-        /// Of a slower ray not even the reciprocal need be finite: it is not clipped, and nowhere
-        /// certainly between the faces, unless it stands still.
+        /// Minimum speed along an axis: reciprocals of lower ones may overflow. A slower ray is not
+        /// clipped, and nowhere certainly between the faces, unless it stands still between them.
         const LEVEL: f64 = 1e-200;
-        /// More than what these few operations round.
+        /// More than the rounding of these few operations.
         const ROUNDING: f64 = 1e-12;
         let rays = Wide::new(simd, (screens, None));
         let ([origin, direction], [lows, highs, error]) = (self.by_axis(), self.faces(region));
@@ -225,7 +226,7 @@ impl RayFrame {
                 let inverse = 1.0 / d;
                 let (a, b) = ((low - o) * inverse, (high - o) * inverse);
                 let (enter, leave) = (a.min(b), a.max(b));
-                // How far off the exact ray is there, and what is rounded.
+                // The exact ray meets the face within `off` of there. The rest is rounding.
                 let off = slack * inverse.abs();
                 let before = off + ROUNDING * (enter.abs() + off);
                 let after = off + ROUNDING * (leave.abs() + off);
@@ -239,7 +240,7 @@ impl RayFrame {
                 *last = is_level.select(level, last.min(leave - after));
             }
             *first += T::PATH_ERROR * (first.abs() + size);
-            // No sign counts behind the eye.
+            // Signs behind the eye do not count.
             *first = first.max(T::above(-self.start).into());
             *last -= T::PATH_ERROR * (last.abs() + size);
         }
@@ -251,8 +252,8 @@ impl RayFrame {
         inside
     }
 
-    /// The lanes in which all of a tile's rays are in the region from the one end to the other, its
-    /// clipping plane apart, and not behind the eye, as bits.
+    /// Returns the lanes in which all rays of a tile are in the region from one end to the other,
+    /// and not behind the eye, as bits. The clipping plane is ignored.
     #[inline(always)]
     pub fn inside<S: Simd, T: Scalar>(
         &self,
@@ -298,12 +299,13 @@ impl RayFrame {
     }
 }
 
-/// A bound of the coordinates of a sum of three parts, by how far screen coordinates reach.
+/// Returns a bound on the coordinates of a sum of three parts, for screen coordinates within
+/// `reach`.
 fn largest(parts: &[DVec3; 3], reach: [f64; 2]) -> DVec3 {
     parts[0].abs() + reach[0] * parts[1].abs() + reach[1] * parts[2].abs()
 }
 
-/// Where tiles are, in vectors.
+/// Screen coordinates of tiles, as vectors of `f64`.
 struct Wide<S: Simd> {
     centre: [[f64x8<S>; 2]; 2],
     half: [[f64x8<S>; 2]; 2],
@@ -322,7 +324,7 @@ impl<S: Simd> Wide<S> {
         }
     }
 
-    /// Bounds of one coordinate of a sum of three, for half of the tiles.
+    /// Returns bounds of one coordinate of a sum of three parts, for half of the tiles.
     #[inline(always)]
     fn range(&self, parts: [f64; 3], k: usize) -> [f64x8<S>; 2] {
         let (middle, [_, a, b]) = (self.middle(parts, k), parts);
@@ -330,7 +332,7 @@ impl<S: Simd> Wide<S> {
         [middle - reach, middle + reach]
     }
 
-    /// The coordinate in the middle of each.
+    /// Returns the coordinate at the center of each tile.
     #[inline(always)]
     fn middle(&self, [start, a, b]: [f64; 3], k: usize) -> f64x8<S> {
         self.centre[1][k].mul_add(b, self.centre[0][k].mul_add(a, start))
@@ -352,7 +354,7 @@ mod tests {
         let perspective = Projection::Perspective { fov: 70.0 };
         let parallel = Projection::Orthographic { height: 6.0 };
         let (mut crossed, mut beside) = (0, 0);
-        // From outside, from within, and along an axis, where rays are level with four faces.
+        // From outside, from inside, and along an axis, so that rays are level with four faces.
         for (eye, projection) in [
             (DVec3::new(3.0, -4.0, 2.0), perspective),
             (DVec3::new(0.1, 0.2, 0.3), perspective),
@@ -394,7 +396,7 @@ mod tests {
                             continue;
                         }
                         crossed += 1;
-                        // Rounded inward, and by little.
+                        // Rounded inward by a small amount.
                         assert!(first <= near[lane] && near[lane] < first + 1e-10, "{first}");
                         assert!(far[lane] <= last && last - 1e-10 < far[lane], "{last}");
                     }

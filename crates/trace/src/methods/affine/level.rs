@@ -1,4 +1,4 @@
-//! Up to sixteen tiles at once: where they are, and what is still to be looked at of them.
+//! Up to sixteen tiles at once: their places, and the segments that remain to be examined.
 
 use super::plane::{Plane, PlaneLanes};
 use super::screens::{Stack, UNMOVED, ends, outward, packed, saves_a_vector, spread};
@@ -9,36 +9,36 @@ use fearless_simd::{f64x8, prelude::*, u8x16};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
-/// Up to sixteen tiles of one size, and what is still to be looked at of them.
+/// Up to sixteen tiles of one size, and the segments that remain to be examined.
 #[derive(Default)]
 pub(super) struct Level<T: Scalar> {
-    /// Whether all of the tiles' segments are in the region.
+    /// True if all segments of the tiles are in the region.
     pub within: bool,
-    /// The lanes in which there is a segment to be asked, as bits.
+    /// Lanes that hold a segment to be evaluated, as bits.
     pub live: u16,
-    /// The column and row of the first tile.
+    /// Column and row of the first tile.
     first: [usize; 2],
-    /// By tile, how many columns and rows it is from the first.
+    /// Per tile, its column and row relative to the first tile.
     places: [[u8; 2]; LANES],
-    /// Which tile a lane is about, row by row.
+    /// Per lane, the index of its tile, row by row.
     tiles: [u8; LANES],
-    /// By lane, how often its tile was asked about.
+    /// Per lane, how often its tile was evaluated.
     asked: [u8; LANES],
-    /// By tile, what comes after the segment in its lane; and by lane, bits, clear where there is
-    /// none of it.
+    /// Per tile, the segments put aside, the nearest last.
     later: [Stack<T>; LANES],
+    /// Lanes whose tiles have segments put aside, as bits.
     waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
-    /// Of the tiles whose parts are looked at, or that are flat.
+    /// Planes of the tiles that are split or flat.
     pub planes: PlaneLanes<T>,
 }
 
-/// How often a tile is asked about before its parts are looked at, along all that is left of it:
-/// one that is far deeper than wide would be cut into a million.
+/// Number of evaluations after which a tile is split along all of its remaining segment. Otherwise
+/// a tile that is far deeper than wide would be cut into a million segments.
 const PATIENCE: u8 = 64;
 
-/// The columns and rows of tiles that are a square of sixteen.
+/// Columns and rows of the tiles in a square of sixteen.
 const SQUARE: [[u8; 2]; LANES] = {
     let mut places = [[0; 2]; LANES];
     let mut tile = 0;
@@ -50,16 +50,16 @@ const SQUARE: [[u8; 2]; LANES] = {
 };
 
 impl<T: Scalar> Level<T> {
-    /// Column and row of the tile in a lane, in units of tiles.
+    /// Returns the column and row of the tile in a lane, in units of tiles.
     #[inline(always)]
     pub fn place(&self, lane: usize) -> [usize; 2] {
         let [column, row] = self.places[usize::from(self.tiles[lane])].map(usize::from);
         [self.first[0] + column, self.first[1] + row]
     }
 
-    /// Takes those tiles of a level that are open, by their columns and rows in units of tiles: no
-    /// more than there are lanes; each with what the form of the tile that they are parts of leaves
-    /// of a segment. If they are `within` the region, they need not be clipped to it.
+    /// Starts with the open tiles in these columns and rows, in units of tiles: at most [`LANES`]
+    /// of them. Each gets the part of `segment` that the `plane` of its parent tile leaves. Tiles
+    /// that are `within` the region are not clipped to it.
     #[inline(always)]
     pub fn start(
         &mut self,
@@ -91,7 +91,7 @@ impl<T: Scalar> Level<T> {
         self.live &= !tracer.hidden(self, self.live, level);
     }
 
-    /// Finds out where some tiles are; returns the lanes of those that are open, as bits.
+    /// Sets the places of some tiles. Returns the lanes of the open ones, as bits.
     #[inline(always)]
     fn take(
         &mut self,
@@ -129,7 +129,7 @@ impl<T: Scalar> Level<T> {
         open
     }
 
-    /// The same for a [square](Tracer::square) of tiles, given its first column and row.
+    /// Like [`Self::take`] for a [square](Tracer::square) of tiles, given its first column and row.
     #[inline(always)]
     fn take_square(
         &mut self,
@@ -140,7 +140,7 @@ impl<T: Scalar> Level<T> {
         self.places = SQUARE;
         self.tiles = UNMOVED;
         let side = SIDES[LAST];
-        // By the sum of a tile's first and last pixel.
+        // A tile's center is given by the sum of its first and last pixel.
         let across = tracer.rays.screens(0, 2 * side * column + side - 1, 2 * side);
         let top = tracer.band.top + side * row;
         let upward = tracer.rays.screens(1, 2 * top + side - 1, 2 * side);
@@ -151,8 +151,8 @@ impl<T: Scalar> Level<T> {
         tracer.open_in_square([column, row])
     }
 
-    /// Shortens the segments of the tiles in the batch to what is left of them; returns the lanes
-    /// in which anything is.
+    /// Shortens the segments in the batch to the part that may hold a zero in the region. Returns
+    /// the lanes in which anything is left, as bits.
     #[inline(always)]
     fn shorten<S: Simd>(
         &mut self,
@@ -175,7 +175,7 @@ impl<T: Scalar> Level<T> {
         left
     }
 
-    /// Puts a part of the segment in a lane aside: it is asked after what is nearer.
+    /// Puts a part of the segment in a lane aside, to be evaluated after what is nearer.
     #[inline(always)]
     pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
         let tile = usize::from(self.tiles[lane]);
@@ -183,8 +183,8 @@ impl<T: Scalar> Level<T> {
         self.waiting |= 1 << lane;
     }
 
-    /// Counts that all tiles were asked about; returns the lanes of those that were so often
-    /// enough.
+    /// Counts one evaluation of each tile. Returns the lanes of tiles that were evaluated
+    /// [`PATIENCE`] times, as bits.
     #[inline(always)]
     pub fn tire(&mut self, simd: impl Simd) -> u16 {
         let asked = u8x16::simd_from(simd, self.asked) + 1;
@@ -192,7 +192,7 @@ impl<T: Scalar> Level<T> {
         asked.simd_ge(PATIENCE).to_bitmask() as u16
     }
 
-    /// Makes all that was put aside of the tile in a lane one segment.
+    /// Joins all segments that were put aside for the tile in a lane into one.
     #[inline(always)]
     pub fn join(&mut self, lane: usize) {
         let later = &mut self.later[usize::from(self.tiles[lane])];
@@ -204,8 +204,8 @@ impl<T: Scalar> Level<T> {
         }
     }
 
-    /// Keeps the segments in these lanes; returns those of others in whose tiles something was put
-    /// aside.
+    /// Keeps the segments in these lanes and drops the others. Returns the dropped lanes whose
+    /// tiles have segments put aside, as bits.
     #[inline(always)]
     pub fn keep(&mut self, kept: u16) -> u16 {
         let done = self.live & !kept;
@@ -213,8 +213,8 @@ impl<T: Scalar> Level<T> {
         done & self.waiting
     }
 
-    /// Goes on with what was put aside of the tile in a lane, if it `is_open`, or else lets go of
-    /// it.
+    /// Continues with the next segment that was put aside for the tile in a lane. If the tile is
+    /// not open, drops all of them.
     #[inline(always)]
     pub fn go_on(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);
@@ -230,7 +230,7 @@ impl<T: Scalar> Level<T> {
         }
     }
 
-    /// Moves the live lanes to the first ones, where that saves a vector.
+    /// Moves the live lanes to the front, if that saves a vector.
     #[inline(always)]
     pub fn pack<S: Simd>(&mut self, simd: S) {
         if saves_a_vector::<T, S>(self.live) {
@@ -249,7 +249,7 @@ impl<T: Scalar> Level<T> {
 
     #[inline(always)]
     fn pack_batch<S: Simd>(&mut self, simd: S) {
-        // A copy of its own, which need not be read again for each quantity.
+        // A local copy need not be read again for each quantity.
         let kept = self.live;
         let Tiles { centre: [across, up], half: [wide, high], near, far, .. } = &mut self.batch;
         for lanes in [across, up, wide, high, near, far] {

@@ -1,4 +1,4 @@
-//! Segments of up to sixteen rays, narrowed and cut until each ray has met something or nothing.
+//! Segments of up to sixteen rays, narrowed and cut until each ray meets a zero or nothing is left.
 
 use super::screens::Stack;
 use crate::kernel_stats::KernelStats;
@@ -14,47 +14,46 @@ use zeroset_eval::{
 use zeroset_interval::Facts;
 use zeroset_space::Region;
 
-/// Why a segment was followed no farther.
+/// Why a segment was followed no further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
-    /// It is as short as arithmetic allows.
+    /// It is as short as precision allows.
     Arithmetic,
-    /// What may be spent on a ray was spent.
+    /// The effort allowed for a ray is spent.
     Effort,
-    /// It is short enough for a picture that another one follows.
+    /// It is short enough for a preview.
     Preview,
 }
 
-/// How far a ray was followed.
+/// Result of following a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Step {
-    /// To the end: there is no zero.
+    /// The ray meets no zero.
     Empty,
-    /// To a bracket that holds the first zero.
+    /// A bracket that holds the first zero.
     Hit([f64; 2]),
-    /// To a segment of which nothing is proven, nor of what lies behind it.
+    /// A segment about which nothing is proven. The rest of the ray was not examined.
     Open([f64; 2], Stop),
-    /// Up to here there is no zero.
+    /// Up to this value of s there is no zero.
     Resumed(f64),
 }
 
 /// Narrows segments in `T`.
 pub(super) struct Narrower<'a, T: Scalar> {
     pub segments: &'a dyn Kernel<ContractSegments, T>,
-    /// Of the function and of its cleared form's denominator, where the segments' forms are those
-    /// of the numerator.
+    /// Kernels that bound the function and the denominator of its rational form, if the forms of
+    /// segments are those of the numerator.
     cleared: Option<[&'a dyn Kernel<Enclose, T>; 2]>,
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
     contracts: bool,
     /// [`crate::TraceOptions::least`].
     least: f64,
-    /// Whether what stays open is looked at in `f64`.
+    /// True if open segments are examined again in `f64`.
     hands_on: bool,
 }
 
-/// What is still to be looked at of a ray, the nearest part last. Memory that is used again and
-/// again.
+/// Reused buffers, and per ray the segments that remain to be examined, the nearest last.
 #[derive(Default)]
 pub(super) struct Scratch<T: Scalar> {
     stacks: [Stack; LANES],
@@ -62,23 +61,20 @@ pub(super) struct Scratch<T: Scalar> {
     out: Contractions<T>,
 }
 
-/// A segment that stays longer than this share of what it was is cut.
+/// A segment that stays longer than this share of its length before is cut.
 pub(super) const STALLED: f64 = 0.6;
-/// A segment that got shorter than this share of what it was did so by a form that is as good as
-/// linear.
+/// A segment that got shorter than this share of its length before had a form as good as linear.
 pub(super) const STEADY: f64 = 0.35;
-/// What share of the longest bracket is allowed where that was not so.
+/// Maximum length of a bracket whose form was not as good as linear, as a share of that of others.
 pub(super) const UNSTEADY: f64 = 1.0 / 32.0;
-/// Where arithmetic stalls at segments of so many times the shortest, it is rounding that stalls
-/// it: better arithmetic goes on.
+/// Segments that stall at no more than this many times the minimum length stall because of
+/// rounding. Higher precision narrows them further.
 pub(super) const COARSE: f64 = 32.0;
-/// A segment that stays open at no more than so many times the shortest does so for lack of digits,
-/// not of effort.
+/// Open segments no longer than this many times the minimum length lack precision, not effort.
 const SPENT: f64 = 1024.0;
-/// Of segments shorter than this share of what their coordinates are rounded by no more can be
-/// told.
+/// Minimum length of segments as a share of the rounding error of their coordinates.
 pub(super) const BLURRED: f64 = 0.125;
-/// Segments looked at on one ray before the shortest get longer.
+/// Number of segments examined on one ray before their minimum length grows.
 const PATIENCE: u32 = 96;
 
 impl<'a, T: Scalar> Narrower<'a, T> {
@@ -92,8 +88,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         Ok(Self {
             segments: kernels.segments()?,
             cleared,
-            // What is looked at in `f64` in any case need not be asked of intervals first, one
-            // short segment after another.
+            // Open segments that are examined in `f64` anyway need no test by intervals before.
             zeros: if options.intervals && !hands_on { kernels.zeros().ok() } else { None },
             region,
             contracts: options.contract,
@@ -102,7 +97,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         })
     }
 
-    /// Follows each ray with a segment along it.
+    /// Follows each ray along its segment, if it has one, and writes to `steps` how far.
     pub fn narrow(
         &self,
         ways: &[LocalRay],
@@ -124,7 +119,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 grain[lane] = least[lane];
             }
         }
-        // The rays of which something is left, by their places in the batch.
+        // Lanes of the rays that have segments left, in the order of the batch.
         let mut lanes: Vec<usize> = (0..LANES).filter(|&lane| !stacks[lane].is_empty()).collect();
         let mut moved = true;
         while !lanes.is_empty() {
@@ -199,7 +194,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 }
             }
             work.segments.calls += 1;
-            // Those of which nothing is left are taken out where that saves a vector.
+            // Remove rays that have none left, where that saves a vector.
             let live = lanes.iter().filter(|&&lane| !stacks[lane].is_empty()).count();
             moved = live.div_ceil(4) < lanes.len().div_ceil(4);
             if moved {
@@ -208,7 +203,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         }
     }
 
-    /// Whether a bracket of the form's zero holds one of the function.
+    /// Returns whether a bracket of a zero of the form holds a zero of the function.
     fn is_zero(&self, way: &LocalRay, segment: [f64; 2]) -> bool {
         let Some([function, denominator]) = self.cleared else { return true };
         let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
@@ -219,7 +214,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             && denominator.facts(0).has(Facts::CONTINUOUS)
     }
 
-    /// Whether there may be a zero in a segment, by intervals, and branch by branch where the
+    /// Returns whether a segment may hold a zero, by intervals, or branch by branch where the
     /// function jumps.
     fn may_vanish(&self, way: &LocalRay, segment: [f64; 2]) -> bool {
         let Some(kernel) = self.zeros else { return true };
@@ -230,7 +225,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
     }
 }
 
-/// Puts a ray's segment on its stack, its ends rounded outward; returns the length of the shortest
+/// Puts a ray's segment on its stack with ends rounded outward. Returns the minimum length of
 /// segments.
 fn begin<T: Scalar>(way: &LocalRay, [near, far]: [f64; 2], stack: &mut Stack) -> f64 {
     let slack = T::PATH_ERROR * (near.abs() + far.abs());
@@ -240,8 +235,8 @@ fn begin<T: Scalar>(way: &LocalRay, [near, far]: [f64; 2], stack: &mut Stack) ->
         if float == end { end } else { T::nearest(end + slack).into() }
     };
     let (near, far) = (outward(near, -slack), outward(far, slack));
-    // Where the ray leaves the region no sign is known: the ends that round beyond are looked at
-    // apart.
+    // No sign is known where the ray leaves the region. Ends that are rounded to outside of it are
+    // examined separately.
     let mut inside = way.inside;
     let within = inside[0] <= near && far <= inside[1];
     if !within {
@@ -263,22 +258,22 @@ fn begin<T: Scalar>(way: &LocalRay, [near, far]: [f64; 2], stack: &mut Stack) ->
     (T::GRAIN * near.abs().max(far.abs()).max(way.span[1] - way.span[0])).max(BLURRED * blur)
 }
 
-/// How short the bracket of a hit is to be. Where segments got much shorter at once, the function
-/// is as good as linear, and its gradient near the root is that at the root. Elsewhere roots are
-/// close together or multiple: normals there hang on where exactly they are taken.
+/// Returns the maximum length of a hit's bracket. Where a segment got much shorter at once, the
+/// function is as good as linear, and its gradient near the root is that at the root. Elsewhere
+/// roots are close together or multiple, and normals depend on where exactly they are computed.
 #[inline]
 fn enough(longest: f64, steady: bool) -> f64 {
     if steady { longest } else { UNSTEADY * longest }
 }
 
-/// Whether the parts of a segment that is cut are shorter than what it was narrowed from: where
-/// floats are as coarse as the segment is short, it may come out longer, and would come back for
-/// ever. Not so of one that is not finite.
+/// Returns whether the parts of a cut segment are shorter than the segment was before narrowing.
+/// Where floats are as coarse as the segment is short, narrowing may make it longer, and it would
+/// be cut forever. False if an end is not finite.
 fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
     near < cut && cut < far && cut - near < length && far - cut < length
 }
 
-/// The same of as many segments as a vector holds.
+/// Like [`is_progress`], for as many segments as a vector holds.
 #[inline(always)]
 pub(super) fn are_progress<S: Simd, V: SimdFloat<S>>(
     [near, far]: [V; 2],
@@ -289,7 +284,7 @@ pub(super) fn are_progress<S: Simd, V: SimdFloat<S>>(
     near.simd_lt(cut) & cut.simd_lt(far) & shorter
 }
 
-/// Writes a ray into a lane.
+/// Writes a ray to a lane.
 fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &LocalRay) {
     let rounding = rounding::<T>(way);
     for axis in 0..3 {
@@ -299,7 +294,7 @@ fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &LocalRay) {
     }
 }
 
-/// What `T` rounds the coordinates of a ray by.
+/// Returns the rounding error of a ray's coordinates in `T`.
 pub(super) fn rounding<T: Scalar>(way: &LocalRay) -> DVec3 {
     let most = way.span[0].abs().max(way.span[1].abs());
     let least: f64 = T::LEAST_NORMAL.into();

@@ -1,4 +1,4 @@
-//! The pixels of a tile: hits that the tile's form proves, and rays that have to be followed.
+//! The pixels of a tile: hits that the tile's form proves, and rays that must be followed.
 
 use super::super::local_ray::{self, LocalRay};
 use super::plane::Plane;
@@ -11,18 +11,18 @@ use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes};
 
-/// More than what the sums round that make a distance of a bracket, as a share of it; far below
-/// what kernels leave of one.
+/// Bound on the relative rounding error of a bracket's distance. It is far below the length of
+/// brackets that kernels leave.
 pub(super) const ROUNDED: f64 = 1e-13;
 
 /// A tile of 4×4 pixels. Its lanes and bits are pixels, row by row.
 pub(super) struct Patch {
     pub tile: TileAt,
-    /// Where its bits are among those of all tiles.
+    /// Index of its bits in [`Tracer::open`].
     pub index: usize,
-    /// The first column and row.
+    /// First column and row.
     first: [usize; 2],
-    /// How far the next row is: in columns and rows.
+    /// Columns and rows from one row of pixels to the next.
     next: [usize; 2],
     /// Screen coordinates of its columns and rows.
     pub across: [f64; 4],
@@ -30,18 +30,18 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// Those of its rays.
+    /// Returns the screen coordinates of its rays.
     #[inline(always)]
     pub(super) fn screens<S: Simd>(&self, simd: S) -> [[f64x8<S>; 2]; 2] {
         spread(simd, self.across, self.upward)
     }
 
-    /// Screen coordinates of the ray with this bit.
+    /// Returns the screen coordinates of the ray with this bit.
     fn screen(&self, bit: usize) -> [f64; 2] {
         [self.across[bit % 4], self.upward[bit / 4]]
     }
 
-    /// The column and row of the pixel with this bit in the band.
+    /// Returns the column and row in the band of the pixel with this bit.
     fn pixel(&self, bit: usize) -> [usize; 2] {
         let [column, row] = self.first;
         [column + bit % 4 + bit / 4 * self.next[0], row + bit / 4 * self.next[1]]
@@ -54,7 +54,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let (mut first, mut next) = ([4 * column, 4 * row], [0, 1]);
         let [across, upward] = match self.rays.patch(self.band.top + row) {
             Some(patch) => {
-                // It lies in one row of the band.
+                // A patch lies in one row of the band.
                 (first, next) = ([0, row], [4, 0]);
                 [0, 1].map(|axis| self.rays.screens(axis, 2 * [patch.column, patch.row][axis], 2))
             }
@@ -64,7 +64,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         Patch { tile: tile_at([column, row]), index, first, next, across, upward }
     }
 
-    /// The pixel of a ray, by its column and row in the band, and its screen coordinates.
+    /// Returns the column and row in the band of a ray's pixel, and the ray's screen coordinates.
     #[inline(always)]
     pub(super) fn pixel_of(&self, ray: &TileRay<T>) -> ([usize; 2], [f64; 2]) {
         let ([column, row], bit) = (place_of(ray.tile), ray.bit as usize % LANES);
@@ -77,7 +77,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         ([4 * column + across, 4 * row + down], screen)
     }
 
-    /// Notes that a ray's pixel is finished.
+    /// Marks the pixel of a ray as finished.
     #[inline(always)]
     fn close(&mut self, ray: &TileRay<T>) {
         let [column, row] = place_of(ray.tile);
@@ -106,7 +106,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// The distances at which rays meet a plane, and how far from that a zero may be.
+    /// Returns the distances at which rays meet a plane, and how far from there a zero may be.
     #[inline(always)]
     fn on_plane(&self, plane: &Plane<T>, patch: &Patch) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
@@ -121,7 +121,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         found
     }
 
-    /// The distances in the middle of the brackets that are left, and how far those reach.
+    /// Returns the distances of the middles of the remaining brackets, and half their lengths.
     #[inline(always)]
     pub(super) fn between(&self, patch: &Patch) -> [Lanes<f64>; 2] {
         let simd = self.simd;
@@ -139,8 +139,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         found
     }
 
-    /// Writes a hit in the middle of a bracket, as the others are found by [`Self::between`], and
-    /// notes that its ray is finished.
+    /// Writes a hit in the middle of a bracket, computed as in [`Self::between`], and marks its
+    /// pixel as finished.
     #[inline(always)]
     pub(super) fn add_hit(&mut self, ray: &TileRay<T>, [near, far]: [f64; 2]) {
         let middle = self.frame.start + 0.5 * (near + far);
@@ -151,7 +151,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         self.band.add_hit(column, row, middle * length, off * length);
     }
 
-    /// The lengths of rays' directions.
+    /// Returns the lengths of the rays' directions.
     #[inline(always)]
     fn lengths(&self, patch: &Patch) -> [f64x8<S>; 2] {
         let simd = self.simd;
@@ -160,14 +160,14 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
         let [mut a, b] = patch.screens(simd);
         for (a, b) in a.iter_mut().zip(b) {
-            // Rounded product by product, as `length` rounds: which of the two a pixel gets hangs
-            // on its neighbours.
+            // Each product is rounded, as in `length`. Which of the two a pixel gets depends on its
+            // neighbors, and must not matter.
             *a = (1.0 + *a * *a + b * b).sqrt();
         }
         a
     }
 
-    /// Writes hits at distances, on the rays with these bits.
+    /// Writes hits at these distances on the rays with these bits.
     #[inline(always)]
     pub(super) fn write(&mut self, patch: &Patch, bits: u16, [distance, off]: &[Lanes<f64>; 2]) {
         let [distance, off] = [distance.as_chunks::<4>().0, off.as_chunks::<4>().0];
@@ -186,13 +186,13 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// The length of a ray's direction.
+    /// Returns the length of a ray's direction.
     #[inline]
     fn length(&self, [a, b]: [f64; 2]) -> f64 {
         if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
     }
 
-    /// Follows up to sixteen rays one by one to the end, each as far as it is in the region.
+    /// Follows up to sixteen rays one by one to the end, each within the region.
     pub(super) fn follow_each(&mut self, rays: &[(TileRay<T>, [f64; 2])]) {
         let (region, error, start) = (self.method.task.region, self.frame.error, self.frame.start);
         let [mut screens, mut spans] = [[Lanes::splat(0.0); 2]; 2];
@@ -207,8 +207,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let screen = |lane: usize| screens.each_ref().map(|lanes| lanes[lane]);
         let mut insides = [f64::NEG_INFINITY, f64::INFINITY].map(Lanes::splat);
         if rays.iter().any(|(ray, _)| !ray.within) {
-            // As closely as f64 knows where they leave the region, which may be all that is left to
-            // tell.
+            // Clipped as closely as `f64` allows: where rays leave the region may be the open
+            // question.
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
@@ -228,9 +228,9 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                     inside = local_ray::inside(region, &ray, start);
                 }
             }
-            // Segments in `T` begin a little behind the eye.
+            // Segments in `T` may begin slightly behind the eye.
             span[0] = span[0].max(-start);
-            // Not so either if one is not a number.
+            // False also if an end is NaN.
             let is_left = span[0] <= span[1];
             if !is_left {
                 continue;

@@ -1,4 +1,4 @@
-//! What the form of a tile says of the zeros on its rays: they lie near a plane in screen
+//! Planes from the forms of tiles. The zeros on a tile's rays lie near a plane in screen
 //! coordinates and s.
 
 use super::screens::Rays;
@@ -7,7 +7,7 @@ use crate::simd_chunks::parts;
 use fearless_simd::{f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
-/// The planes of a batch's tiles, a lane each.
+/// The planes of a batch of tiles, a lane each.
 #[derive(Default)]
 pub(super) struct PlaneLanes<T: Scalar> {
     s: Lanes<T>,
@@ -15,27 +15,27 @@ pub(super) struct PlaneLanes<T: Scalar> {
     reach: Lanes<T>,
 }
 
-/// A plane, and how far from it a zero may be.
+/// A plane, and how far from it zeros may be.
 #[derive(Clone, Copy)]
 pub(super) struct Plane<T> {
-    /// Of the tile, in screen coordinates.
+    /// Screen coordinates of the tile's center.
     centre: [T; 2],
-    /// s at the centre, and what it changes by per unit of a screen coordinate.
+    /// s at the center, then its change per unit of each screen coordinate.
     s: T,
     per_screen: [T; 2],
-    /// How far to either side of the plane a zero may be; with room for what is rounded here, and
-    /// for rounding the screen coordinates of rays to `T`.
+    /// Maximum distance of a zero from the plane, along s. It covers the rounding here, and that of
+    /// rays' screen coordinates to `T`.
     pub reach: T,
 }
 
 impl<T: Scalar> PlaneLanes<T> {
-    /// Finds them from the tiles' forms. One that is not a number bounds nothing. `aside`: the
+    /// Computes the planes from the tiles' forms. A plane that is NaN bounds nothing. `aside`: the
     /// largest screen coordinates of the picture's rays.
     #[inline(always)]
     pub fn find<S: Simd>(&mut self, simd: S, batch: &Tiles<T>, out: &Planes<T>, aside: [f64; 2]) {
         let [rounding, few, lost] =
             [T::PATH_ERROR, 4.0 * T::UNIT, 2.0 * T::UNIT * T::LEAST_NORMAL.into()].map(T::nearest);
-        // A function may be so small that the quotient overflows.
+        // The function may be so small that the quotient would overflow.
         let least = T::LEAST_NORMAL.into() / (T::UNIT * T::UNIT);
         let [small, larger] = [least, 1.0 / least].map(T::nearest);
         let one = T::nearest(1.0);
@@ -47,8 +47,8 @@ impl<T: Scalar> PlaneLanes<T> {
             let [across, upward, along] = [across * scale, upward * scale, along * scale];
             let per_value = half / -along;
             let size = value.abs() + across.abs() + upward.abs() + error;
-            // More than what is rounded here, and where rays meet the plane; what the quotient may
-            // lose to underflow; and what the error comes to.
+            // This covers the rounding here and where rays meet the plane, the underflow of the
+            // quotient, and the form's error.
             let each = per_value.abs();
             let terms = each.mul_add(size, middle.abs() + half);
             let mut reach = each.mul_add(error, terms.mul_add(rounding, size * lost));
@@ -62,14 +62,14 @@ impl<T: Scalar> PlaneLanes<T> {
                 screen += half;
                 part.store(per_screen, &mut self.per_screen[axis]);
             }
-            // These sums are rounded, too, and products with screen coordinates may underflow.
+            // These sums are rounded too, and products with screen coordinates may underflow.
             reach = reach.mul_add(few, reach) + screen * T::LEAST_NORMAL;
             part.store(per_value.mul_add(value, middle), &mut self.s);
             part.store(reach, &mut self.reach);
         }
     }
 
-    /// That of the tile in a lane of the same batch.
+    /// Returns the plane of the tile in a lane of the same batch.
     #[inline(always)]
     pub fn of(&self, batch: &Tiles<T>, lane: usize) -> Plane<T> {
         Plane {
@@ -82,7 +82,7 @@ impl<T: Scalar> PlaneLanes<T> {
 }
 
 impl<T: Scalar> Plane<T> {
-    /// s where the plane meets rays at screen coordinates.
+    /// Returns s where the plane meets the rays at these screen coordinates.
     #[inline(always)]
     pub fn at<S: Simd>(&self, [mut along, up]: [[f64x8<S>; 2]; 2]) -> [f64x8<S>; 2] {
         let [s, a, b]: [f64; 3] = [self.s, self.per_screen[0], self.per_screen[1]].map(Into::into);
@@ -94,8 +94,8 @@ impl<T: Scalar> Plane<T> {
         along
     }
 
-    /// Shortens segments to what is left of them; the ends of one of which nothing is come out in
-    /// the wrong order. Returns the lanes in which anything is left, as bits.
+    /// Shortens segments to the part that may hold a zero. If nothing is left, the ends are in the
+    /// wrong order. Returns the lanes in which anything is left, as bits.
     #[inline(always)]
     pub fn narrow<S: Simd>(
         &self,
@@ -115,8 +115,7 @@ impl<T: Scalar> Plane<T> {
                     reach = part.load(half).mul_add(part.splat(per_screen).abs(), reach);
                 }
             }
-            // More than what these sums are rounded by; and so what overflows is not a number,
-            // which bounds nothing.
+            // More than the rounding of these sums. An overflow gives NaN, which bounds nothing.
             let reach = (s.abs() + reach).mul_add(rounding, reach);
             let [start, end] = [part.load(near), part.load(far)];
             let (first, last) = ((s - reach).max_precise(start), (s + reach).min_precise(end));

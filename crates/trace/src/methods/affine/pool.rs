@@ -1,13 +1,13 @@
 //! Rays of several tiles, followed together to the end.
 //!
-//! When the rays of a tile were asked once, few of them are left, and a kernel takes sixteen in
-//! little more time than one. So those wait here until there are sixteen, and so do rays of which a
-//! tile has few from the start. What is left of a segment after it was asked stays in its lane: all
-//! of it where it got much shorter, else its nearer part, and the other one comes later. Set apart
-//! to be followed one by one are rays on which the arithmetic of tiles is at its end, what may be a
-//! hit of a cleared form, and all rays of tiles that a clipping plane or the edge of a ball cuts.
+//! After the rays of a tile were evaluated once, few are left, and a kernel takes little longer for
+//! sixteen rays than for one. So those few wait here until there are sixteen, and so do the rays of
+//! a tile that has few from the start. A segment that got much shorter stays in its lane. Otherwise
+//! its nearer part stays, and the other part comes later. Some rays are set apart and followed one
+//! by one: rays beyond the precision of tiles, possible hits of a rational form, and all rays of
+//! tiles cut by a clipping plane or the edge of a ball.
 //!
-//! A ray is here once at most: nothing that comes later is asked of its tile before it is finished.
+//! A ray is here at most once: the next segment of its tile waits until the ray is finished.
 
 use super::narrow::Scratch;
 use super::screens::{Stack, UNMOVED, packed, saves_a_vector};
@@ -17,36 +17,35 @@ use crate::scalar::Scalar;
 use fearless_simd::{mask8x16, mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
-/// Where a tile of 4×4 is in its band: its row in the upper half of the bits, its column in the
-/// lower.
+/// Place of a 4×4 tile in its band: its row in the upper half of the bits, its column in the lower.
 pub(super) type TileAt = u32;
 
-/// That of the tile in this column and row.
+/// Returns the place of the tile in this column and row.
 #[inline(always)]
 pub(super) fn tile_at([column, row]: [usize; 2]) -> TileAt {
     (row << 16 | column) as TileAt
 }
 
-/// The column and row of a tile.
+/// Returns the column and row of a tile.
 #[inline(always)]
 pub(super) fn place_of(tile: TileAt) -> [usize; 2] {
     [tile as usize & 0xffff, tile as usize >> 16]
 }
 
-/// A ray of a tile of 4×4.
+/// A ray of a 4×4 tile.
 #[derive(Clone, Copy, Default)]
 pub(super) struct TileRay<T> {
     pub tile: TileAt,
-    /// Its bit among those of the tile's pixels.
+    /// Index of its bit among the tile's pixels.
     pub bit: u32,
-    /// The longest bracket of a hit.
+    /// Maximum length of a hit's bracket.
     pub longest: T,
-    /// Whether all that is asked of it is in the region.
+    /// True if its whole segment is in the region.
     pub within: bool,
 }
 
 impl<T> TileRay<T> {
-    /// The ray of the same tile with this bit.
+    /// Returns the ray of the same tile with this bit.
     #[inline(always)]
     pub fn at(self, bit: usize) -> Self {
         Self { bit: bit as u32, ..self }
@@ -56,25 +55,26 @@ impl<T> TileRay<T> {
 /// Rays that are followed together, a lane each.
 #[derive(Default)]
 pub(super) struct Pool<T: Scalar> {
-    /// The lanes in use, as bits.
+    /// Lanes in use, as bits.
     pub live: u16,
     pub asked: Asked<T>,
-    /// Between which values of s a ray is certainly in the region.
+    /// Per lane, the values of s between which the ray is certainly in the region.
     pub inside: [Lanes<T>; 2],
     pub tiles: [TileAt; LANES],
     pub bits: [u32; LANES],
     /// [`TileRay::within`], as bits by lane.
     within: u16,
-    /// How often each was asked about.
+    /// Per lane, how often the ray was evaluated.
     pub rounds: [u8; LANES],
-    /// What comes after the segment in a lane, and bits, clear where there is none of it.
+    /// Per lane, the segments put aside, the nearest last.
     later: [Stack<T>; LANES],
+    /// Lanes that have segments put aside, as bits.
     waiting: u16,
     /// Rays that are followed one by one, each between two values of s.
     pub apart: Vec<(TileRay<T>, [f64; 2])>,
 }
 
-/// Memory of one band after another.
+/// Buffers that are used for one band after another.
 #[derive(Default)]
 pub(super) struct Memory<T: Scalar> {
     /// The rays of one tile.
@@ -84,32 +84,32 @@ pub(super) struct Memory<T: Scalar> {
     pub scratch: Scratch<T>,
 }
 
-/// Between which values of s a ray is certainly in the region that is nowhere outside.
+/// Values of [`Pool::inside`] for a ray whose whole segment is in the region.
 pub(super) const ANYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl<T: Scalar> Memory<T> {
-    /// For rays whose coordinates have this error.
+    /// Sets the error of the rays' coordinates.
     pub fn set_error(&mut self, error: [Lanes<T>; 3]) {
         self.fresh.segments.error = error;
         self.pool.asked.segments.error = error;
     }
 
-    /// What a kernel left in a lane.
+    /// Returns the segment that the kernel left in a lane.
     pub fn left(&self, lane: usize) -> [T; 2] {
         [self.contractions.near[lane], self.contractions.far[lane]]
     }
 }
 
 impl<T: Scalar> Pool<T> {
-    /// Puts a part of the segment in a lane aside: it is asked after what is nearer.
+    /// Puts a part of the segment in a lane aside, to be evaluated after what is nearer.
     pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
         self.later[lane].push(part);
         self.waiting |= 1 << lane;
     }
 
-    /// Puts the parts of a segment aside that lie behind where its ray is certainly in the region,
-    /// and those in it that lie behind others: where a ray leaves the region no sign is known, so
-    /// those parts are looked at apart.
+    /// Sets where the ray in a lane is certainly in the region, and cuts its segment there. No sign
+    /// is known where a ray leaves the region, so the parts are evaluated separately. All but the
+    /// nearest are put aside.
     pub fn cut_at_faces(&mut self, lane: usize, [first, last]: [T; 2]) {
         let segments = &self.asked.segments;
         (self.inside[0][lane], self.inside[1][lane]) = (first, last);
@@ -130,8 +130,7 @@ impl<T: Scalar> Pool<T> {
         self.asked.segments.far[lane] = here;
     }
 
-    /// Lets go of a lane; returns its ray, and how far what was put aside of it reaches, if
-    /// anything was.
+    /// Frees a lane. Returns its ray, and the far end of the segments put aside for it, if any.
     #[inline(always)]
     pub fn finish(&mut self, lane: usize) -> (TileRay<T>, Option<T>) {
         self.live &= !(1 << lane);
@@ -150,8 +149,7 @@ impl<T: Scalar> Pool<T> {
         (ray, last)
     }
 
-    /// Goes on with what was put aside of the rays in lanes of which nothing is left, and lets go
-    /// of the others.
+    /// Continues with the segments that were put aside for these lanes. Frees lanes without any.
     #[inline(always)]
     pub fn go_on(&mut self, done: u16) {
         self.live &= !done;
@@ -167,8 +165,8 @@ impl<T: Scalar> Pool<T> {
         }
     }
 
-    /// Whether a ray of a tile is here, given by its place; or of one of the tiles that it consists
-    /// of, if these many bits of their places do not count.
+    /// Returns whether a ray of a tile is in the pool or set apart. For a tile of a coarser level,
+    /// `finer` is the number of low bits in which the places of its 4×4 tiles may differ.
     #[inline(always)]
     pub fn has_ray_of<S: Simd>(&self, simd: S, place: [usize; 2], finer: u32) -> bool {
         let counts = !tile_at([(1 << finer) - 1; 2]);
@@ -178,8 +176,8 @@ impl<T: Scalar> Pool<T> {
         same & self.live != 0 || self.apart.iter().any(|(ray, _)| ray.tile & counts == tile)
     }
 
-    /// Takes in rays of a tile from their lanes in a batch, which are their bits, into as many
-    /// lanes.
+    /// Copies rays of a tile from these lanes of a batch, which are also their bits, to as many
+    /// free lanes.
     #[inline(always)]
     pub fn take<S: Simd>(
         &mut self,
@@ -214,13 +212,13 @@ impl<T: Scalar> Pool<T> {
         self.live |= to;
     }
 
-    /// Moves the rays to the first lanes, where that saves a vector.
+    /// Moves the rays to the front, if that saves a vector.
     #[inline(always)]
     pub fn pack<S: Simd>(&mut self, simd: S) {
         if !saves_a_vector::<T, S>(self.live) {
             return;
         }
-        // A copy of its own, which need not be read again for each quantity.
+        // A local copy need not be read again for each quantity.
         let kept = self.live;
         let (Asked { segments, longest }, [first, last]) = (&mut self.asked, &mut self.inside);
         let Segments { origin, direction, near, far, .. } = segments;

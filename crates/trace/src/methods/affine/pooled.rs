@@ -1,4 +1,4 @@
-//! The rays in the pool and those that were set apart: how they are followed.
+//! Following the rays in the pool, and the rays that were set apart.
 
 use super::pool::{Memory, Pool, TileRay};
 use super::screens::UNMOVED;
@@ -8,10 +8,10 @@ use crate::scalar::Scalar;
 use fearless_simd::{mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{LANES, Segments};
 
-/// How often a segment of a ray is asked before what is left of it is set apart.
+/// Number of evaluations after which the rest of a ray is set apart.
 const ROUNDS: u8 = 64;
 
-/// The lowest `count` of the bits that are set.
+/// Returns the lowest `count` of the bits that are set.
 #[inline(always)]
 fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
     let first = u32x16::simd_from(simd, UNMOVED.map(u32::from)).simd_lt(count);
@@ -21,9 +21,10 @@ fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
 }
 
 impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
-    /// Puts rays of a tile that were asked so often into the pool, from their lanes among the rays
-    /// of the tile, which are their bits: as many as there is room for, and at least one. Returns
-    /// their lanes there and in the pool, in order, and takes them from the `rest`.
+    /// Puts rays of a tile into the pool: as many as it has lanes for, and at least one. `rest`
+    /// holds their lanes in the tile's batch, which are also their bits; admitted rays are removed
+    /// from it. `rounds`: how often they were evaluated. Returns their lanes in the batch and in
+    /// the pool, in the same order.
     #[inline(always)]
     pub(super) fn admit(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
         while self.memory.pool.live == u16::MAX {
@@ -50,12 +51,12 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Follows all rays in the pool to the end, and those that were set apart.
+    /// Follows all rays in the pool and all rays set apart to the end.
     pub(super) fn empty_pool(&mut self) {
         while !self.over && self.follow_more() {}
     }
 
-    /// Gives up the rays in the pool, and those that were set apart.
+    /// Gives up the rays in the pool and the rays set apart.
     pub(super) fn give_up_pool(&mut self) {
         let Pool { live, tiles, bits, .. } = self.memory.pool;
         let pooled = ones(live).map(|lane| (tiles[lane], bits[lane]));
@@ -67,8 +68,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Asks the rays in the pool once, or if there are none follows those that were set apart;
-    /// returns `false` if there are none either.
+    /// Evaluates the pool once or, if it is empty, follows the rays set apart. Returns `false` if
+    /// there was no ray to follow.
     #[inline(always)]
     pub(super) fn follow_more(&mut self) -> bool {
         if self.memory.pool.live != 0 {
@@ -94,10 +95,10 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         self.memory.pool.apart = apart;
     }
 
-    /// Asks the segments in the pool once.
+    /// Evaluates the segments in the pool once.
     #[inline(always)]
     fn ask_pool(&mut self) {
-        // Apart, since it is called from many places; compiled for the same vectors.
+        // A function of its own, since many places call it; compiled for the same vectors.
         self.simd.vectorize(
             #[inline(always)]
             || self.ask_pool_once(),
@@ -138,7 +139,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 ends = [near[lane], far[lane]];
             }
             let (ray, last) = self.memory.pool.finish(lane);
-            // What stays open of a ray reaches to the end of what was put aside.
+            // The part that stays open reaches to the end of the segments put aside.
             let [near, far] = [ends[0], last.unwrap_or(ends[1])];
             self.set_apart(ray, [near.into(), far.into()]);
         }

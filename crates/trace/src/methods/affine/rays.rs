@@ -1,5 +1,4 @@
-//! Single rays, sixteen at a time: from a segment to a proven hit, to nothing, or to what stays
-//! open.
+//! Single rays, sixteen at a time, followed to a proven hit, to the end, or to an open segment.
 
 use super::FINE;
 use super::frame::BLURS;
@@ -16,7 +15,7 @@ use std::sync::OnceLock;
 use zeroset_eval::{Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Zeros};
 use zeroset_interval::Facts;
 
-/// Whether hits are wanted so close on a ray that `T` would narrow segments of it in vain.
+/// Returns whether a ray's bracket must be so short that `T` would narrow its segments in vain.
 fn is_blurred<T: Scalar>(way: &LocalRay) -> bool {
     way.longest * way.direction.length() < FINE * BLURS * rounding::<T>(way).max_element()
 }
@@ -24,20 +23,20 @@ fn is_blurred<T: Scalar>(way: &LocalRay) -> bool {
 /// Follows single rays.
 pub(super) struct Follower<'a, T: Scalar> {
     narrower: Narrower<'a, T>,
-    /// Whether what stays open is looked at in `f64`.
+    /// True if open segments are examined again in `f64`.
     refines: bool,
-    /// Made when the first ray needs it.
+    /// Narrower in `f64`, created when the first ray needs it.
     double: OnceLock<Option<Narrower<'a, f64>>>,
     task: Task<'a>,
 }
 
-/// A stretch that is looked at in `f64` is so many times as long as the part that stayed open in
+/// Length of a stretch that is examined in `f64`, in multiples of the part that stayed open in
 /// `f32`.
 const STRETCH: f64 = 256.0;
 
-/// Beside a gap more parts stay open than are looked at. What is passed over behind each is so many
-/// times as long as behind the one before, but no longer than a hit's bracket: the ray is undecided
-/// either way, and a root behind the gap is to be painted.
+/// Beside a gap more parts stay open than are examined. The length that is skipped behind each
+/// grows by this factor, up to that of a hit's bracket. The ray is undecided either way, and a root
+/// behind the gap should be painted.
 const GROWTH: f64 = 4.0;
 
 impl<'a, T: Scalar> Follower<'a, T> {
@@ -46,13 +45,13 @@ impl<'a, T: Scalar> Follower<'a, T> {
         Ok(Self { narrower: Narrower::new(task, refines)?, refines, double: OnceLock::new(), task })
     }
 
-    /// Narrows segments once.
+    /// Evaluates the kernel that narrows segments.
     #[inline]
     pub fn eval(&self, segments: &Segments<T>, out: &mut Contractions<T>) {
         self.narrower.segments.eval(segments, out);
     }
 
-    /// Follows up to [`LANES`] rays.
+    /// Follows up to [`LANES`] rays, and returns their outcomes.
     pub fn follow(
         &self,
         ways: &[LocalRay],
@@ -73,7 +72,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
         let finer = blurred.contains(&true).then(|| self.double()).flatten();
         while pending.iter().any(Option::is_some) {
-            // What becomes of a ray hangs on no other.
+            // A ray's outcome depends on no other ray.
             let is_finer = |lane: usize| finer.is_some() && blurred[lane];
             let part = |fine: bool| -> [Option<[f64; 2]>; LANES] {
                 std::array::from_fn(|lane| pending[lane].filter(|_| is_finer(lane) == fine))
@@ -99,8 +98,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
                 let rest = |from: f64| (from < way.span[1]).then_some([from, way.span[1]]);
                 pending[lane] = match steps[lane] {
                     Step::Empty => None,
-                    // What a ray starts on does not count. What is left of it in `f64` may be too
-                    // short for `T` to get past.
+                    // The zero on which a ray starts does not count. Its segment in `f64` may be
+                    // too short for `T` to get past it.
                     Step::Hit([near, far]) | Step::Open([near, far], _)
                         if start == Start::OnSurface && near <= way.span[0] =>
                     {
@@ -140,8 +139,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         outcomes
     }
 
-    /// Looks in `f64` at what stayed open in `f32`, and at what lies behind it: where one segment
-    /// is below the rounding of `f32`, so are many, and each time the stretch is longer.
+    /// Examines in `f64` what stayed open in `f32`, and a stretch behind it. Where one segment is
+    /// below the rounding of `f32`, so are many. Each stretch is longer than the one before.
     fn refine(
         &self,
         ways: &[LocalRay],
@@ -153,12 +152,12 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return;
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
-            // What is only painted, too: it may be a jump, or out of the range of `T`.
+            // Also in a preview: the segment may be a jump, or out of the range of `T`.
             Step::Open([near, far], _) => {
                 let [first, longest] = ways[lane].span;
-                // In `T` it may begin before its ray.
+                // In `T` the segment may begin before its ray.
                 let near = near.max(first);
-                // Long enough that what lies behind it is another segment in `T`.
+                // Long enough that another segment in `T` begins behind it.
                 let least = T::GRAIN * first.abs().max(longest.abs());
                 let open = STRETCH * (far - near);
                 stretch[lane] = (4.0 * stretch[lane]).max(open).max(least);
@@ -179,13 +178,13 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    /// The same in `f64`, where it may take the place of `T`.
+    /// Returns the narrower in `f64`, if open segments are examined in `f64`.
     fn double(&self) -> Option<&Narrower<'a, f64>> {
         let make = || Narrower::new(self.task, false).ok();
         self.refines.then(|| self.double.get_or_init(make).as_ref()).flatten()
     }
 
-    /// Why a part stays open, and whether it is likely a zero.
+    /// Returns why a part stays open, and whether it is likely a zero.
     fn judge(&self, way: &LocalRay, segment: [f64; 2], stop: Stop) -> (UndecidedReason, bool) {
         if self.refines {
             self.judge_in::<f64>(way, segment, stop)
@@ -194,7 +193,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    /// A bracket of the first zero, if it lies in a segment that stayed open or close behind it.
+    /// Returns a bracket of the first zero, if it lies in an open segment or close behind it.
     fn bridge(&self, way: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
         if self.refines {
             self.bridge_in::<f64>(way, segment)
@@ -204,7 +203,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     fn bridge_in<U: Scalar>(&self, way: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
-        // A picture that another one follows paints the place either way.
+        // A preview paints the place either way.
         if !self.task.options.intervals || self.task.options.least > 0.0 {
             return None;
         }

@@ -1,13 +1,14 @@
-//! Where up to sixteen tiles are on the screen, and what is left of segments of theirs or of rays.
+//! Screen coordinates of up to sixteen tiles or rays, and the remaining parts of their segments.
 
 use crate::scalar::{HALF, Scalar};
 use fearless_simd::{f64x4, f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes};
 
-/// Screen coordinates of rays; or of tiles, and how far their rays are from them.
+/// Screen coordinates of rays; or of the centers of tiles, and their half extents.
 pub(super) type Rays<'a, T> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
 
-/// Screen coordinates of a square of sixteen, row by row, given those of its columns and rows.
+/// Returns the screen coordinates of a square of sixteen, row by row, from those of its columns and
+/// rows.
 #[inline(always)]
 pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[f64x8<S>; 2]; 2] {
     let across = f64x4::simd_from(simd, across);
@@ -16,10 +17,10 @@ pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[
     [[across; 2], [row(0).combine(row(1)), row(2).combine(row(3))]]
 }
 
-/// What is still to be looked at of something: segments, the nearest last.
+/// Segments that remain to be examined, the nearest last.
 pub(super) type Stack<T = f64> = Vec<[T; 2]>;
 
-/// What lanes are about before any has moved: each about its own.
+/// Index of each lane: the order of lanes before any has moved.
 pub(super) const UNMOVED: [u8; LANES] = {
     let mut things = [0; LANES];
     let mut lane = 1;
@@ -30,29 +31,29 @@ pub(super) const UNMOVED: [u8; LANES] = {
     things
 };
 
-/// Whether fewer vectors of `T` hold the live lanes once they are the first ones. Kernels have
-/// vectors as wide as these.
+/// Returns whether fewer vectors of `T` hold the live lanes after they are moved to the front.
+/// Kernels use vectors of this width.
 #[inline(always)]
 pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
     let lanes = (S::f32s::LEN * size_of::<f32>() / size_of::<T>()) as u32;
-    // Mostly one holds them as they are, which takes no counting.
+    // Usually one vector holds them already, which needs no counting.
     lanes < LANES as u32
         && live >> lanes != 0
         && live.count_ones().div_ceil(lanes) < (LANES as u32 - live.leading_zeros()).div_ceil(lanes)
 }
 
-/// The live lanes once they are the first ones; not all may be.
+/// Returns the live lanes after they are moved to the front. At least one lane must not be live.
 #[inline]
 pub(super) fn packed(live: u16) -> u16 {
     (1 << live.count_ones()) - 1
 }
 
-/// The parts of segments that are left, a lane each: from the first to the second.
+/// The remaining parts of segments, a lane each: near ends, then far ends.
 pub(super) type Ends = [Lanes<f64>; 2];
 
-/// Writes what is left of segments as floats, rounded outward where it is less than was `asked`,
-/// whose ends are floats; returns the lanes in which anything is left, as bits. No segment reaches
-/// farther than `size` from 0.
+/// Writes the remaining parts of segments as floats of `T`. An end that differs from the one that
+/// was `asked`, which is a float already, is rounded outward. Returns the lanes in which anything
+/// is left, as bits. No segment reaches farther than `size` from 0.
 #[inline(always)]
 pub(super) fn outward<S: Simd, T: Scalar>(
     simd: S,
@@ -76,7 +77,7 @@ pub(super) fn outward<S: Simd, T: Scalar>(
     any
 }
 
-/// Segments in `f64`.
+/// Returns segments in `f64`.
 #[inline(always)]
 pub(super) fn ends<S: Simd, T: Scalar>(simd: S, near: &Lanes<T>, far: &Lanes<T>) -> Ends {
     let mut ends = [Lanes::splat(0.0); 2];

@@ -1,4 +1,4 @@
-//! Segments of rays that were asked together, told apart by what is left of them.
+//! Segments of rays that were evaluated together, classified by the remaining parts.
 
 use super::super::local_ray::CUT;
 use super::narrow::{STALLED, STEADY, UNSTEADY, are_progress};
@@ -7,49 +7,48 @@ use crate::simd_chunks::parts;
 use fearless_simd::prelude::*;
 use zeroset_eval::{Contractions, Lanes, Segments};
 
-/// Lengths of segments that decide what becomes of them, whichever ray they are on.
+/// Lengths of segments that decide between classes. All rays have the same.
 pub(super) struct Limits<T> {
-    /// Of the shortest segments.
+    /// Length of the shortest segments.
     pub grain: T,
-    /// Of the shortest that are cut: below it is rounding that keeps them from getting shorter.
+    /// Length of the shortest segments that are cut. Shorter ones stay long because of rounding.
     pub coarse: T,
 }
 
-/// Segments that are asked together, and what decides about each.
+/// Segments that are evaluated together, and how short their brackets must be.
 #[derive(Default)]
 pub(super) struct Asked<T: Scalar> {
     pub segments: Segments<T>,
-    /// The longest bracket of a hit.
+    /// Maximum length of a hit's bracket.
     pub longest: Lanes<T>,
 }
 
-/// What became of segments: a bit for each lane in use, in one of these.
+/// Classes of segments. A live lane's bit is set in exactly one of them.
 pub(super) struct Sifted {
     /// Nothing is left.
     pub empty: u16,
-    /// What is left is short enough for a bracket, and got so at once, or else is far shorter; its
-    /// ends have opposite signs.
+    /// The rest is a bracket: its ends have opposite signs, and it is short enough. The limit is
+    /// far lower if the form was not as good as linear.
     pub short: u16,
-    /// It got much shorter.
+    /// The segment got much shorter.
     pub shorter: u16,
-    /// It is cut in two.
+    /// The segment is cut in two.
     pub cut: u16,
-    /// None of these: arithmetic is at its end.
+    /// None of these: precision does not suffice.
     pub open: u16,
 }
 
 impl Sifted {
-    /// Leaves open whether there is a zero in a bracket: one of a numerator is none of the
-    /// function's.
+    /// Leaves brackets open: a zero of a numerator need not be one of the function.
     pub fn doubt(&mut self) {
         self.open |= std::mem::take(&mut self.short);
     }
 }
 
 impl<T: Scalar> Asked<T> {
-    /// Tells the segments in these lanes apart by what was asked of them, and puts what is left of
-    /// each, or its nearer part, in its place. `inside`: between which values of s each ray is
-    /// certainly in the region, if not all are throughout.
+    /// Classifies the segments in the `live` lanes by the kernel's results. Replaces each by its
+    /// remaining part, or by the nearer half of that if it is cut. `inside`: the values of s
+    /// between which each ray is certainly in the region, unless all segments are.
     #[inline(always)]
     pub fn sift<S: Simd>(
         &mut self,
@@ -74,7 +73,7 @@ impl<T: Scalar> Asked<T> {
                 (part.load(&out.near), part.load(&out.far), part.load(longest));
             let (length, before) = (far - near, asked[1] - asked[0]);
             empty |= part.bits(length.simd_lt(T::default()));
-            // Where the form was as good as linear, and where it was not.
+            // The first limit is for forms that were as good as linear, the second for others.
             let enough = length.simd_le(longest) & length.simd_le(before * steady);
             short |= part.bits(enough | length.simd_le(longest * unsteady));
             let much = length.simd_le(before * stalled);

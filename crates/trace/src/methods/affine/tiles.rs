@@ -1,4 +1,4 @@
-//! Tiles of rays, from 16×16 pixels to 4×4, and from those to single rays.
+//! Tiles of rays: from 16×16 pixels to 4×4 pixels, and from those to single rays.
 
 use super::Affine;
 use super::frame::RayFrame;
@@ -17,21 +17,21 @@ use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use zeroset_eval::{LANES, Lanes, Tiles};
 
-/// A tile is split once its segment is no longer than so many times what it is wide, by level.
+/// A tile is split once its segment is no longer than this many times its width; per level.
 const SLENDER: [f64; 2] = [3.0, 4.0];
-/// The same of tiles that are patches: along an outline surfaces are deep and a patch is thin, and
-/// its rays are all there.
+/// The same for patches. Surfaces at outlines are deep, patches are narrow, and the rays of a patch
+/// fill a batch.
 const SLENDER_PATCH: f64 = 12.0;
-/// Or once its form changes so much more across the tile that what else it may be off by is no
-/// larger than so many times that: then the surface is steep rather than curved, and a part of the
-/// tile needs a shorter segment.
+/// A tile is also split once the error of its form is no larger than this many times the form's
+/// change across the tile. Then the surface is steep rather than curved, and parts of the tile need
+/// shorter segments.
 const TILTED: f64 = 2.0;
-/// A segment that stays longer than this share of what it was is not asked again, but that of a
-/// tile to be split, or cut.
+/// A segment that stays longer than this share of its length before is not evaluated again. Its
+/// tile is split, or it is cut.
 const STALLED: f64 = 0.85;
 
-/// What a thread needs for a band. Bands use it one after another: to make it takes a few hundred
-/// allocations.
+/// Buffers that a thread needs for a band. They are used for one band after another: to create them
+/// takes a few hundred allocations.
 #[derive(Default)]
 pub(super) struct Room<T: Scalar> {
     levels: [Level<T>; SIDES.len()],
@@ -51,7 +51,7 @@ pub(super) fn trace<T: Scalar>(
     dispatch!(Vectors::new(), simd => trace_with(simd, method, frame, rays, band, work));
 }
 
-/// The same, compiled for such vectors.
+/// Like [`trace`], compiled for these vectors.
 #[inline(always)]
 fn trace_with<T: Scalar, S: Simd>(
     simd: S,
@@ -101,7 +101,7 @@ fn trace_with<T: Scalar, S: Simd>(
         polled: 0,
         simd,
     };
-    // Rounded outward once; all later ends are floats.
+    // Rounded outward once. All later ends are floats of `T`.
     let [near, far] = tracer.frame.span;
     let span = [-T::above(-near).into(), T::above(far).into()];
     let (first, count) = if is_patched {
@@ -134,7 +134,7 @@ fn trace_with<T: Scalar, S: Simd>(
     }
 }
 
-/// A bit for each pixel of each 4×4 tile, row by row: clear for what sticks out of the picture.
+/// Returns a bit for each pixel of each 4×4 tile, row by row. Bits outside the picture are clear.
 fn open_pixels(width: usize, height: usize) -> Vec<u16> {
     let (across, down) = (width.div_ceil(4), height.div_ceil(4));
     let mut open = vec![u16::MAX; across * down];
@@ -150,7 +150,7 @@ fn open_pixels(width: usize, height: usize) -> Vec<u16> {
     open
 }
 
-/// Clears the bits of pixels of which nobody asks what becomes of them.
+/// Clears the bits of pixels that are not wanted.
 fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: bool) {
     if band.is_all_asked() {
         return;
@@ -168,22 +168,22 @@ fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: b
     }
 }
 
-/// What is to be done with tiles that were asked about, and that may hold a zero: a bit a lane,
-/// each in one of the first four at most.
+/// Decisions about tiles that may hold a zero. At most one of the first four masks has a lane's
+/// bit.
 struct Verdicts<T> {
-    /// The form proves a zero on each ray, and tells it from its neighbours closely enough.
+    /// Tiles whose form proves a zero on each ray, and locates it closely enough.
     flat: u16,
-    /// What is left is much shorter, and looked at once more.
+    /// Tiles whose segment got much shorter, and is evaluated once more.
     shorter: u16,
-    /// The tile's parts are looked at.
+    /// Tiles whose parts are examined.
     finer: u16,
-    /// What is left is cut in two.
+    /// Tiles whose segment is cut in two.
     cut: u16,
-    /// Those of them that were asked about so often that no more parts of them are to be.
+    /// Tiles of `finer` that were evaluated so often that they are not cut again.
     tired: u16,
-    /// Where all of what is left lies in the region.
+    /// Tiles whose remaining segment lies in the region.
     within: u16,
-    /// The far ends of what is left.
+    /// Far ends of the remaining segments.
     far: Lanes<T>,
 }
 
@@ -208,14 +208,14 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Goes on with what was put aside of the tiles in these lanes, each once none of its rays is
-    /// followed any more.
+    /// Continues with the segments that were put aside for the tiles in these lanes. A tile waits
+    /// until none of its rays is being followed.
     #[inline(always)]
     fn go_on(&mut self, level: &mut Level<T>, mut lanes: u16, depth: usize) {
         while lanes != 0 && !self.over {
             for lane in ones(lanes) {
                 let place = level.place(lane);
-                // A tile has four times as many columns and rows of those of the last level.
+                // Column and row numbers of each finer level have two more bits.
                 let finer = 2 * (LAST - depth) as u32;
                 if !self.memory.pool.has_ray_of(self.simd, place, finer) {
                     level.go_on(lane, self.is_open(place, depth));
@@ -227,8 +227,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// What is to be done with the tiles that may hold a zero. What is left of their segments, or
-    /// the nearer part of what is cut, takes their place.
+    /// Decides about the tiles that may hold a zero. Replaces each segment by its remaining part,
+    /// or by the nearer part if it is cut.
     #[inline(always)]
     fn verdicts<const DEPTH: usize>(
         &self,
@@ -265,7 +265,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let footprint = near.mul_add(growth, width);
             empty |= part.bits(left.simd_lt(T::default()));
             narrowed |= part.bits(first.simd_le(near) & far.simd_le(last));
-            // Not where both overflow.
+            // False if both sides overflow.
             let enough = footprint * along.abs() * longest;
             fine |= part.bits((half * error * twice).simd_lt(enough));
             shorter |= part.bits(left.simd_le(before * stalled));
@@ -273,7 +273,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let is_tilted = error.simd_le(tilt * tilted);
             short |= part.bits(left.simd_le(footprint * slender) | is_tilted);
             let between = left.mul_add(share, near);
-            // An eye in the region has no pixel's width before it to stop at.
+            // At an eye in the region pixels are 0 wide, so only `grain` ends the cutting.
             let progress = are_progress([near, far], between, before);
             whole |= part.bits(left.simd_gt(grain) & progress);
             part.store(near, &mut batch.near);
@@ -296,7 +296,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 let Tiles { centre, half, near, far, .. } = &level.batch;
                 let rays = (centre, Some(half));
                 if flat != 0 {
-                    // Where all that was asked about lies in the region, so does any part of it.
+                    // If a whole segment lies in the region, so does any part of it.
                     let asked = asked.each_ref().map(|ends| T::wide(simd, ends));
                     let all = self.frame.inside(simd, rays, region, asked);
                     flat &= all;
@@ -322,7 +322,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         Verdicts { flat, shorter, finer, cut: cuts, tired: tired & finer, within, far }
     }
 
-    /// Does with tiles what is to be done.
+    /// Carries out the decisions about tiles.
     #[inline(always)]
     fn act<const DEPTH: usize>(
         &mut self,
@@ -358,7 +358,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Looks at the sixteen parts of a tile.
+    /// Examines the sixteen parts of a tile.
     #[inline(always)]
     fn split(
         &mut self,

@@ -1,5 +1,4 @@
-//! What is known of a band while it is traced: where its tiles are, and which of their pixels are
-//! not finished.
+//! The state of a band while it is traced: where its tiles are, and which pixels are not finished.
 
 use super::Affine;
 use super::frame::RayFrame;
@@ -16,41 +15,41 @@ use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
 use std::ops::Range;
 
-/// Pixels on the side of a tile, by level. Each holds sixteen of the next.
+/// Pixels on the side of a tile, per level. Each tile holds sixteen of the next level.
 pub(super) const SIDES: [usize; 2] = [16, 4];
-/// The level of tiles whose parts are rays.
+/// Level of the tiles whose parts are rays.
 pub(super) const LAST: usize = SIDES.len() - 1;
 
-/// Between two looks at whether the work is still wanted, at least so many calls of kernels.
+/// Minimum number of kernel calls between two checks whether the band is still wanted.
 const POLLED: u64 = 16;
 
-/// What traces a band.
+/// The state while a band is traced.
 pub(super) struct Tracer<'a, 'b, 'm, T: Scalar, S> {
     pub method: &'a Affine<'m, T>,
     pub rays: &'a RayGrid,
     pub frame: RayFrame,
     pub band: &'a mut Band<'b>,
-    /// A bit per pixel of each 4×4 tile: whether it is not finished.
+    /// Per 4×4 tile, the pixels that are not finished, as bits.
     pub open: Vec<u16>,
-    /// Tiles of 4×4 in a row.
+    /// Number of 4×4 tiles in a row.
     pub across: usize,
-    /// Screen coordinates of columns and rows of pixels, by fours; not of patches.
+    /// Screen coordinates of columns and of rows of pixels, in groups of four; unused for patches.
     pub screens: &'a [Vec<[f64; 4]>; 2],
-    /// The farthest end of a segment.
+    /// Largest |s| of a segment's end.
     pub size: f64,
     pub limits: Limits<T>,
     pub memory: &'a mut Memory<T>,
     pub work: &'a mut KernelStats,
-    /// Whether nobody wants what is still to be found.
+    /// True if the rest of the band is not wanted any more.
     pub over: bool,
-    /// How many calls had been made when that was asked.
+    /// Number of kernel calls when this was last checked.
     pub polled: u64,
-    /// Vectors that the processor has.
+    /// Vector instructions of the processor.
     pub simd: S,
 }
 
 impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
-    /// The first and last column and row of a tile's pixels in the band.
+    /// Returns the first and last column and row of a tile's pixels in the band.
     #[inline(always)]
     pub(super) fn pixels(&self, [column, row]: [usize; 2], level: usize) -> [[usize; 2]; 2] {
         let side = SIDES[level];
@@ -58,15 +57,15 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         [range(column, self.band.width), range(row, self.band.height)]
     }
 
-    /// The screen coordinate in the middle of a column of tiles, and how far its rays are from
-    /// that.
+    /// Returns the screen coordinate at the middle of a column of tiles, and the maximum distance
+    /// of its rays from there.
     #[inline(always)]
     pub(super) fn across(&self, column: usize, level: usize) -> [f64; 2] {
         let [columns, _] = self.pixels([column, 0], level);
         self.extent(0, columns[0], columns[1])
     }
 
-    /// The same of a row of tiles.
+    /// Like [`Self::across`], for a row of tiles.
     #[inline(always)]
     pub(super) fn upward(&self, row: usize, level: usize) -> [f64; 2] {
         let top = self.band.top;
@@ -77,15 +76,15 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         self.extent(1, top + rows[0], top + rows[1])
     }
 
-    /// The same of some columns of pixels, or rows, the last included.
+    /// Like [`Self::across`], for columns of pixels (axis 0) or rows (axis 1), including the last.
     #[inline(always)]
     pub(super) fn extent(&self, axis: usize, first: usize, last: usize) -> [f64; 2] {
         let centre = self.rays.screen(first + last, first + last)[axis];
         [centre, (last - first) as f64 * self.rays.unit]
     }
 
-    /// The first column and row of these tiles, if they are a square of sixteen of the last level
-    /// with all of their pixels in the picture.
+    /// Returns the first column and row of these tiles, if they are a square of sixteen of the last
+    /// level with all pixels in the picture.
     #[inline(always)]
     pub(super) fn square(
         &self,
@@ -101,7 +100,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         is_square.then_some([columns.start, rows.start])
     }
 
-    /// Which of a square's tiles have pixels that are not finished, as bits.
+    /// Returns which tiles of a square have pixels that are not finished, as bits.
     #[inline(always)]
     pub(super) fn open_in_square(&self, [column, row]: [usize; 2]) -> u16 {
         let mut all = 0;
@@ -114,7 +113,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         all
     }
 
-    /// What is to be looked at of a segment.
+    /// Returns the part of a segment to examine, which a patch limits.
     pub(super) fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
         match self.rays.patch(self.band.top + place[1]) {
             Some(patch) => {
@@ -125,8 +124,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Which of these lanes' tiles are behind hits of other surfaces with all that is left of their
-    /// segments, as bits.
+    /// Returns which of these lanes hold tiles whose remaining segments lie behind hits of other
+    /// surfaces, as bits.
     #[inline(always)]
     pub(super) fn hidden(&self, level: &Level<T>, lanes: u16, depth: usize) -> u16 {
         if self.band.before.0.is_empty() {
@@ -138,7 +137,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         ones(lanes).filter(is_hidden).map(|lane| 1 << lane).sum()
     }
 
-    /// Whether all rays of a tile are behind hits of other surfaces from s on.
+    /// Returns whether all rays of a tile are behind hits of other surfaces from s on.
     pub(super) fn is_hidden(&self, place: [usize; 2], level: usize, s: f64) -> bool {
         let (status, drawn) = self.band.before;
         if status.is_empty() {
@@ -150,9 +149,9 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             (centre.abs() - half).max(0.0)
         };
         let (a, b) = (aside(0, columns), aside(1, rows.map(|row| self.band.top + row)));
-        // Of all rays the one with the shortest direction is the nearest at s.
+        // The ray with the shortest direction is the nearest at s.
         let shortest = if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
-        // No bracket reaches farther behind what is painted.
+        // A hit's bracket reaches no farther than this behind the painted point.
         let bracket = self.method.longest * self.footprint(s);
         let farthest = (self.frame.start + s - bracket) * shortest * (1.0 - ROUNDED);
         (rows[0]..=rows[1]).all(|row| {
@@ -162,13 +161,13 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         })
     }
 
-    /// Whether some pixel of a tile is not finished.
+    /// Returns whether a tile has a pixel that is not finished.
     #[inline(always)]
     pub(super) fn is_open(&self, place: [usize; 2], level: usize) -> bool {
         self.any_in(&self.open, place, level)
     }
 
-    /// Whether any bit of a tile is set among bits of each 4×4 tile.
+    /// Returns whether any bit of a tile is set, given the bits of each 4×4 tile.
     #[inline(always)]
     fn any_in(&self, bits: &[u16], [column, row]: [usize; 2], level: usize) -> bool {
         if level == LAST {
@@ -184,14 +183,14 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         })
     }
 
-    /// The width of a pixel in units of s.
+    /// Returns the width of a pixel in units of s.
     #[inline(always)]
     pub(super) fn footprint(&self, s: f64) -> f64 {
         self.rays.footprint(self.frame.start + s)
     }
 
-    /// Whether nobody wants what is still to be found. Not asked each time: to look at a clock
-    /// takes as long as a short call.
+    /// Returns whether the rest of the band is not wanted any more. This is not checked each time,
+    /// since reading a clock takes as long as a short call.
     #[inline(always)]
     pub(super) fn is_over(&mut self) -> bool {
         let calls = self.work.tiles.calls + self.work.segments.calls;

@@ -1,4 +1,4 @@
-//! Refinement of an isolated root to the tolerance. Signs at both ends of the rest are certain.
+//! Refinement of an isolated root to the tolerance. Signs at both ends of its part stay certain.
 
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::{LocalRay, bounds};
@@ -14,7 +14,7 @@ pub(super) struct Isolated {
     /// Approximate values at the ends.
     values: [f64; 2],
     is_above: [bool; 2],
-    /// Where the sign is uncertain, which is likely where the root is.
+    /// Stretch in which the sign is uncertain; the root is likely there.
     unsure: Option<[f64; 2]>,
     /// Index of the end that was moved last.
     moved: usize,
@@ -25,7 +25,7 @@ pub(super) struct Isolated {
 /// Maximum number of rounds. Every third round halves the part, so that it reaches 2⁻²² of the
 /// ray's length: the resolution of `f32`.
 const ROUNDS: u32 = 66;
-/// Distance of the next place from the end that was moved last, as a share of the tolerance.
+/// Distance from the end that was moved last to the next place, as a share of the tolerance.
 const BEYOND: f64 = 0.75;
 
 /// Refines roots to the tolerance.
@@ -53,7 +53,8 @@ pub(super) fn refine<T: Scalar>(
     }
 }
 
-/// Returns whether a value is certainly above 0, or `Some(false)` if it is certainly below.
+/// Returns the sign of a value: `Some(true)` if it is certainly above 0, `Some(false)` if it is
+/// certainly below.
 pub(super) fn sign(value: Interval) -> Option<bool> {
     if value.lo > 0.0 { Some(true) } else { (value.hi < 0.0).then_some(false) }
 }
@@ -73,8 +74,8 @@ impl Isolated {
         self.ends
     }
 
-    /// Returns the longer of the two sides beside where the sign is uncertain, or the whole part if
-    /// the sign is certain everywhere.
+    /// Returns the longer side beside the uncertain stretch, or the whole part without such a
+    /// stretch.
     fn longer(&self) -> [f64; 2] {
         let [near, far] = self.ends;
         match self.unsure {
@@ -88,8 +89,8 @@ impl Isolated {
         let [near, far] = self.longer();
         let middle = 0.5 * (near + far);
         let is_short = self.ends[1] - self.ends[0] <= self.enough;
-        // An uncertain place stays uncertain. The ends are close enough to it once they are within
-        // a share of the tolerance.
+        // The uncertain stretch does not shrink. The ends are near enough to it once they are
+        // within a share of the tolerance.
         let is_near = self.unsure.is_some() && far - near <= 0.125 * self.enough;
         is_short || is_near || !(near < middle && middle < far)
     }
@@ -116,7 +117,7 @@ impl Isolated {
         if let Some(is_above) = sign(value) {
             let end = usize::from(is_above != self.is_above[0]);
             (self.ends[end], self.values[end], self.moved) = (place, middle(value), end);
-            // The root may lie outside the uncertain place, which then no longer matters.
+            // The root may lie outside the uncertain stretch, which is then dropped.
             let [near, far] = self.ends;
             self.unsure = self.unsure.filter(|[first, last]| near <= *first && *last <= far);
         } else {

@@ -20,7 +20,7 @@ pub(super) struct Searcher<'a, T: Scalar> {
     suppress_asymptotes: bool,
 }
 
-/// Number of parts examined on one ray before its minimum length grows.
+/// Number of parts examined on a ray before the minimum length of its parts grows.
 const PATIENCE: u32 = 256;
 /// Factor by which the minimum length grows with each further part.
 const HASTE: f64 = 1.5;
@@ -34,7 +34,7 @@ struct Search<'a> {
     grain: f64,
     looked: u32,
     opened: u32,
-    /// Whether the ray is still on the surface that it started from.
+    /// True while the ray is on the surface that it started from.
     leaving: bool,
     outcome: Outcome,
     /// A part that holds one root, once it is found.
@@ -48,7 +48,7 @@ struct Candidate {
     ray: usize,
     ends: [f64; 2],
     cuboid: Cuboid,
-    /// Whether the function has no known finite bounds there.
+    /// True if the function has no known finite bounds there.
     unbounded: bool,
 }
 
@@ -79,7 +79,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         rays.into_iter().map(outcome).collect()
     }
 
-    /// Takes the next part of each ray, and returns those that may hold a zero.
+    /// Takes the next part of each ray, and returns the parts that may hold a zero.
     fn possible(&self, rays: &mut [Search], work: &mut KernelStats) -> Vec<Candidate> {
         let mut parts = Vec::with_capacity(LANES);
         for (number, ray) in rays.iter_mut().enumerate() {
@@ -105,7 +105,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         parts
     }
 
-    /// Isolates the root of each part, cuts the part in two, or finds it empty.
+    /// Isolates the root of each part, cuts it in two, or finds it empty.
     fn look(&self, rays: &mut [Search], parts: &[Candidate], work: &mut KernelStats) {
         let slopes =
             self.slopes.along(&cuboids(parts), |lane| rays[parts[lane].ray].way.direction, work);
@@ -188,8 +188,8 @@ impl<'a> Search<'a> {
     fn new<T: Scalar>(way: &'a LocalRay, start: Start) -> Self {
         let [near, far] = way.span;
         let [first, last] = [way.inside[0].max(near), way.inside[1].min(far)];
-        // No sign is known where the ray crosses the region's faces. The ends there, which rounding
-        // leaves open, are parts of their own.
+        // No sign is known where the ray crosses the region's faces. Rounding leaves the ends there
+        // open, so they are separate parts.
         let mut parts = Vec::with_capacity(16);
         if first < last {
             parts.extend([[last, far], [first, last], [near, first]]);

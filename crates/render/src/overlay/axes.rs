@@ -2,9 +2,8 @@
 
 use super::canvas::{Canvas, Rgb};
 use super::ticks::ticks;
+use crate::picture::Picture;
 use glam::{DVec2, DVec3};
-use zeroset_live::Rendering;
-use zeroset_render::picture::Picture;
 use zeroset_scene::view::corners;
 use zeroset_space::Region;
 use zeroset_trace::{Camera, Projection};
@@ -23,16 +22,12 @@ const PIECES: usize = 256;
 /// What is shown, and from where.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
+    /// The camera that took it.
     pub camera: &'a Camera,
+    /// The region that it shows.
     pub region: &'a Region,
+    /// The picture itself.
     pub picture: &'a Picture,
-}
-
-impl<'a> From<&'a Rendering> for Shown<'a> {
-    fn from(rendering: &'a Rendering) -> Self {
-        let (camera, picture) = (&rendering.camera, &rendering.picture);
-        Self { camera, region: rendering.model.region(), picture }
-    }
 }
 
 impl Shown<'_> {
@@ -305,29 +300,25 @@ fn label(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
-    use zeroset_live::{Live, Request};
-    use zeroset_render::picture::Settings;
+    use crate::framing;
+    use crate::model::Model;
+    use crate::picture::Settings;
+    use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 
     /// What is written around the domain ±2 in a window of this size.
     fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
-        let settings = Settings {
-            options: zeroset_trace::TraceOptions { depth: 4, ..Default::default() },
-            width,
-            height,
-            ..Settings::default()
-        };
-        let text = "domain 2\nx^2+y^2+z^2 = 1".into();
-        let live = Live::new(Request { text, settings, ..Request::default() });
-        let limit = Duration::from_mins(1);
-        assert!(live.wait(limit));
-        if fitted {
-            live.fit();
-            assert!(live.wait(limit));
-        }
-        let rendering = live.snapshot().rendering.expect("a picture");
+        let settings = Settings { width, height, ..Settings::default() };
+        let document = zeroset_syntax::read("domain 2\nx^2+y^2+z^2 = 1", &Default::default());
+        let (document, choice) = (document.expect("reads"), CameraChoice::default());
+        let region = view::region(&document, DomainChoice::Document, None).expect("a cube").0;
+        let model = Model::new(&document, &region, &settings).expect("a model");
+        let whole = framing::of_domain(&region, &document, &choice, &settings);
+        let near = framing::camera(&model, &document, &choice, &settings);
+        let camera = if fitted { whole } else { near }.expect("a camera");
+        let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
+        let shown = Shown { camera: &camera, region: &region, picture: &picture };
         let pixels = vec![0x00ff_ffff; width * height];
-        draw_box(&mut Canvas::new(width, height, pixels, scale), (&*rendering).into(), height)
+        draw_box(&mut Canvas::new(width, height, pixels, scale), shown, height)
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Where an axis has ticks, and how they are written: round numbers, or multiples of π where its
 //! ends are such.
 
+use super::legend::nice;
 use std::f64::consts::{FRAC_PI_2, PI};
-use zeroset_render::legend::nice;
 use zeroset_scene::coordinate::of_pi;
 
 /// Ticks on an axis, about.

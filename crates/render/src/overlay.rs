@@ -1,10 +1,16 @@
-//! What is drawn around a picture: axes, and which value has which color.
+//! Axes and legends over a picture.
 
-use super::arguments::ShadingArgs;
-use super::canvas::Canvas;
-use super::overlay::{Shown, draw_box};
-use super::ticks::ticks;
-use zeroset_render::legend::Legend;
+mod axes;
+mod canvas;
+mod legend;
+mod ticks;
+
+pub use axes::Shown;
+pub use canvas::{Canvas, Rgb};
+pub use legend::{Legend, nice};
+
+use axes::draw_box;
+use ticks::ticks;
 use zeroset_syntax::Document;
 
 /// Rows of a picture for each pixel of a letter's dots, about.
@@ -31,10 +37,10 @@ impl Around {
         Self { axes, legend: document.picture.legend.unwrap_or(axes) }
     }
 
-    /// As the command line says, or else the document.
-    pub fn asked(asked: &ShadingArgs, document: &Document) -> Self {
-        let said = Self::new(asked.axes || document.picture.axes == Some(true), document);
-        Self { legend: asked.legend || said.legend, ..said }
+    /// Axes and legend if the caller asks for them or the document does.
+    pub fn asked(axes: bool, legend: bool, document: &Document) -> Self {
+        let said = Self::new(axes || document.picture.axes == Some(true), document);
+        Self { legend: legend || said.legend, ..said }
     }
 
     /// As the document says.
@@ -131,9 +137,9 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Model;
+    use crate::picture::{Picture, Settings};
     use glam::DVec3;
-    use zeroset_render::model::Model;
-    use zeroset_render::picture::{Picture, Settings};
     use zeroset_space::Region;
     use zeroset_trace::{Camera, Projection};
 

@@ -26,8 +26,11 @@ fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
 
 /// An image as a window takes it: one number per pixel, row by row from the top.
 pub struct Canvas {
+    /// Pixels in a row.
     pub width: usize,
+    /// Number of rows.
     pub height: usize,
+    /// Row by row from the top; empty if only marks are kept.
     pub pixels: Vec<Rgb>,
     /// Pixels on the side of one dot of a letter.
     pub scale: usize,
@@ -107,7 +110,6 @@ impl Canvas {
     }
 
     /// Puts rows of so many pixels where they belong, as far as there is room for them.
-    #[cfg(feature = "window")]
     pub fn paste(&mut self, pixels: &[Rgb], width: usize, (left, top): (usize, usize)) {
         let shown = width.min(self.width.saturating_sub(left));
         let rows = self.pixels.chunks_exact_mut(self.width).skip(top);
@@ -117,7 +119,6 @@ impl Canvas {
     }
 
     /// A frame along the edge.
-    #[cfg(feature = "window")]
     pub fn border(&mut self, thickness: usize, color: Rgb) {
         let (w, h, t) = (self.width, self.height, thickness);
         self.fill(0, 0, w, t, color, 255);
@@ -161,7 +162,6 @@ impl Canvas {
     }
 
     /// Writes one line on a dark ground.
-    #[cfg(feature = "window")]
     pub fn label(&mut self, text: &str, x: i64, y: i64, color: Rgb) {
         let width = text.chars().count() * self.advance() + 8 * self.scale;
         self.fill(x, y, width, self.line_height(), 0x0020_2028, 208);
