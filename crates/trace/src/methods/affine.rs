@@ -145,8 +145,8 @@ impl<'a, T: Scalar> Affine<'a, T> {
 }
 
 impl<'a, T: Scalar> Affine<'a, T> {
-    /// Returns whether the eye is too far away for forms to tell where in the region a ray is.
-    /// Boxes, which are clipped to the region, still do.
+    /// Returns whether the eye is too far away for forms to tell where in the region a ray is. The
+    /// boxes of `knoll`, which are clipped to the region, still do.
     fn is_too_far(&self, frame: &RayFrame) -> bool {
         let extent = self.task.region.high() - self.task.region.low();
         frame.error.cmpgt(extent * FARTHEST).any()

@@ -79,8 +79,8 @@ impl<T: Real> Bridge<'_, T> {
         [near.max(way.start).max(enter), far.min(leave)]
     }
 
-    /// Returns the first place with a certain sign, and whether it is positive, on the way from
-    /// `start` to `end` in steps of growing length. Only the `wanted` sign counts, if one is given.
+    /// Returns the first place with a certain sign, and whether it is positive, from `start` to
+    /// `end` in steps of growing length. Only the `wanted` sign counts, if one is given.
     fn sign_from(
         &self,
         start: f64,

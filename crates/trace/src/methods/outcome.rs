@@ -6,7 +6,7 @@ use crate::ray_result::{RayResult, Status, UndecidedReason};
 use zeroset_eval::LANES;
 use zeroset_interval::Facts;
 
-/// Outcome of following a ray. Places are values of s.
+/// The outcome of following a ray. Places are values of s.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Outcome {
     /// Bracket of the first proven hit.

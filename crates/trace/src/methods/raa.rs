@@ -3,7 +3,7 @@
 //! Forum 28, 2009). A form has one symbol: a ray's position in a slab. A slab whose form does not
 //! reach 0 is empty.
 //!
-//! Forms are only tested for 0: slabs are halved, not contracted. In this it differs from `affine`.
+//! A form is only tested for 0: slabs are halved, not contracted. In this it differs from `affine`.
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::kernel_stats::KernelStats;

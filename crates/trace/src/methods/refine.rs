@@ -25,7 +25,7 @@ pub(super) struct Refiner<'a, T: Scalar> {
     pub solid: bool,
 }
 
-/// Parts of up to [`LANES`] rays.
+/// At most one part for each of up to [`LANES`] rays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Parts {
     /// Rays that have a part, as bits.
@@ -42,7 +42,7 @@ impl Parts {
     }
 }
 
-/// Parts of rays whose samples at the two ends differ in sign, a lane each.
+/// Brackets on rays, a lane each: samples at the two ends differ in sign.
 struct Brackets {
     ends: [Lanes<f64>; 2],
     values: [Lanes<f64>; 2],

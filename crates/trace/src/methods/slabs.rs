@@ -71,7 +71,7 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
     suppress_asymptotes: bool,
 }
 
-/// Outcomes of a packet's rays. Places are values of τ; sets of rays are bits.
+/// The outcomes of a packet's rays. Places are values of τ; sets of rays are bits.
 #[derive(Clone, Copy, Debug, Default)]
 struct Outcomes<T> {
     /// Rays on which a root is drawn.

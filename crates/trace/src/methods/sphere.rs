@@ -62,14 +62,14 @@ struct Walk {
     steps: u32,
     /// True while the ray is on the surface that it started from.
     leaving: bool,
-    /// End of the part that is certainly in the region.
+    /// The end of the part that is certainly in the region.
     end: f64,
     /// True if there may be a zero before and behind that part. A ray's place at the region's faces
     /// is known only to within rounding.
     open: [bool; 2],
 }
 
-/// End of the search along a ray. Places are values of s.
+/// The end of the search along a ray. Places are values of s.
 enum End {
     /// The ray meets no zero.
     Empty,

@@ -113,7 +113,7 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     Some((region, rays, frame))
 }
 
-/// Sixteen tiles with this many pixels on a side: their first pixels, centers and half extents.
+/// Random tiles with `side` pixels on a side: their first pixels, centers and half extents.
 struct Sixteen {
     side: usize,
     first: [[usize; 2]; LANES],

@@ -171,8 +171,8 @@ impl RayFrame {
             for axis in 0..3 {
                 let [o, d] = [rays.range(origin[axis], k), rays.range(direction[axis], k)];
                 let (low, high) = (low[axis] - error[axis], high[axis] + error[axis]);
-                // Rays that go the same way enter after the earliest possible entry, and leave
-                // before the latest possible exit.
+                // If all rays go the same way, they enter after the earliest possible entry, and
+                // leave before the latest possible exit.
                 let (up, down) = (d[0].simd_gt(0.0), d[1].simd_lt(0.0));
                 let enter = up.select(low - o[1], o[0] - high);
                 let leave = up.select(high - o[0], o[1] - low);

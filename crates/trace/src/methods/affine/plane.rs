@@ -56,7 +56,7 @@ impl<T: Scalar> PlaneLanes<T> {
             for (axis, slope) in [across, upward].into_iter().enumerate() {
                 let half = part.load(&batch.half[axis]);
                 let per_screen = per_value * slope / half;
-                // Rays' screen coordinates are rounded to `T`.
+                // The screen coordinates of rays are rounded to `T`.
                 let off = T::UNIT * aside[axis] + T::LEAST_NORMAL.into();
                 reach = per_screen.abs().mul_add(T::nearest(off), reach);
                 screen += half;

@@ -35,7 +35,7 @@ pub(super) struct Follower<'a, T: Scalar> {
 const STRETCH: f64 = 256.0;
 
 /// Beside a gap more parts stay open than are examined. The length that is skipped behind each
-/// grows by this factor, up to that of a hit's bracket. The ray is undecided either way, and a root
+/// grows by this factor, up to that of a hit's bracket. The ray is undecided anyway, and a root
 /// behind the gap should be painted.
 const GROWTH: f64 = 4.0;
 
@@ -203,7 +203,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     fn bridge_in<U: Scalar>(&self, way: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
-        // A preview paints the place either way.
+        // A preview paints the place anyway.
         if !self.task.options.intervals || self.task.options.least > 0.0 {
             return None;
         }
