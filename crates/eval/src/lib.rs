@@ -11,6 +11,7 @@ mod batch;
 mod binding;
 mod branches;
 mod differentiable;
+mod enclosure;
 mod forms;
 mod lanes;
 mod query;
@@ -25,6 +26,7 @@ pub use batch::{
     PATH_UNITS, Planes, Points, Segments, Tiles, Values, Zeros,
 };
 pub use binding::Binding;
+pub use enclosure::{enclose, enclose_all};
 pub use lanes::{LANES, Lanes};
 pub use query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Query,

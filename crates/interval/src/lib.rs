@@ -11,6 +11,7 @@ mod enclosure;
 mod facts;
 mod fold;
 mod machine;
+mod outward;
 mod point;
 pub mod round;
 mod rules;

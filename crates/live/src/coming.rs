@@ -1,6 +1,6 @@
-//! How what is known from other programs is written here: one table, for the help and the README.
+//! How formulas of other programs are written here: one table, for the help and the README.
 
-/// Rows of where one comes from, what is written there, and what to write here.
+/// Rows of program, formula as written there, and formula as written here.
 pub const COMING: &[(&str, &str, &str)] = &[
     ("Desmos", "z = {x < 0: x^2, x}", "the same; a slider is `a = 1 in [0, 5]`"),
     (

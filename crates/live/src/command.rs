@@ -1,5 +1,5 @@
-//! Lines that are typed, and the commands among them: one row per command, from which reading,
-//! help, completion and suggestions are derived. What touches files is left to the caller.
+//! Entered lines and the table of commands. Parsing, help, completion and suggestions are derived
+//! from the table. Reading and writing files is left to the caller.
 
 use super::help::help;
 use super::pipeline::Request;
@@ -14,36 +14,36 @@ use zeroset_space::Region;
 use zeroset_style::StandardView;
 use zeroset_trace::OPTIONS;
 
-/// What a line asks for.
+/// An entered line, parsed.
 enum Line<'a> {
-    /// Nothing but spaces.
+    /// Only whitespace.
     Empty,
-    /// Part of the document.
+    /// A part of the document.
     Text(&'a str),
-    /// A command and what follows its name.
+    /// A command and its arguments.
     Command(&'static CommandRow, &'a str),
 }
 
-/// One command: how it is described and what it does.
+/// A command: its description and its function.
 #[derive(Clone, Copy)]
 pub struct CommandRow {
-    /// Its name, without the colon.
+    /// Name, without the colon.
     pub name: &'static str,
-    /// What follows the name, in the notation of a manual.
+    /// Arguments, in the notation of a manual page.
     pub arguments: &'static str,
-    /// One line on what it does.
+    /// One line of help.
     pub doc: &'static str,
-    /// Carries it out; `None` if what follows the name is not as `arguments` says.
+    /// Runs the command. Returns `None` if the arguments do not match `arguments`.
     run: fn(&Live, &str) -> Option<Result<Reply, Refusal>>,
 }
 
-/// Number of rows before those of the options of methods, which follow `method`.
+/// Number of rows before the options of methods. The last of them is `method`.
 const OPTIONS_AFTER: usize = 18;
 
-/// The command that draws one more surface.
+/// Name of the command that adds a surface.
 const ADD: &str = "add";
 
-/// Every command, in the order of the help: one row each, and one for each option of a method.
+/// All commands, in the order of the help, including one for each option of a method.
 pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
     let options = OPTIONS.iter().filter(|option| !option.command.is_empty());
     let rows = options.map(|option| CommandRow {
@@ -56,7 +56,7 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
     before.iter().copied().chain(rows).chain(after.iter().copied()).collect()
 });
 
-/// The commands that are no option of a method.
+/// The commands that are not options of a method.
 #[rustfmt::skip]
 const ROWS: &[CommandRow] = &[
     CommandRow { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
@@ -119,8 +119,8 @@ const ROWS: &[CommandRow] = &[
 ];
 
 impl Live {
-    /// Shows what the document would be if `line`, which is still being typed, were entered. A
-    /// command shows nothing new.
+    /// Draws the document as it would be with `line` entered, while it is still being typed.
+    /// Commands other than `:add` change nothing.
     pub fn type_line(&self, line: &str) {
         match read(line) {
             Ok(Line::Text(formula)) => self.show_typed(Some(formula), false),
@@ -134,7 +134,7 @@ impl Live {
     /// Enters a line: a part of the document, or a command.
     ///
     /// # Errors
-    /// If the document would be wrong, or the command is.
+    /// If the document would have errors, or the command has one.
     pub fn enter(&self, line: &str) -> Result<Reply, Refusal> {
         match read(line).map_err(Refusal::Command)? {
             Line::Empty => {
@@ -157,7 +157,7 @@ fn done(result: Result<(), Refusal>) -> Result<Reply, Refusal> {
     result.map(|()| Reply::Done)
 }
 
-/// A share from 0 to 1, perhaps in hundredths.
+/// An opacity within [0, 1], which may be typed in percent.
 fn opacity(text: &str) -> Option<f64> {
     let share = match text.strip_suffix('%') {
         Some(hundredths) => view::number(hundredths)? / 100.0,
@@ -166,13 +166,13 @@ fn opacity(text: &str) -> Option<f64> {
     (0.0..=1.0).contains(&share).then_some(share)
 }
 
-/// The text, if there is one.
+/// The text, unless it is empty.
 fn given(text: &str) -> Option<String> {
     (!text.is_empty()).then(|| text.to_owned())
 }
 
-/// What may be left out: `Some(None)` if it is, `None` if it is wrong.
-#[allow(clippy::option_option)] // an argument left out, and one that cannot be read
+/// Parses an optional argument: `Some(None)` if it is missing, `None` if it is malformed.
+#[allow(clippy::option_option)] // tells a missing argument from a malformed one
 fn optional<T>(text: &str, read: impl FnOnce(&str) -> Option<T>) -> Option<Option<T>> {
     if text.is_empty() { Some(None) } else { read(text).map(Some) }
 }
@@ -182,7 +182,7 @@ fn set(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
     let (name, value) = (name.trim(), value.trim());
     let plain = |c: char| c.is_alphanumeric() || c == '_';
     let valid = !name.is_empty() && name.chars().all(plain) && !value.is_empty();
-    // One definition, not the beginning of a document.
+    // Refuses anything but a single definition.
     if !valid || value.contains(['\n', ';', '=']) {
         return None;
     }
@@ -214,7 +214,7 @@ fn look_at(live: &Live, domain: DomainChoice) -> Result<Reply, Refusal> {
     Ok(Reply::Done)
 }
 
-#[allow(clippy::unnecessary_wraps)] // as all commands
+#[allow(clippy::unnecessary_wraps)] // same signature as all commands
 fn look_from(live: &Live, view: &'static StandardView) -> Result<Reply, Refusal> {
     live.change(|request: &mut Request| {
         let projection = request.choice.projection;
@@ -224,10 +224,10 @@ fn look_from(live: &Live, view: &'static StandardView) -> Result<Reply, Refusal>
     Ok(Reply::Done)
 }
 
-/// Reads a line. A command may be shortened to any prefix that only it has.
+/// Parses a line. A command may be shortened to any unique prefix.
 ///
 /// # Errors
-/// One line that says what is wrong with a command, with a suggestion where there is one.
+/// A one-line message about a wrong command, with a suggestion if there is one.
 fn read(text: &str) -> Result<Line<'_>, String> {
     let text = text.trim();
     let Some(command) = text.strip_prefix(':') else {
@@ -238,13 +238,13 @@ fn read(text: &str) -> Result<Line<'_>, String> {
 }
 
 impl CommandRow {
-    /// The command with what follows it.
+    /// The command with its arguments.
     pub fn usage(&self) -> String {
         format!(":{} {}", self.name, self.arguments).trim_end().to_owned()
     }
 }
 
-/// The row of a command by its name or a prefix that only it has.
+/// The row of a command, by its name or a unique prefix.
 fn row(name: &str) -> Result<&'static CommandRow, String> {
     if let Some(row) = COMMANDS.iter().find(|row| row.name == name) {
         return Ok(row);
@@ -256,7 +256,7 @@ fn row(name: &str) -> Result<&'static CommandRow, String> {
     }
     let shown: String = name.chars().take(20).collect();
     let options = if shortened.is_empty() {
-        // A slip of the finger, not another word.
+        // Suggests only typing errors, not other words.
         let distance = |row: &&CommandRow| strsim::damerau_levenshtein(row.name, &shown);
         let nearest = COMMANDS.iter().min_by_key(distance).filter(|row| distance(row) <= 2);
         nearest.into_iter().collect()

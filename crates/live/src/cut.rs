@@ -1,4 +1,4 @@
-//! The clipping plane: what is in front of it is cut away. Knows no keys.
+//! The clipping plane and its commands. Knows no keys.
 
 use super::reply::{Refusal, Reply, refused, say};
 use super::session::Live;
@@ -8,9 +8,9 @@ use zeroset_scene::view::{ClipChoice, typed_clip};
 use zeroset_space::{HalfSpace, Region};
 
 impl Live {
-    /// Cuts away what lies between the eye and the middle of what is looked at, or, if something is
-    /// cut away already, nothing any more; tells whether something is now. Nothing happens before
-    /// there is a picture.
+    /// Switches the clipping plane on or off. A new plane passes through the camera's target, faces
+    /// the eye, and cuts away the near half. Returns whether there is a plane. Does nothing before
+    /// the first picture.
     pub fn toggle_cut(&self) -> bool {
         let Some(seen) = self.snapshot().rendering else { return false };
         let mut cuts = false;
@@ -28,8 +28,8 @@ impl Live {
         cuts
     }
 
-    /// Moves the clipping plane along its normal, away from what is kept if `steps` is positive: a
-    /// step is a fiftieth of half the domain's extent. Nothing happens without a plane.
+    /// Moves the clipping plane along its normal; positive `steps` uncover more. A step is a
+    /// fiftieth of the region's half extent. Does nothing without a plane.
     pub fn move_cut(&self, steps: f64) {
         let Some(seen) = self.snapshot().rendering else { return };
         let step = seen.model.region().half_extent() / 50.0;
@@ -42,12 +42,12 @@ impl Live {
     }
 }
 
-/// No plane, said only where the document has one of its own.
+/// The choice of no plane. It is explicit only if the document has one.
 fn none(own: Option<HalfSpace>) -> ClipChoice {
     if own.is_some() { ClipChoice::Off } else { ClipChoice::Document }
 }
 
-/// Sets the plane, takes it away, or tells which it is; `None` if what is given is no plane.
+/// Sets, removes or reports the clipping plane. Returns `None` if `text` is not a plane.
 pub(super) fn clip(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
     let request = live.request();
     let own = || request.read().ok().and_then(|document| typed_clip(&document));

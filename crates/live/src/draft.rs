@@ -1,5 +1,5 @@
-//! How a line that is entered changes a document's text. Knows statements and lines, but not what
-//! they mean.
+//! How entering a line changes a document's text. Knows statements and lines, but not their
+//! meaning.
 
 use super::values::{Place, kept_range, name, place, right_side};
 use std::ops::Range;
@@ -7,12 +7,15 @@ use zeroset_scene::view::number;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse, setting_word};
 
-/// The text after `line` has been entered into it: a definition replaces the one with the same
-/// name, a single value where that stands; a drawing replaces all others, or joins them if
-/// `adding`, and is seen whatever was hidden; a `domain`, `view` or `color` line replaces the one
-/// before. A number for a value with a range keeps the range, which is extended to hold it. Text or
-/// line may be wrong; reading the result tells where. A text that is wrong even with the line is
-/// given up.
+/// The text after `line` is entered.
+///
+/// - A definition replaces the one with the same name; a single value is replaced in place.
+/// - A drawing replaces all others, or is added to them if `adding`. It is never hidden.
+/// - A line such as `domain`, `view` or `color` replaces the earlier one.
+/// - A new number keeps the range of the old value, widened to hold it.
+///
+/// Text and line may contain errors; reading the result reports them. If the text has errors that
+/// `line` does not mend, the result is `line` alone.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
@@ -23,7 +26,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let joined = format!("{base}\n{line}");
     if let Some(word) = scene_word(line) {
         let (kept, new) = (without_lines(base, word), line);
-        // These are about the drawings below.
+        // These apply to the drawings below them, so the line goes to the top.
         return if matches!(word, "color" | "opacity" | "hidden") {
             let (comment, rest) = kept.split_at(heading(&kept));
             format!("{comment}{new}\n{rest}")
@@ -35,7 +38,8 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         return joined;
     };
     let start = base.len() + 1;
-    // What reading adds, such as the definitions of coordinates, stands nowhere.
+    // Statements that the parser adds, such as definitions of coordinates, have no place in the
+    // text.
     let typed = statements.iter().map(|one| (extent(one), one)).filter(|(_, one)| is_typed(one));
     let (old, new): (Vec<_>, Vec<_>) = typed.partition(|(span, _)| span.start < start);
     if let Some(text) = revalued(base, line, &old, &new) {
@@ -50,7 +54,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
         kept.replace_range(piece(&joined, span), "");
     }
-    // A function of a program is more than its name and its result; the later one counts anyway.
+    // Removing a function from a program can break it. The later definition takes effect anyway.
     if parse(&kept, &limits).is_err() {
         return joined;
     }
@@ -64,30 +68,30 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     kept.trim_start_matches('\n').to_owned()
 }
 
-/// Whether a line defines what a text lacks to be read.
+/// Whether a line consists of definitions that make the text parse.
 pub(super) fn completes(text: &str, line: &str) -> bool {
     let limits = Limits::default();
     parse(line, &limits).is_ok_and(|all| all.iter().all(|one| name(one).is_some()))
         && parse(&format!("{}\n{line}", text.trim_end()), &limits).is_ok()
 }
 
-/// Whether what follows a text would not be seen.
+/// Whether a drawing added at the end of the text would be hidden.
 fn is_hidden_below(text: &str) -> bool {
     let last = text.lines().rfind(|line| scene_word(line) == Some("hidden"));
     last.is_some_and(|line| line.split_whitespace().nth(1) != Some("off"))
 }
 
-/// A text without the lines that begin with a word about the scene.
+/// The text without the scene lines that begin with this word.
 fn without_lines(text: &str, word: &str) -> String {
     let kept: Vec<&str> = text.lines().filter(|line| scene_word(line) != Some(word)).collect();
     kept.join("\n")
 }
 
-/// The text without its `number`-th drawing, counted from 1, or how many drawings there are
-/// instead.
+/// The text without its `number`-th drawing, counted from 1.
 ///
 /// # Errors
-/// The number of drawings that were typed, where there is no such one; 0 of a text that is wrong.
+/// The number of typed drawings, if it is less than `number` or `number` is 0; 0 if the text has
+/// errors.
 pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize> {
     let drawings = drawings(text);
     let Some(span) = number.checked_sub(1).and_then(|index| drawings.get(index)) else {
@@ -98,21 +102,21 @@ pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize
     Ok(kept.trim_start_matches('\n').trim_end().to_owned())
 }
 
-/// Where the drawings of a text stand, in order.
+/// The ranges of the drawings in a text, in order.
 fn drawings(text: &str) -> Vec<Range<usize>> {
     let statements = parse(text, &Limits::default()).unwrap_or_default();
     let draws = |one: &&Statement| matches!(one, Statement::Draw { .. }) && is_typed(one);
     statements.iter().filter(draws).map(extent).collect()
 }
 
-/// Whether a line that is entered into a text replaces what it draws. Alone `x = r` may define `r`,
-/// which the text has.
+/// Whether entering a line into a text adds a drawing. Alone, `x = r` may define `r`, which the
+/// text defines already.
 pub(super) fn draws(text: &str, line: &str) -> bool {
     let joined = format!("{text}\n{line}");
     scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
 }
 
-/// A text without those of `lines` that are comments or say where to look from and at what.
+/// The text without those of `lines` that are comments, `domain` lines or `view` lines.
 pub(super) fn without_scenery(text: &str, lines: &str) -> String {
     let is_scenery = |line: &str| {
         line.trim_start().starts_with('#') || matches!(scene_word(line), Some("domain" | "view"))
@@ -122,7 +126,7 @@ pub(super) fn without_scenery(text: &str, lines: &str) -> String {
     kept.join("\n")
 }
 
-/// Whether a statement was typed, and not added by reading.
+/// Whether a statement was typed, not added by the parser.
 fn is_typed(statement: &Statement) -> bool {
     let span = match statement {
         Statement::Draw { expr, .. } => expr.span,
@@ -131,8 +135,8 @@ fn is_typed(statement: &Statement) -> bool {
     span.start < span.end
 }
 
-/// The text with one value replaced where it stands, so that parameters keep their order, if that
-/// is all that `line` does.
+/// The text with one value replaced in place, so that parameters keep their order. `None` if `line`
+/// is anything but one definition of a value that the text has once.
 fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> Option<String> {
     let value = |(_, one): &Placed<'_>| match one {
         Statement::Define(value) if value.parameters.is_none() => Some(value.name.text.clone()),
@@ -153,11 +157,11 @@ fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> O
     Some(format!("{}{line}{space}{}", &base[..span.start], &base[end..]))
 }
 
-/// The text with another value for `name`, and with this range if it has none; its definition is
-/// added if there is none.
+/// The text with `name` set to `value`. A definition without a range gets `range`. A missing
+/// definition is added.
 pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Option<String> {
     let Some(Place { body, range: typed }) = place(text, name) else {
-        // A text that lacks a value given on the command line is read with the definition only.
+        // A text that lacks a value from the command line parses only with the definition added.
         let joined = format!("{}\n{name} = {value} in {range}", text.trim_end());
         return parse(&joined, &Limits::default()).is_ok().then_some(joined);
     };
@@ -167,19 +171,19 @@ pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Op
             let (low, high) = (number(&text[low])?, number(&text[high])?);
             Some((low..=high).contains(&number(value)?))
         };
-        // One from the command line may lie beyond the range, and then so may its neighbours.
+        // A value from the command line may lie outside the range, so the next ones may, too.
         let extended = || entered(text, &format!("{name} = {value}"), false);
         return Some(if holds() == Some(false) { extended() } else { with(value) });
     }
-    // A program's definition, say, has no place for a range.
+    // Some definitions, as in programs, allow no range.
     let is_read = |new: &String| right_side(new, name).is_some_and(|(read, _)| read == value);
     [format!("{value} in {range}"), value.to_owned()].iter().map(|what| with(what)).find(is_read)
 }
 
-/// A statement and where it stands.
+/// A statement and its range in the text.
 type Placed<'a> = (Range<usize>, &'a Statement);
 
-/// The first word of a line that is about the scene rather than a formula.
+/// The first word of a line about the scene. `None` if the line is a formula or a definition.
 fn scene_word(line: &str) -> Option<&'static str> {
     let word = line.split_whitespace().next()?;
     // `domain = 2` would define a value of that name.
@@ -187,7 +191,7 @@ fn scene_word(line: &str) -> Option<&'static str> {
     setting_word(word).filter(|_| !defines)
 }
 
-/// Bytes of the comment that a text starts with.
+/// Length in bytes of the comment lines at the start of a text.
 fn heading(text: &str) -> usize {
     text.split_inclusive('\n').take_while(|line| line.starts_with('#')).map(str::len).sum()
 }
@@ -205,7 +209,8 @@ fn extent(statement: &Statement) -> Range<usize> {
     }
 }
 
-/// The whole piece of `text` around a statement, with the break or comment that ends it.
+/// The range of a statement, extended to the line or semicolon that contains it, with the break or
+/// comment that ends it.
 fn piece(text: &str, span: &Range<usize>) -> Range<usize> {
     let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
     let rest = &text[span.end..];
@@ -219,13 +224,13 @@ fn piece(text: &str, span: &Range<usize>) -> Range<usize> {
     start..span.end + end
 }
 
-/// Where a line, a statement or its comment ends what `rest` begins with.
+/// Offset of the first line break, semicolon or comment in `rest`.
 fn end_of_statement(rest: &str) -> Option<usize> {
     let end = rest.find(['\n', ';', '#']);
     rest.find("//").filter(|at| end.is_none_or(|end| *at < end)).or(end)
 }
 
-/// Whether a comment begins here.
+/// Whether `rest` begins with a comment.
 fn is_comment(rest: &str) -> bool {
     rest.starts_with('#') || rest.starts_with("//")
 }

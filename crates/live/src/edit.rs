@@ -1,5 +1,5 @@
-//! How a document is changed: lines entered, values set, surfaces taken away. What is wrong is
-//! refused before anything changes. Knows no commands.
+//! Edits of the document: entering lines, setting values, deleting surfaces. An edit that would be
+//! wrong is refused before anything changes. Knows no commands.
 
 use super::draft::{completes, draws, entered, without_scenery};
 use super::pipeline::Request;
@@ -16,20 +16,20 @@ use zeroset_scene::view::is_idle;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Document, ErrorKind, Limits, Note, NoteKind, parse};
 
-/// What an edit has made of a document.
+/// Result of an edit.
 pub(super) struct Edit {
     text: Arc<str>,
-    /// The names that it gave another meaning.
+    /// Names that the edit defines or redefines.
     defined: Vec<String>,
-    /// Another name of the document.
+    /// The new source of the document, if it changes.
     source: Option<DocumentSource>,
-    /// The document as read; `None` while it defines names only.
+    /// The document as read. `None` while it only defines names.
     document: Option<Document>,
 }
 
 impl Live {
-    /// Shows what the document would be if a line that is still being typed were entered; `None`
-    /// for the document as it is.
+    /// Draws the document as it would be with `line` entered, while it is still being typed. `None`
+    /// draws the document itself.
     pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
         let shown = |Said { request, readable, .. }: &Said| {
             Ok(match line {
@@ -62,8 +62,7 @@ impl Live {
         Ok(unused.map_or(Reply::Done, |note| Reply::Say(format!("noted; {}", note.kind))))
     }
 
-    /// Gives a name a value in the document; a slider keeps its range, which is extended to hold
-    /// the value.
+    /// Sets a value in the document. A slider's range is kept, widened to hold the value.
     pub(super) fn set(&self, name: &str, value: &str) -> Result<Reply, Refusal> {
         let document = self.edit(None, |request, readable| {
             let line = format!("{name} = {value}");
@@ -85,8 +84,8 @@ impl Live {
         })
     }
 
-    /// Replaces the document by what `work` makes of it and of the last text that could be read,
-    /// perhaps as a part of a gesture, and returns it as read.
+    /// Replaces the document by the result of `work`, which gets the request and the last text that
+    /// parsed. Returns the document as read. The edit may be part of a gesture.
     pub(super) fn edit(
         &self,
         gesture: Option<Gesture>,
@@ -115,12 +114,12 @@ impl Live {
 }
 
 impl Edit {
-    /// Reads a text in which a line has defined some names.
+    /// Reads a text after an edit that defined some names.
     ///
     /// # Errors
-    /// If it is wrong, or if a formula has no surface.
+    /// If the text has an error, or a formula has no surface.
     pub fn checked(request: &Request, text: String, defined: Vec<String>) -> Result<Self, Refusal> {
-        // What was given on the command line would otherwise go on to hide the definition.
+        // Otherwise, a value from the command line would override the new definition.
         let mut request = request.clone();
         request.forget_given(&defined);
         let document = match zeroset_syntax::read(&text, &request.options()) {
@@ -128,23 +127,22 @@ impl Edit {
                 Program::new(&document, [Interval::ENTIRE; 3]).map_err(Refusal::Program)?;
                 Some(document)
             }
-            // A definition may come before the formula that needs it.
+            // A definition may be entered before the formula that uses it.
             Err(errors) if errors.iter().all(is_nothing_to_draw) => None,
             Err(errors) => return Err(Refusal::Text { text, errors }),
         };
         Ok(Self { text: text.into(), defined, source: None, document })
     }
 
-    /// A text that is known to draw what the one before did, as read.
+    /// The result of an edit that leaves all formulas as they were.
     pub fn unchecked(text: String, document: Document) -> Self {
         let (defined, source, document) = (Vec::new(), None, Some(document));
         Self { text: text.into(), defined, source, document }
     }
 }
 
-/// The text that entering a line leads to. A formula that takes the place of a surface of the
-/// gallery has nothing to do with that one's domain, view and comments, and they go with it.
-/// The second tells whether it does.
+/// The text after `line` is entered, and whether it is another document. A formula that replaces a
+/// gallery surface also removes the gallery's domain, view and comments.
 fn after(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
     let base = base(request, readable, line);
     match request.source {
@@ -155,11 +153,11 @@ fn after(request: &Request, readable: &str, line: &str, adding: bool) -> (String
     }
 }
 
-/// What a line is entered into: a text that can be read, if only with the line. One that lacks a
-/// value which was given on the command line is completed by that.
+/// The text that `line` is entered into. It parses, or will with the line. Values that only the
+/// command line defined are added if the text lacks them.
 pub(super) fn base<'a>(request: &'a Request, readable: &'a str, line: &str) -> Cow<'a, str> {
     let is_read = |text: &str| parse(text, &Limits::default()).is_ok();
-    // What was taken away does not come back.
+    // An empty document stays empty.
     if request.text.trim().is_empty() || is_read(&request.text) || completes(&request.text, line) {
         return Cow::Borrowed(&request.text);
     }

@@ -1,5 +1,5 @@
-//! What can be typed, and what a name is: the help of the prompt, from the tables of commands, of
-//! functions and of what is written elsewhere.
+//! The help of the prompt, built from the tables of commands, of functions and of equivalents in
+//! other programs.
 
 use super::coming;
 use super::command::COMMANDS;
@@ -9,13 +9,13 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use zeroset_syntax::{COLOR_MAPS, WordKind, language_names, word_help, words};
 
-/// The word for which there is the table of what is written elsewhere.
+/// The topic that lists equivalents in other programs.
 const ELSEWHERE: &str = "coming";
 
-/// The command of which help tells what the words of the window mean.
+/// The command whose help also explains the words of the window's status line.
 const STATUS: &str = "status";
 
-/// What a function or a command is, or what can be typed if no name is given.
+/// Help on a function, command or word. Without a name, the list of all.
 pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     if name.is_empty() {
         return say(everything());
@@ -62,7 +62,7 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     let nearest = language_names()
         .chain(commands)
         .map(|other| {
-            // Of names equally near, the one that was typed in full and more.
+            // Among equally near names, prefers one that `bare` starts with.
             (strsim::damerau_levenshtein(other, bare), !bare.starts_with(other), other)
         })
         .min()

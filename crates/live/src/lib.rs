@@ -1,8 +1,9 @@
 //! The live picture: a document that is typed, changed and reloaded while its picture follows.
 //!
-//! [`Live`] holds the document and the settings; a thread of its own turns the latest request into
-//! a coarse and then a fine picture, and drops what is no longer wanted. Nothing here knows a
-//! terminal, a window or a file: callers hand over text and sizes, and take pictures and messages.
+//! [`Live`] holds the document and the settings. A worker thread turns the latest request into a
+//! coarse picture and then a fine one, and drops work that a newer request makes useless. The crate
+//! knows no terminal, window or file: callers pass text and sizes, and receive pictures and
+//! messages.
 //!
 //! ```
 //! use std::time::Duration;

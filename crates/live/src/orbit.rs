@@ -1,5 +1,5 @@
-//! A camera on a turntable: what dragging and zooming change. Lengths are in half extents of the
-//! region, so that the view survives when a surface grows; angles are in radians. Knows no mouse,
+//! A turntable camera, which dragging and zooming change. Lengths are in half extents of the
+//! region, so that the view adapts when a surface grows. Angles are in radians. Knows no mouse,
 //! only pixels.
 
 use glam::DVec3;
@@ -7,38 +7,38 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use zeroset_space::Region;
 use zeroset_trace::{Camera, CameraError, Projection};
 
-/// A point of view that turns about a pole.
+/// A camera position that turns about a pole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
-    /// The axis of the turntable, of length 1.
+    /// Axis of the turntable, of length 1.
     pole: DVec3,
     azimuth: f64,
     elevation: f64,
-    /// From the target to the eye.
+    /// Distance from the target to the eye.
     distance: f64,
-    /// The target, from the region's centre.
+    /// The target, relative to the region's center.
     target: DVec3,
-    /// With the height of a parallel projection in half extents.
+    /// Projection. The height of a parallel projection is in half extents.
     projection: Projection,
 }
 
-/// The nearest and farthest that can be zoomed.
+/// Nearest and farthest distance that zooming reaches.
 const NEAREST: f64 = 1e-4;
 const FARTHEST: f64 = 1e3;
 
-/// What the region's box takes of the picture, at most, when it is made to fit.
+/// Largest share of the picture that the region's box takes when fitted.
 const FILLED: f64 = 0.88;
 
-/// How far a drag across the whole height turns.
+/// Angle of a drag across the picture's whole height.
 const TURN: f64 = PI;
 
 impl Orbit {
-    /// The orbit on which `camera` lies.
+    /// The orbit of `camera`.
     pub fn from_camera(camera: &Camera, region: &Region) -> Self {
         let scale = region.half_extent();
         let back = camera.eye() - camera.target();
         let frame = camera.rays(1, 1);
-        // About z if that keeps the horizon level, else about the camera's own upward direction.
+        // The pole is z if that keeps the horizon level, else the camera's own up direction.
         let level = frame.right().z.abs() < 1e-9;
         let pole = match level {
             true if frame.up().z < -1e-9 => DVec3::NEG_Z,
@@ -46,7 +46,7 @@ impl Orbit {
             false => camera.up().normalize(),
         };
         let elevation = frame.forward().dot(-pole).clamp(-1.0, 1.0).asin();
-        // Straight up or down, the upward direction tells how the table is turned.
+        // Straight up or down, the up direction gives the azimuth.
         let lying = if back.cross(pole).length() < 1e-9 * back.length() {
             frame.up() * -elevation.signum()
         } else {
@@ -91,7 +91,8 @@ impl Orbit {
         (level * run + self.pole * rise, right, self.pole * run - level * rise)
     }
 
-    /// Half extents per pixel on the plane through the target, in a picture this many pixels high.
+    /// Half extents per pixel in the plane through the target, for a picture of this height in
+    /// pixels.
     fn unit(&self, height: usize) -> f64 {
         let visible = match self.projection {
             Projection::Orthographic { height } => height,
@@ -100,21 +101,21 @@ impl Orbit {
         visible / height.max(1) as f64
     }
 
-    /// Turns by a drag of so many pixels to the right and downward.
+    /// Turns by a drag of this many pixels to the right and downward, in a picture of this height.
     pub fn turn(&mut self, across: f64, down: f64, height: usize) {
         let angle = TURN / height.max(1) as f64;
         self.azimuth = (self.azimuth - across * angle).rem_euclid(2.0 * PI);
         self.elevation = (self.elevation + down * angle).clamp(-FRAC_PI_2, FRAC_PI_2);
     }
 
-    /// Moves with a drag of so many pixels: what is at the target's distance follows the pointer.
+    /// Pans by a drag of this many pixels. Points at the target's distance follow the pointer.
     pub fn pan(&mut self, across: f64, down: f64, height: usize) {
         let (_, right, up) = self.directions();
         self.target += (up * down - right * across) * self.unit(height);
     }
 
-    /// Scales what is seen by `1 / factor`, about a place so many pixels right of and below the
-    /// middle.
+    /// Scales the view by `1 / factor` about a point this many pixels to the right of and below the
+    /// picture's middle.
     pub fn zoom(&mut self, factor: f64, across: f64, down: f64, height: usize) {
         let factor = (self.distance * factor).clamp(NEAREST, FARTHEST) / self.distance;
         let (_, right, up) = self.directions();
@@ -125,16 +126,16 @@ impl Orbit {
         }
     }
 
-    /// Shows the whole of the box of `shown` from the same side, with space around it for labels,
-    /// in a picture of so many pixels; lengths are in half extents of `region`.
+    /// Fits the box of `shown` into a picture of this size in pixels, seen from the same side, with
+    /// space around it for labels. Lengths of the orbit are in half extents of `region`.
     pub fn fit(&mut self, shown: &Region, region: &Region, width: usize, height: usize) {
         let scale = region.half_extent();
         self.target = (shown.centre() - region.centre()) / scale;
         let (back, right, up) = self.directions();
         let aspect = width.max(1) as f64 / height.max(1) as f64;
         let half = (shown.high() - shown.low()) / (2.0 * scale);
-        // Of each corner, how far from the middle it lies, in halves of the picture's height, and
-        // how near to the eye.
+        // For each corner: its distance from the picture's middle in half heights, and its distance
+        // from the target toward the eye.
         let corners = (0..8).map(|n: i32| {
             let side = |axis: usize| if n >> axis & 1 == 1 { half[axis] } else { -half[axis] };
             let corner = DVec3::new(side(0), side(1), side(2));
@@ -153,7 +154,7 @@ impl Orbit {
         }
     }
 
-    /// From perspective to parallel and back; what is at the target's distance keeps its size.
+    /// Switches between perspective and parallel projection. Sizes at the target's distance stay.
     pub fn toggle_projection(&mut self) {
         let visible = self.unit(1);
         self.projection = match self.projection {
@@ -167,7 +168,7 @@ impl Orbit {
     }
 }
 
-/// Two unit vectors across the pole; for z these are x and y.
+/// Two unit vectors perpendicular to the pole: x and y if the pole is z.
 fn axes(pole: DVec3) -> (DVec3, DVec3) {
     let a = if pole.z.abs() > 0.9 { DVec3::X } else { DVec3::Z.cross(pole).normalize() };
     let a = (a - pole * a.dot(pole)).normalize();
@@ -231,7 +232,7 @@ mod tests {
         assert!(top.rays(1, 1).forward().z < -0.999_999);
     }
 
-    /// Pixel of a point of space, from the middle, to the right and downward.
+    /// Pixel position of a point, from the picture's middle to the right and downward.
     fn pixel(camera: &Camera, point: DVec3, height: f64) -> (f64, f64) {
         let frame = camera.rays(1, 1);
         let way = point - camera.eye();

@@ -1,58 +1,57 @@
-//! What a line that was entered leads to, or why it is refused. Knows neither documents nor
-//! commands.
+//! The reply to an entered line, or its refusal. Knows neither documents nor commands.
 
 use super::pipeline::missing_letter;
 use zeroset_scene::program::ProgramError;
 use zeroset_syntax::Errors;
 
-/// What a line that was entered leads to.
+/// The reply to an entered line.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reply {
-    /// It is done.
+    /// The line was carried out.
     Done,
-    /// It is done, and this is to be shown.
+    /// The line was carried out, and this message is to be shown.
     Say(String),
-    /// The caller is to find this text and hand it to [`Live::load`](super::Live::load).
+    /// The caller should find this document and pass it to [`Live::load`](super::Live::load).
     Load(String),
-    /// The caller is to write [`Live::text`](super::Live::text) to this file, or to where it came
-    /// from.
+    /// The caller should write [`Live::text`](super::Live::text) to this file. `None` is the file
+    /// that the document came from.
     Save(Option<String>),
-    /// The caller is to write the picture to this file, or to one with a new name.
+    /// The caller should write the picture to this file. `None` is a file with a new name.
     Png(Option<String>),
-    /// The caller is to show tips, or no longer.
+    /// The caller should show tips, or stop showing them.
     Tips(bool),
-    /// The caller is to show how the document was read and compiled, with the code or without.
+    /// The caller should show how the document was read and compiled.
     Explain {
-        /// Whether the code is asked for.
+        /// Whether to include the generated code.
         code: bool,
     },
-    /// The caller is to show what is in the gallery.
+    /// The caller should show the gallery.
     Gallery,
-    /// The caller is to end.
+    /// The caller should quit.
     Quit,
 }
 
-/// Why a line was not entered. Nothing has changed then.
+/// Why a line was refused. The document is unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// The document would be wrong.
+    /// The document would have errors.
     #[error("{errors}")]
     Text {
-        /// What it would be.
+        /// The text with the line entered.
         text: String,
-        /// What is wrong with it.
+        /// The errors in that text.
         errors: Errors,
     },
-    /// A formula would have no surface: it is constant, or defined nowhere.
+    /// A formula would have no surface: it is constant, or undefined everywhere.
     #[error("{0}")]
     Program(ProgramError),
-    /// The command is wrong.
+    /// The command has an error.
     #[error("{0}")]
     Command(String),
 }
 
 impl Refusal {
-    /// The one letter that lacks a value, if that is all that is wrong.
+    /// The single letter without a value, if that is the only error.
     pub fn missing_letter(&self) -> Option<char> {
         match self {
             Self::Text { errors, .. } => missing_letter(errors),
@@ -60,7 +59,7 @@ impl Refusal {
         }
     }
 
-    /// What is wrong, with carets under a text.
+    /// The error message, with carets under the text if there is one.
     pub fn render(&self, color: bool) -> String {
         match self {
             Self::Text { text, errors } => errors.render(None, text, color),
@@ -69,7 +68,7 @@ impl Refusal {
     }
 }
 
-// What the shape of a result asks for, everywhere the same.
+// All command functions return a `Result`, so this one does too.
 #[allow(clippy::unnecessary_wraps)]
 pub(super) fn say(text: String) -> Result<Reply, Refusal> {
     Ok(Reply::Say(text))

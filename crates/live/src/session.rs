@@ -1,4 +1,4 @@
-//! One document and its picture, as all who type, drag and look share them. Knows no commands.
+//! A document and its picture, shared by everything that types, drags and looks. Knows no commands.
 
 use super::draft::with_value;
 use super::orbit::Orbit;
@@ -16,41 +16,39 @@ use zeroset_scene::view::CameraChoice;
 use zeroset_shade::UndecidedStyle;
 use zeroset_syntax::{Limits, parse};
 
-/// A document that is typed and turned, and its picture.
+/// A live document and its picture.
 ///
-/// All methods may be called from any thread. The lock is held for moments only: what takes longer,
-/// as reading and simplifying, is done without it, and what moves values or the view waits for none
-/// of that.
+/// All methods may be called from any thread. The lock is held only briefly: reading and
+/// simplifying run without it, and moving a value or the view never waits for them.
 pub struct Live {
     state: Mutex<State>,
     pipeline: Pipeline,
 }
 
-/// Moves a value.
+/// A deferred move of a value.
 type Move = Box<dyn FnOnce(&Live) + Send>;
 
 #[derive(Default)]
 pub(super) struct State {
-    /// What is asked for, with the document as entered.
+    /// The current request, with the document as entered.
     pub request: Request,
-    /// The text last asked for, with what is being typed.
+    /// The text that is drawn: the document, or the document with the line being typed.
     pub shown: Arc<str>,
-    /// The names that are being defined by what is typed.
+    /// Names that the line being typed defines.
     pub typed: Vec<String>,
-    /// The last text that could be read, from which typing goes on when a watched file no longer
-    /// can.
+    /// The last text that parsed. Edits start from it when a watched file stops parsing.
     pub readable: Arc<str>,
-    /// The text as it was loaded or saved last.
+    /// The text as last loaded or saved.
     kept: Arc<str>,
-    /// The values that were dragged since the document gave them.
+    /// Values that were dragged since the document set them.
     pub dragged: Vec<Dragged>,
     pub undo: Undo,
-    /// So many edits have right of way: values that are moved wait for them.
+    /// Number of edits that block moves of values.
     first: usize,
-    /// What moves those values, the latest of each gesture.
+    /// The blocked moves: the latest of each gesture.
     waiting: Vec<(Gesture, Move)>,
     revision: u64,
-    /// The latest request when there was nothing to show: what it led to is not seen any more.
+    /// The revision at which the document last became empty. Results up to it are not shown.
     cleared: u64,
 }
 
@@ -60,7 +58,7 @@ impl State {
         Said { request: request.clone(), readable: Arc::clone(readable), dragged: dragged.clone() }
     }
 
-    /// Whether the document is still the one of which this was said.
+    /// Whether the document is unchanged since this snapshot.
     fn keeps_document(&self, said: &Said) -> bool {
         same_document(&self.request, &said.request)
             && self.readable == said.readable
@@ -69,8 +67,8 @@ impl State {
 }
 
 impl Said {
-    /// The values that are dragged ones in another text: where a definition is no longer what
-    /// dragging left of it, its value is none.
+    /// The dragged values whose definitions in `text` are the same as in this snapshot. A value
+    /// whose definition has changed no longer counts as dragged.
     pub fn dragged_in(&self, text: &str) -> Vec<Dragged> {
         let side = |text, one: &Dragged| right_side(text, &one.name);
         let kept =
@@ -79,7 +77,7 @@ impl Said {
     }
 }
 
-/// The right of way of an edit, at whose end values move on.
+/// Blocks moves of values during an edit. The waiting moves run when it is dropped.
 struct First<'a>(&'a Live);
 
 impl<'a> First<'a> {
@@ -93,7 +91,7 @@ impl Drop for First<'_> {
     fn drop(&mut self) {
         loop {
             let mut state = self.0.lock();
-            // What moves meanwhile waits, too, so that the latest is the last.
+            // Further moves queue up behind these, so that the latest is applied last.
             if state.first > 1 || state.waiting.is_empty() {
                 state.first -= 1;
                 return;
@@ -106,7 +104,7 @@ impl Drop for First<'_> {
 }
 
 impl Live {
-    /// Starts to make pictures of a document, whose text is empty if there is none yet.
+    /// Starts to draw a document. Its text may be empty.
     pub fn new(request: Request) -> Self {
         let text = || Arc::clone(&request.text);
         let state = State {
@@ -126,7 +124,7 @@ impl Live {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What can be seen now: nothing while the document is empty.
+    /// The picture and the error to show. Both are `None` while the document is empty.
     pub fn snapshot(&self) -> Snapshot {
         let cleared = self.lock().cleared;
         let Snapshot { rendering, fault, settled } = self.pipeline.snapshot();
@@ -137,15 +135,15 @@ impl Live {
         }
     }
 
-    /// Waits until the fine picture of everything asked for so far, or what is wrong with it, is
-    /// there, and tells whether it came to that in time.
+    /// Waits until the latest request has its fine picture or an error. Returns whether that
+    /// happened in time.
     pub fn wait(&self, timeout: Duration) -> bool {
         let revision = self.lock().revision;
         self.pipeline.wait(timeout, |seen, _| seen.settled >= revision)
     }
 
-    /// Waits for the fine picture of the request with this number. `None` if it does not come in
-    /// time, if something is wrong with it, or once something else is asked for.
+    /// Waits for the fine picture of one request. Returns `None` on timeout, on an error in the
+    /// request, or as soon as a newer request is made.
     pub fn finished(&self, revision: u64, timeout: Duration) -> Option<Arc<Rendering>> {
         self.pipeline.wait(timeout, |seen, latest| seen.settled >= revision || latest > revision);
         let Snapshot { rendering, fault, .. } = self.snapshot();
@@ -153,8 +151,8 @@ impl Live {
         rendering.filter(|seen| seen.revision == revision && !seen.coarse && !is_wrong)
     }
 
-    /// Waits until something newer than the picture or fault with this number can be seen, and
-    /// tells whether it came to that in time.
+    /// Waits for a picture or error newer than revision `known`. Returns whether one arrived in
+    /// time.
     pub fn wait_for_news(&self, timeout: Duration, known: u64) -> bool {
         self.pipeline.wait(timeout, |seen, _| {
             let rendering = seen.rendering.as_ref().map_or(0, |rendering| rendering.revision);
@@ -162,8 +160,8 @@ impl Live {
         })
     }
 
-    /// Waits until a picture of everything asked for so far has all of its pixels, though some of
-    /// them may still be open, and tells whether it came to that in time.
+    /// Waits until a picture of the latest request has all its pixels, although some may still be
+    /// open. Returns whether that happened in time.
     pub fn wait_for_full(&self, timeout: Duration) -> bool {
         let revision = self.lock().revision;
         self.pipeline.wait(timeout, |seen, _| {
@@ -172,31 +170,31 @@ impl Live {
         })
     }
 
-    /// Says that a hand or the clock moves values, until it no longer does: a view that nobody
-    /// chose stays meanwhile, and then glides to where what is seen fits.
+    /// Notes whether a hand or the clock is moving values. Meanwhile an automatic view holds still;
+    /// when the movement ends, the view glides to fit the surface.
     pub fn set_moving(&self, moving: bool) {
         if self.pipeline.set_moving(moving) {
             self.refresh();
         }
     }
 
-    /// Shows axes, or no longer.
+    /// Shows or hides the axes.
     pub fn set_axes(&self, axes: Axes) {
         self.change(|request| request.axes = axes);
     }
 
-    /// Whether all pictures that were asked for are there.
+    /// Whether all requested pictures are finished.
     pub fn is_settled(&self) -> bool {
         let state = self.lock();
         self.pipeline.snapshot().settled == state.revision
     }
 
-    /// Number of the latest request for a picture.
+    /// Revision of the latest request.
     pub fn revision(&self) -> u64 {
         self.lock().revision
     }
 
-    /// What the picture is to show when nothing more is typed.
+    /// The current request, without the line being typed.
     pub fn request(&self) -> Request {
         self.lock().request.clone()
     }
@@ -206,14 +204,14 @@ impl Live {
         self.lock().request.text.to_string()
     }
 
-    /// How pictures are made at present.
+    /// The current picture settings.
     pub fn settings(&self) -> Settings {
         self.lock().request.settings.clone()
     }
 
-    /// Does `work`, which may take long, without the lock, and again as long as somebody changes
-    /// the document meanwhile; what it results in is then applied. Values may move all the time:
-    /// after the second try they wait for this.
+    /// Runs `work`, which may be slow, without the lock, then applies its result. If the document
+    /// changed meanwhile, `work` runs again. After two failed tries, moves of values are blocked
+    /// until it succeeds.
     pub(super) fn change_after<W, R>(
         &self,
         work: impl Fn(&Said) -> Result<W, Refusal>,
@@ -236,7 +234,7 @@ impl Live {
         }
     }
 
-    /// Moves a value, or leaves that to the edit for which values wait.
+    /// Moves a value, or queues the move while an edit blocks it.
     pub(super) fn move_value<R: Default>(
         &self,
         gesture: Gesture,
@@ -253,9 +251,9 @@ impl Live {
         R::default()
     }
 
-    /// Takes `text` for the document. If `again`, the text is the same document in a newer version:
-    /// then the view stays, and so does a value that was dragged unless the text gives it another
-    /// than before.
+    /// Replaces the document by `text`. With `again`, `text` is a newer version of the same
+    /// document: the view stays, and dragged values stay unless the new text changes their
+    /// definitions.
     pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
@@ -267,7 +265,7 @@ impl Live {
             dragged.retain(|one| {
                 right_side(text, &one.name).map_or(String::new(), |(_, side)| side) == one.side
             });
-            // As after saving.
+            // True right after the program itself has saved the document.
             let is_same = text.trim_end() == said.request.text.trim_end();
             let text = || with_dragged(text, &said.readable, &dragged).into();
             Ok(((!is_same).then(text), dragged))
@@ -300,25 +298,25 @@ impl Live {
         });
     }
 
-    /// Takes the whole document away, and what was said of its domain and view.
+    /// Deletes the whole document, with its region and view.
     pub fn clear(&self) {
         self.load(DocumentSource::Typed, "", false);
     }
 
-    /// Notes that this file keeps `text`, which was the document's.
+    /// Notes that the document was saved as `text` to the file at `path`.
     pub fn saved(&self, path: &Path, text: &str) {
         let mut state = self.lock();
         state.request.source = DocumentSource::File(path.to_owned());
         state.kept = text.into();
     }
 
-    /// Whether the document differs from what was loaded or saved last.
+    /// Whether the document differs from the text last loaded or saved.
     pub fn is_changed(&self) -> bool {
         let state = self.lock();
         state.kept.trim_end() != state.request.text.trim_end()
     }
 
-    /// Asks for pictures of this size, in pixels; nothing below 1 is taken.
+    /// Requests pictures of this size, in pixels. Sizes below 1 count as 1.
     pub fn resize(&self, width: usize, height: usize) {
         let (width, height) = (width.max(1), height.max(1));
         let settings = self.settings();
@@ -329,25 +327,26 @@ impl Live {
         }
     }
 
-    /// Turns, moves or zooms the view; nothing happens before there is a picture.
+    /// Turns, moves or zooms the view. Does nothing before the first picture.
     pub fn turn(&self, turn: impl FnOnce(&mut Orbit)) {
         let Some(seen) = self.snapshot().rendering else { return };
         self.change_by(Some(Gesture::View), |request| {
-            // The orbit last asked for, not the one last seen: it may be ahead of the pictures.
+            // The requested orbit may be ahead of the visible one.
             let orbit =
                 request.orbit.get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.seat));
             turn(orbit);
         });
     }
 
-    /// Shows the whole domain's box from the same side; nothing happens before there is a picture.
+    /// Fits the whole region into the picture, seen from the same side. Does nothing before the
+    /// first picture.
     pub fn fit(&self) {
         let Some(seen) = self.snapshot().rendering else { return };
         let Settings { width, height, .. } = self.settings();
         self.turn(|orbit| orbit.fit(seen.model.region(), &seen.seat, width, height));
     }
 
-    /// Looks again from where the document says.
+    /// Returns to the view that the document sets.
     pub fn reset_view(&self) {
         self.change(|request| {
             request.orbit = None;
@@ -355,7 +354,7 @@ impl Live {
         });
     }
 
-    /// Marks undecided pixels, or no longer.
+    /// Switches the marks of undecided pixels on or off.
     pub fn toggle_undecided(&self) {
         self.change(|request| {
             request.settings.undecided = match request.settings.undecided {
@@ -365,17 +364,18 @@ impl Live {
         });
     }
 
-    /// Asks for the same picture once more; whoever waits for an earlier one does so in vain.
+    /// Requests the same picture again under a new revision. [`Live::finished`] returns `None` for
+    /// earlier ones.
     pub fn refresh(&self) {
         self.change(|_| {});
     }
 
-    /// Changes what is asked for, but not the text.
+    /// Changes the request except for its text.
     pub(super) fn change(&self, change: impl FnOnce(&mut Request)) {
         self.change_by(None, change);
     }
 
-    /// The same as a part of a gesture.
+    /// Like [`Live::change`], as part of a gesture.
     pub(super) fn change_by(&self, gesture: Option<Gesture>, change: impl FnOnce(&mut Request)) {
         let mut state = self.lock();
         let before = state.said();
@@ -383,13 +383,13 @@ impl Live {
         self.say(&mut state, before, gesture);
     }
 
-    /// Takes back the last step: what was entered, set, turned or dragged. Tells whether there was
+    /// Undoes the last step: a line entered, a setting, a turn or a drag. Returns whether there was
     /// one.
     pub fn undo(&self) -> bool {
         self.step(Undo::back)
     }
 
-    /// Does again what was last taken back, if there is such a thing, and tells whether there is.
+    /// Redoes the last undone step. Returns whether there was one.
     pub fn redo(&self) -> bool {
         self.step(Undo::forth)
     }
@@ -406,13 +406,13 @@ impl Live {
         true
     }
 
-    /// Says that a button is held, until it is not: all turning or dragging meanwhile is one step
-    /// of [`Live::undo`].
+    /// Notes whether a mouse button is held. All turning or dragging meanwhile is one step of
+    /// [`Live::undo`].
     pub fn hold(&self, held: bool) {
         self.lock().undo.hold(held);
     }
 
-    /// Asks for a picture of what is said now, and keeps what was said before.
+    /// Requests a picture of the current state, and records the state before as a step to undo.
     pub(super) fn say(&self, state: &mut State, before: Said, gesture: Option<Gesture>) {
         let now = state.said();
         state.undo.note(before, &now, gesture);
@@ -428,7 +428,7 @@ impl Live {
         }
         let mut request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };
         request.forget_given(&state.typed);
-        // A mistake in what is typed is no mistake of the file.
+        // An error in the line being typed is not an error of the file.
         if state.shown != state.request.text {
             request.source = DocumentSource::Typed;
         }
@@ -436,7 +436,7 @@ impl Live {
     }
 }
 
-/// `text` with values that were dragged as they are in `present`.
+/// `text` with the dragged values as they are in `present`.
 fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {
     dragged.iter().fold(text.to_owned(), |text, one| {
         let moved = || {
@@ -460,7 +460,7 @@ mod tests {
 
     const TEXT: &str = "domain 2\nr = 0 in [0, 9]\nx^2+y^2+z^2 = r";
 
-    /// A ball, and the slider of its size.
+    /// A sphere, and the slider of its size.
     fn ball() -> (Live, Slider) {
         let settings = Settings { width: 8, height: 8, ..Settings::default() };
         let live = Live::new(Request { text: TEXT.into(), settings, ..Request::default() });
@@ -469,7 +469,7 @@ mod tests {
         (live, slider)
     }
 
-    /// Waits as long as nobody should have to.
+    /// Waits until `done` holds, and panics after [`LIMIT`].
     fn soon(done: impl Fn() -> bool) {
         let started = Instant::now();
         while !done() {
@@ -485,7 +485,7 @@ mod tests {
         let tries = AtomicUsize::new(0);
         let work = |said: &Said| {
             let value = tries.fetch_add(1, Ordering::Relaxed) as f64 + 1.0;
-            // As the window's loop does, which never waits.
+            // Like the window's event loop, which must never wait.
             let (live, slider) = (Arc::clone(&live), slider.clone());
             let moves = thread::spawn(move || {
                 live.drag(&slider, value + 0.5);
@@ -497,7 +497,8 @@ mod tests {
         };
         let changed = live.change_after(work, |state, text| state.request.text = text.into());
         assert!(changed.is_ok());
-        // Twice too late; then the values wait, and the last of them comes after it.
+        // The first two tries come too late. Then moves wait, and the last of them is applied
+        // afterwards.
         assert_eq!(tries.into_inner(), 3);
         assert_eq!(live.text(), TEXT.replace("r = 0", "r = 3") + "\nz = 0");
         live.drag(&slider, 4.0);

@@ -1,4 +1,4 @@
-//! The commands that say how pictures are made: each sets what is given, and tells how it is.
+//! Commands for picture settings: each sets a value if one is given, and reports the current one.
 
 use super::reply::{Refusal, Reply, refused, say};
 use super::session::Live;
@@ -44,8 +44,8 @@ pub(super) fn switch(word: &str) -> Option<bool> {
     }
 }
 
-/// What is said where no row of a table has this name: without one, all rows by name and help, that
-/// in use with a star.
+/// The answer where `name` is not in a table. If it is empty, lists the table with a star at the
+/// row in use; otherwise refuses.
 fn listed<'a>(
     kind: &str,
     name: &str,
@@ -63,7 +63,7 @@ fn listed<'a>(
     say(rows.map(line).collect::<Vec<_>>().join("\n"))
 }
 
-/// Sets an option of methods to what `text` says, if it says anything, and tells its value.
+/// Sets an option of methods unless `text` is empty, and reports its value.
 pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<Reply, Refusal> {
     if !text.is_empty() {
         let mut refused = None;
@@ -81,7 +81,7 @@ pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<R
     say(format!("{}{}{unread}", (option.describe)(&settings.options), slabs.unwrap_or_default()))
 }
 
-/// A remark on an option that the method does not look at.
+/// A remark if the current method ignores an option; else empty.
 fn unread(settings: &Settings, option: &MethodOption) -> String {
     let method = settings.method;
     if method.reads.contains(option) {

@@ -1,5 +1,5 @@
-//! Values that are moved by hand or by the clock: which there are, how far they go, and what moving
-//! one says. Knows no window and no mouse.
+//! Sliders: the values that can be moved by hand or by the clock, and their ranges. A move edits
+//! the document. Knows no window and no mouse.
 
 use super::draft::with_value;
 use super::edit::base;
@@ -12,18 +12,18 @@ use std::sync::Arc;
 use zeroset_scene::view::{self, nearest};
 use zeroset_syntax::{Parameter, ParameterKind};
 
-/// A value that can be moved, as a picture shows it.
+/// A movable value, as a picture shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slider {
-    /// Its name in the document.
+    /// Name of the parameter in the document.
     pub name: String,
-    /// Its value.
+    /// Current value.
     pub value: f64,
-    /// The lower end of its range.
+    /// Lower end of the range.
     pub low: f64,
-    /// The upper end of its range, above the lower one.
+    /// Upper end of the range, above the lower end.
     pub high: f64,
-    /// Whether it is the time, which the clock moves too.
+    /// Whether this is the time `t`, which the clock moves too.
     pub is_time: bool,
 }
 
@@ -36,26 +36,25 @@ impl Slider {
             None if is_time => (0.0, TAU),
             None => room(value),
         };
-        // A value from the command line may lie beyond.
+        // A value from the command line may lie outside the range.
         let (low, high) = (low.min(value), high.max(value));
         Self { name: parameter.name.clone(), value, low, high, is_time }
     }
 
-    /// Whether there is a way from one end to the other: of a range beyond all floats, or too small
-    /// for them, there is none.
+    /// Whether the range has a positive width that is a finite float.
     fn is_usable(&self) -> bool {
         let width = self.high - self.low;
         width > 0.0 && width.is_finite()
     }
 
-    /// The value, or the nearest within the range; where it is at present for a NaN.
+    /// `value` clamped to the range. For a NaN, the current value.
     fn within(&self, value: f64) -> f64 {
         let value = if value.is_nan() { self.value } else { value };
         value.max(self.low).min(self.high)
     }
 
-    /// A value within the range with no more digits than it takes to tell it from one that is
-    /// `step` away.
+    /// `value` clamped to the range, and rounded to the fewest digits that tell values `step`
+    /// apart.
     pub fn rounded(&self, value: f64, step: f64) -> f64 {
         let value = self.within(value);
         let digits = self.digits(step);
@@ -65,18 +64,18 @@ impl Slider {
             let unit = 10_f64.powi(-digits);
             ((value / unit).round() * unit).to_string()
         };
-        // What is written has been read before.
+        // The text is a formatted float, so parsing cannot fail.
         self.within(text.parse().unwrap_or(value))
     }
 
-    /// Digits after the point, or powers of ten before it if negative, that tell values `step`
-    /// apart.
+    /// Number of decimal places that tell values `step` apart. A negative number means powers of
+    /// ten before the point.
     fn digits(&self, step: f64) -> i32 {
         let step = step.max((self.high - self.low) * 1e-12).max(f64::MIN_POSITIVE);
         (-step.log10().floor()).clamp(-300.0, 17.0) as i32
     }
 
-    /// The value as text, with digits as in [`Slider::rounded`].
+    /// The value as text, with the digits of [`Slider::rounded`].
     pub fn shown(&self, step: f64) -> String {
         let value = self.value;
         let is_plain = value == 0.0 || (1e-4..1e6).contains(&value.abs());
@@ -87,7 +86,7 @@ impl Slider {
     }
 }
 
-/// How far a value goes where nobody says so: to twice what it is, from 0.
+/// The default range of a value: from 0 to twice the value, or [-1, 1] around 0.
 fn room(value: f64) -> (f64, f64) {
     if value == 0.0 {
         (-1.0, 1.0)
@@ -98,8 +97,7 @@ fn room(value: f64) -> (f64, f64) {
 }
 
 impl Rendering {
-    /// The values that can be moved, in the order of the document; the time among them if what is
-    /// drawn depends on it.
+    /// The sliders, in document order. The time is among them if something drawn depends on it.
     pub fn sliders(&self) -> Vec<Slider> {
         let document = &self.document;
         let moves =
@@ -109,23 +107,22 @@ impl Rendering {
 }
 
 impl Live {
-    /// Gives a name a value within its slider's range, as a hand that drags it does, and returns
-    /// the number of the latest request for a picture. The text says so at once, or after an edit
-    /// that values have overtaken too often; and, if it gave no range, that of the slider, so that
-    /// code made for it serves for all that follow.
+    /// Sets a value within its slider's range, as dragging does. Returns the latest revision. The
+    /// document changes at once, or later if an edit is blocking moves. A definition without a
+    /// range gets the slider's, so that code compiled for it serves all later values.
     ///
-    /// Many calls are one step of [`Live::undo`].
+    /// Consecutive calls are one step of [`Live::undo`].
     pub fn drag(&self, slider: &Slider, value: f64) -> u64 {
         self.put(slider, &written(slider.within(value)), true)
     }
 
-    /// The same as the clock does it: no step of its own.
+    /// Like [`Live::drag`], for the clock: no step to undo.
     pub fn pass(&self, slider: &Slider, value: f64) -> u64 {
         self.put(slider, &written(slider.within(value)), false)
     }
 
-    /// Gives a name back the value that the document gave it before it was dragged, and tells
-    /// whether it was dragged at all.
+    /// Restores the value that the document had before it was dragged. Returns whether it was
+    /// dragged.
     pub fn restore(&self, slider: &Slider) -> bool {
         let before = |one: &Dragged| (one.name == slider.name).then(|| one.value.clone());
         let Some(value) = self.lock().dragged.iter().find_map(before) else { return false };

@@ -4,17 +4,17 @@ use std::fmt;
 use std::path::PathBuf;
 use zeroset_scene::gallery::Example;
 
-/// Where a document came from; shown as what it is called in messages.
+/// Where a document came from. Displays as its name in messages.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DocumentSource {
-    /// The keyboard, or an argument.
+    /// The keyboard, or a command-line argument.
     #[default]
     Typed,
-    /// What is called so and can be read but once, such as standard input.
+    /// A named stream that can be read only once, such as standard input.
     Stream(String),
-    /// The gallery.
+    /// An example of the gallery.
     Gallery(Example),
-    /// This file, which it may be saved to.
+    /// A file, to which the document may be saved.
     File(PathBuf),
 }
 

@@ -1,4 +1,4 @@
-//! What a picture shows and what it took, in words and as the command that reproduces it.
+//! Descriptions of a picture: status text, and the command that reproduces it.
 
 use super::pipeline::{Rendering, Snapshot};
 use glam::DVec3;
@@ -12,11 +12,11 @@ use zeroset_scene::view::{self, ClipChoice, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_trace::{Fallback, Method, MethodOption, OPTIONS, Projection};
 
-/// What is said of a function that may be 0 everywhere.
+/// The note on a function that may be 0 everywhere.
 pub const FLAT: &str =
     "a function could not be distinguished from 0 at any sampled point: it may be 0 everywhere";
 
-/// Several lines on what can be seen.
+/// Several lines about the visible picture.
 pub(super) fn describe(snapshot: &Snapshot) -> String {
     let mut text = String::new();
     if let Some(fault) = &snapshot.fault {
@@ -81,13 +81,13 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     text
 }
 
-/// The options that the method reads, in the order of the table.
+/// The options that the method uses, in the order of the table.
 fn read_options(settings: &Settings) -> impl Iterator<Item = &'static MethodOption> {
     let method = settings.method;
     OPTIONS.iter().filter(|option| method.reads.contains(option))
 }
 
-/// The note on each surface that another method traced than the one asked for.
+/// A note for each surface that was traced by a fallback method.
 pub fn fallback_notes(picture: &Picture, asked: &Method) -> Vec<String> {
     let surfaces = picture.fallbacks.iter();
     let note = |(surface, fallback): &(usize, Fallback)| {
@@ -97,20 +97,20 @@ pub fn fallback_notes(picture: &Picture, asked: &Method) -> Vec<String> {
     surfaces.map(note).collect()
 }
 
-/// A time in milliseconds, to two digits or so.
+/// A time in milliseconds, with one decimal below 10 ms.
 pub(super) fn ms(time: Duration) -> String {
     let ms = time.as_secs_f64() * 1e3;
     if ms < 10.0 { format!("{ms:.1} ms") } else { format!("{ms:.0} ms") }
 }
 
 impl Rendering {
-    /// Why nothing is seen and the command that shows something, if nothing is seen.
+    /// Why the picture is blank, with a command that helps. `None` if it is not blank.
     pub fn why_blank(&self) -> Option<String> {
         Some(self.blank?.describe(&|ends| format!(":domain {ends}")))
     }
 
-    /// One short line: why nothing is seen, or time, size, method and the options that it reads,
-    /// undecided pixels, compile time.
+    /// One short line: time, size, method with its options, undecided pixels and compile time. For
+    /// a blank picture, the reason.
     pub fn summary(&self) -> String {
         if let Some(why) = self.why_blank() {
             return why;
@@ -150,7 +150,7 @@ impl Rendering {
             let _ = write!(command, " --time {time}");
         }
         match request.domain {
-            // What was found may depend on what was shown before.
+            // An automatic domain may depend on the one shown before.
             DomainChoice::Document | DomainChoice::Auto if self.searched.is_some() => {
                 let [x, y, z] = view::bounds(self.model.region())
                     .map(|Interval { lo, hi }| [lo, hi].map(coordinate).join(","));

@@ -1,4 +1,4 @@
-//! What a picture shows in one line of plain words, and what these words mean.
+//! The window's status line in plain words, and what the words mean.
 
 use super::coming;
 use super::pipeline::Rendering;
@@ -6,10 +6,10 @@ use super::status::ms;
 use zeroset_render::picture::Settings;
 use zeroset_trace::{METHODS, Proves, UndecidedReason};
 
-/// Stands for the first method that proves hits and misses.
+/// Placeholder for the first method that proves hits and misses.
 const PROVER: &str = "{prover}";
 
-/// Words of the window's status line and what they say.
+/// Words of the status line and their explanations.
 const WORDS: [(&str, &str); 12] = [
     ("every pixel proven", "each pixel's ray is proven to meet the surface, or to miss it"),
     (
@@ -37,12 +37,12 @@ const WORDS: [(&str, &str); 12] = [
     ("24 ms", "the time to find the surface and to color it"),
 ];
 
-/// What a person asks who reads the status line, or comes from another program.
+/// The explanation of the status line, and the table of equivalents in other programs.
 pub fn status_words() -> String {
     format!("{}\n\nComing from another program\n{}", explained(), coming::listed())
 }
 
-/// The words and what they say.
+/// The words of the status line, explained.
 pub(super) fn explained() -> String {
     let mut provers = METHODS.iter().filter(|method| method.proves == Proves::HitsAndMisses);
     let prover = provers.next().map_or("", |method| method.name);
@@ -51,7 +51,7 @@ pub(super) fn explained() -> String {
     format!("What the status line says\n{}", lines.join("\n"))
 }
 
-/// What is said of so many pixels, after "undecided".
+/// The reason shown for undecided pixels.
 fn why(reason: UndecidedReason) -> &'static str {
     match reason {
         UndecidedReason::None => "no reason known",
@@ -65,8 +65,8 @@ fn why(reason: UndecidedReason) -> &'static str {
 }
 
 impl Rendering {
-    /// One short line in plain words: why nothing is seen, or how far the picture is, what of it is
-    /// proven, how long it took, its size, and the method if it is not the usual one.
+    /// One short line in plain words: progress or proof, time, size, and the method unless it is
+    /// the default. For a blank picture, the reason.
     pub fn in_words(&self) -> String {
         if let Some(why) = self.why_blank() {
             return why;
@@ -97,7 +97,7 @@ impl Rendering {
         parts.join(" · ")
     }
 
-    /// What of the picture is proven.
+    /// Which part of the picture is proven.
     fn proven(&self) -> String {
         let reasons = UndecidedReason::ALL.into_iter().zip(self.picture.buffer.reasons());
         let open: Vec<(UndecidedReason, usize)> = reasons.filter(|(_, count)| *count > 0).collect();

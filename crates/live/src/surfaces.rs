@@ -1,5 +1,5 @@
-//! Which surfaces of a document are seen, how, and in what order: each change is one of its text.
-//! Knows lines about surfaces and where they stand, but no window.
+//! Style and order of a document's surfaces: listing and changing them. Each change is an edit of
+//! the text. Knows style lines and their places, but no window.
 
 use super::draft::without_drawing;
 use super::edit::{Edit, base, nothing_drawn};
@@ -12,32 +12,32 @@ use zeroset_shade::{LinearRgb, SurfaceColors};
 use zeroset_style::ColorMap;
 use zeroset_syntax::{Document, Options, SurfaceColor};
 
-/// Words of lines that hold for the drawings below them.
+/// First words of style lines. These apply to the drawings below them.
 const WORDS: [&str; 3] = ["color", "opacity", "hidden"];
 
-/// Colors by which a surface is told in a list: so many where it has those of a map.
+/// Number of sample colors of a color map in a list.
 const SWATCH: usize = 6;
 
 /// A surface as a list shows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Listed {
-    /// How its formula was read.
+    /// The formula as it was read.
     pub echo: String,
-    /// Its colors from left to right, as sRGB bytes.
+    /// Sample colors, from left to right, as sRGB bytes.
     pub colors: Vec<[u8; 3]>,
-    /// How much of the light from behind it stops, within [0, 1].
+    /// Opacity, within [0, 1].
     pub opacity: f64,
-    /// Whether it is left out of pictures.
+    /// Whether pictures leave it out.
     pub hidden: bool,
 }
 
 impl Rendering {
-    /// The surfaces of the document, in its order.
+    /// The surfaces, in document order.
     pub fn surfaces(&self) -> Vec<Listed> {
         let surfaces = self.document.surfaces.iter().enumerate();
         let listed = |(number, surface): (usize, &zeroset_syntax::Surface)| {
             let own = || {
-                // Either side may be the one that is seen.
+                // The list shows both sides, since either may be visible.
                 let SurfaceColors { positive, negative, .. } = SurfaceColors::default_for(number);
                 vec![positive.to_srgb(), negative.to_srgb()]
             };
@@ -57,18 +57,18 @@ impl Rendering {
     }
 }
 
-/// What a text says of one drawing where that stands.
+/// A drawing in a text, with the style that applies to it.
 #[derive(Clone, Debug, PartialEq)]
 struct Drawn {
-    /// Its formula.
+    /// Formula, as typed.
     body: String,
-    /// What stands behind `color`, but for an opacity.
+    /// Arguments of the `color` line, without an opacity.
     color: String,
     opacity: f64,
     hidden: bool,
 }
 
-/// What is said of a drawing if nothing is.
+/// The style without any style lines: color, opacity, hidden.
 const USUAL: (&str, f64, bool) = ("auto", 1.0, false);
 
 impl Drawn {
@@ -91,7 +91,8 @@ impl Drawn {
         surfaces.map(one).collect()
     }
 
-    /// Lines for what `words` say of this drawing and not of the one before.
+    /// The style lines that this drawing needs after the drawing before it. Only lines with these
+    /// `words` are written.
     fn lines(&self, before: Option<&Self>, words: &[&str]) -> Vec<String> {
         let (color, opacity, hidden) =
             before.map_or(USUAL, |one| (one.color.as_str(), one.opacity, one.hidden));
@@ -109,14 +110,14 @@ impl Drawn {
     }
 }
 
-/// A share in hundredths, with no more digits than it takes.
+/// A share in percent, rounded to two decimals.
 fn percent(share: f64) -> f64 {
     (share * 1e4).round() / 1e2
 }
 
-/// The text in which `change` was made to what is said of its drawings, and the document as read;
-/// the lines with these words are written anew. `None` where that cannot be said by such lines, as
-/// in a program.
+/// Applies `change` to the drawings of a text, and returns the new text with its document. All
+/// style lines with these `words` are written anew. Returns `None` where style lines cannot express
+/// the change, as in a program.
 fn changed(
     text: &str,
     options: &Options<'_>,
@@ -142,7 +143,7 @@ fn changed(
         let head = text[..slot.start].trim_end_matches([' ', '\t']);
         let end = if slot.start == 0 || head.ends_with('\n') { "\n" } else { "; " };
         let mut pieces = one.lines(before, words);
-        // Within a statement of a program there is no place for a line.
+        // A style line cannot stand inside a statement of a program.
         let is_alone = head.is_empty() || head.ends_with(['\n', ';']);
         if !is_alone && !pieces.is_empty() {
             return None;
@@ -154,7 +155,7 @@ fn changed(
     let mut new = text.to_owned();
     let mut end = text.len();
     for (range, with) in edits.into_iter().rev() {
-        // Where one is within another nothing is known of the text.
+        // Overlapping edits would corrupt the text.
         if range.end > end || range.start > range.end {
             return None;
         }
@@ -175,7 +176,7 @@ fn changed(
     Some((new, said))
 }
 
-/// A line about the picture with what ends it, unless a comment stands behind it.
+/// The range of a style line, with its line end or semicolon unless a comment follows.
 fn whole(text: &str, line: &Range<usize>) -> Range<usize> {
     let rest = &text[line.end..];
     let blank = rest.len() - rest.trim_start_matches([' ', '\t']).len();
@@ -184,10 +185,10 @@ fn whole(text: &str, line: &Range<usize>) -> Range<usize> {
 }
 
 impl Live {
-    /// Leaves the surface with this number, counted from 1, out of the picture, or shows it.
+    /// Hides or shows a surface. Numbers count from 1.
     ///
     /// # Errors
-    /// If there is no such surface, or its text cannot say so.
+    /// If there is no such surface, or no style line can express the change.
     pub fn hide(&self, number: usize, hidden: bool) -> Result<(), Refusal> {
         self.restyle(number, &["hidden"], None, |drawn| drawn[number - 1].hidden = hidden)
     }
@@ -195,7 +196,7 @@ impl Live {
     /// Shows all surfaces.
     ///
     /// # Errors
-    /// If the text cannot say so.
+    /// If no style line can express the change.
     pub(super) fn show_all(&self) -> Result<(), Refusal> {
         self.restyle(1, &["hidden"], None, |drawn| {
             for one in drawn {
@@ -204,10 +205,11 @@ impl Live {
         })
     }
 
-    /// Says how much of the light from behind a surface stops, within [0, 1]; its number is counted
-    /// from 1. Many calls are one step of [`Live::undo`].
+    /// Sets the opacity of a surface, clamped to [0, 1]. Numbers count from 1. Consecutive calls
+    /// are one step of [`Live::undo`].
     ///
     /// # Errors
+    /// If there is no such surface, or no style line can express the change.
     /// If there is no such surface, or its text cannot say so.
     pub fn set_opacity(&self, number: usize, opacity: f64) -> Result<(), Refusal> {
         let gesture = Gesture::Value(format!("opacity {number}"));
@@ -216,14 +218,14 @@ impl Live {
                 drawn[number - 1].opacity = opacity.clamp(0.0, 1.0);
             }))
         });
-        // What is left to an edit is not refused.
+        // A move that waits for an edit is not refused.
         set.unwrap_or(Ok(()))
     }
 
-    /// Gives a surface another place among the others; both are counted from 1.
+    /// Moves a surface to another place in the order. Both numbers count from 1.
     ///
     /// # Errors
-    /// If there are not so many surfaces, or the text cannot say so.
+    /// If there is no such surface or place, or no style line can express the change.
     pub fn move_surface(&self, from: usize, to: usize) -> Result<(), Refusal> {
         self.restyle(from.max(to), &WORDS, None, |drawn| {
             let one = drawn.remove(from - 1);
@@ -231,7 +233,7 @@ impl Live {
         })
     }
 
-    /// Takes away the drawing with this number, counted from 1.
+    /// Deletes a surface. Numbers count from 1.
     pub(super) fn delete(&self, number: usize) -> Result<Reply, Refusal> {
         let document = self.edit(None, |request, readable| {
             let text = without(&base(request, readable, ""), &request.options(), number)
@@ -261,14 +263,15 @@ impl Live {
                     "this text has no place for that: write `{words}` lines yourself"
                 ));
             };
-            // Formulas are as they were, and need not be looked at again.
+            // The formulas are unchanged and need no new check.
             Ok(Edit::unchecked(text, document))
         };
         self.edit(gesture, work).map(drop)
     }
 }
 
-/// The text without a drawing, in which others look as they did.
+/// The text without a drawing. The other drawings keep their style. The error is the number of
+/// drawings.
 pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Result<String, usize> {
     let plain = without_drawing(text, number)?;
     let look = |text: &str| {
@@ -283,8 +286,8 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     if look(&plain).is_none_or(|now| now == wanted) {
         return Ok(plain);
     }
-    // A line that stood above the last drawing would be taken for one behind those that are left:
-    // the one that goes is made the last, with no line of its own.
+    // Deleting a drawing may let its style lines apply to the next one, or leave lines for no
+    // drawing. Then it is moved to the end first, with the style of the drawing before it.
     let last = changed(text, options, &WORDS, |drawn| {
         let one = drawn.remove(number - 1);
         let like = drawn.last().unwrap_or(&one).clone();
@@ -294,7 +297,7 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
 }
 
-/// That there is no surface with this number, where there are so many.
+/// The error for a surface number beyond the `count` surfaces.
 pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
     Refusal::Command(match count {
         0 => "nothing is drawn".to_owned(),
@@ -350,7 +353,7 @@ mod tests {
             set("color viridis(z, -1, 1)\nopacity 0.5\nx = 1", 0, 0.123_456).as_deref(),
             Some("color viridis(z, -1, 1)\nopacity 12.35%\nx = 1")
         );
-        // What is drawn here stands in no line of its own.
+        // This drawing has no line of its own.
         assert_eq!(set("float d = length(p) - 1.;", 0, 0.5), None);
     }
 

@@ -1,50 +1,48 @@
-//! What was said, to be taken back and said again. Knows what belongs together to one step, but not
-//! what a step means.
+//! The history for undo and redo. Knows which changes form one step, but not what a step means.
 
 use super::pipeline::Request;
 use std::mem;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// So many steps are kept.
+/// Number of steps kept.
 const KEPT: usize = 200;
 
-/// Changes of the same kind belong together if no more time than this is between them.
+/// Longest pause between changes of one gesture.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// What is changed by many small steps that are taken back as one.
+/// A kind of continuous change. All its small changes are undone as one step.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Gesture {
-    /// The view is turned, moved or zoomed.
+    /// Turning, moving or zooming the view.
     View,
-    /// The clipping plane is moved.
+    /// Moving the clipping plane.
     Clip,
-    /// A value is dragged, or played.
+    /// Dragging or playing the value of this name.
     Value(String),
 }
 
-/// A value that was dragged: what it was before, in the words of the text.
+/// A value that was dragged, as the document defined it before.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Dragged {
     pub name: String,
-    /// The value that it had.
+    /// The value before it was dragged, as typed.
     pub value: String,
-    /// The whole right side of its definition; empty if there was none.
+    /// The whole right side of its definition before, or empty if there was none.
     pub side: String,
 }
 
-/// All that was said.
+/// State of the document and its view, for undo.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Said {
     pub request: Request,
-    /// The last text that could be read.
+    /// The last text that parsed.
     pub readable: Arc<str>,
     pub dragged: Vec<Dragged>,
 }
 
 impl Said {
-    /// Whether both say the same; how large a picture is, and whether there are axes around it, is
-    /// no step.
+    /// Whether both are the same, except for the picture's size and the axes.
     fn is_same(&self, other: &Self) -> bool {
         let mut framed = self.clone();
         framed.take_frame(other);
@@ -59,18 +57,18 @@ impl Said {
     }
 }
 
-/// The steps that can be taken back, and those that were.
+/// The steps that can be undone, and those that can be redone.
 #[derive(Default)]
 pub(super) struct Undo {
     past: Vec<Said>,
     future: Vec<Said>,
     last: Option<(Gesture, Instant)>,
-    /// Whether a button is held, so that a gesture goes on whatever the pause.
+    /// Whether a mouse button is held. A gesture then continues through any pause.
     held: bool,
 }
 
 impl Undo {
-    /// Notes that something else is said now than `before`.
+    /// Records that the state changed from `before` to `now`.
     pub fn note(&mut self, before: Said, now: &Said, gesture: Option<Gesture>) {
         if before.is_same(now) {
             return;
@@ -89,13 +87,14 @@ impl Undo {
         self.past.push(before);
     }
 
-    /// Says that a gesture goes on until this is called with `false`; what follows then is another.
+    /// Keeps the gesture going until this is called with `false`. The next change starts a new
+    /// step.
     pub fn hold(&mut self, held: bool) {
         self.held = held;
         self.last = None;
     }
 
-    /// What was said before, in exchange for what is said now; `None` if there is no such thing.
+    /// Returns the previous state and stores `now` for redo. `None` if there is nothing to undo.
     pub fn back(&mut self, now: &Said) -> Option<Said> {
         let mut other = self.past.pop()?;
         other.take_frame(now);
@@ -104,7 +103,7 @@ impl Undo {
         Some(other)
     }
 
-    /// What was said before it was taken back.
+    /// Returns the state that was last undone. `None` if there is nothing to redo.
     pub fn forth(&mut self, now: &Said) -> Option<Said> {
         mem::swap(&mut self.past, &mut self.future);
         let other = self.back(now);
@@ -134,7 +133,7 @@ mod tests {
         assert_eq!(undo.back(&said("b")), Some(said("a")));
         assert_eq!(undo.back(&said("a")), None);
         assert_eq!(undo.forth(&said("a")), Some(said("b")));
-        // What is said anew leaves nothing to be said again.
+        // A new change clears the redo steps.
         undo.note(said("b"), &said("e"), None);
         assert_eq!(undo.forth(&said("e")), None);
         assert_eq!(undo.back(&said("e")), Some(said("b")));

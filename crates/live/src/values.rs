@@ -1,23 +1,23 @@
 //! Where a document's text defines a value, and how values are written. Knows definitions and their
-//! ranges, but nothing of pictures.
+//! ranges, but no pictures.
 
 use std::ops::Range;
 use zeroset_scene::view::number;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
 
-/// The time's name.
+/// Name of the time.
 pub(super) const TIME: &str = "t";
 
-/// Where the definition of one value stands in a text, in bytes.
+/// Byte ranges of the definition of a value in a text.
 pub(super) struct Place {
-    /// The value itself.
+    /// The value.
     pub body: Range<usize>,
-    /// The lower and the upper end of its range.
+    /// Lower and upper end of its range.
     pub range: Option<(Range<usize>, Range<usize>)>,
 }
 
-/// Where `name` is defined as a value; the last definition counts.
+/// The last definition of `name` as a value.
 pub(super) fn place(text: &str, name: &str) -> Option<Place> {
     let statements = parse(text, &Limits::default()).ok()?;
     statements.iter().rev().find_map(|one| match one {
@@ -27,14 +27,14 @@ pub(super) fn place(text: &str, name: &str) -> Option<Place> {
             let body = definition.body.span.range();
             let range = definition.range.as_ref();
             let range = range.map(|(low, high)| (low.span.range(), high.span.range()));
-            // What reading adds stands nowhere.
+            // Definitions that the parser adds have no place in the text.
             (!body.is_empty() && body.end <= text.len()).then_some(Place { body, range })
         }
         Statement::Define(_) | Statement::Draw { .. } => None,
     })
 }
 
-/// The name that a statement defines, if it does.
+/// The name that a statement defines, if any.
 pub(super) fn name(statement: &Statement) -> Option<&str> {
     match statement {
         Statement::Define(definition) => Some(&definition.name.text),
@@ -48,7 +48,7 @@ pub(super) fn defined(line: &str) -> Vec<String> {
     statements.iter().filter_map(name).map(str::to_owned).collect()
 }
 
-/// A value and the whole right side of its definition, range included, as they were typed.
+/// The value and the whole right side of its definition, including the range, as typed.
 pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
     let Place { body, range } = place(text, name)?;
     let value = text.get(body.clone())?.to_owned();
@@ -59,8 +59,8 @@ pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
     Some((value, side))
 }
 
-/// What is to follow `line`, a definition of `name`, so that the range which `text` gives it stays:
-/// extended where the new value lies beyond; `None` if the line has a range or is no number.
+/// The range to append to `line`, a new definition of `name`, so that the range in `text` is kept.
+/// It is widened to hold the new value. `None` if `line` has a range, or its value is not a number.
 pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
     let (low, high) = place(text, name)?.range?;
     let Place { body, range: None } = place(line, name)? else { return None };
@@ -71,10 +71,10 @@ pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
     Some(format!(" in [{low}, {high}]"))
 }
 
-/// A number as it is typed, no longer than it need be.
+/// The shortest text that reads as this number.
 pub(super) fn written(value: f64) -> String {
     let size = value.abs();
-    // Zero has no sign.
+    // Avoids `-0`.
     if value == 0.0 {
         "0".to_owned()
     } else if (1e-6..1e15).contains(&size) {

@@ -11,14 +11,12 @@ mod critical;
 mod ground;
 mod heights;
 mod homogeneous;
-mod outward;
 mod polynomial;
 mod shape;
 mod tops;
 mod waves;
 mod window;
 
-use crate::enclosure;
 use crate::program::{Program, ProgramError};
 use homogeneous::Homogeneous;
 use shape::Shape;
@@ -181,7 +179,7 @@ fn is_point(program: &Program, hull: &Cell) -> bool {
     let may_vanish = |place: [f64; 3]| {
         let domain = place.map(|along| Interval { lo: along, hi: along });
         let assumptions = Assumptions { domain, parameters: parameters.clone() };
-        let found = enclosure::enclose_all(graph, program.roots(), &assumptions);
+        let found = zeroset_eval::enclose_all(graph, program.roots(), &assumptions);
         found.iter().any(|(bounds, _)| bounds.lo <= 0.0 && 0.0 <= bounds.hi)
     };
     let eighths = [0, 1, 2].map(|axis| hull.extent(axis) / 8.0);
@@ -284,7 +282,7 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
             move |point: [f64; 3]| {
                 let domain = point.map(|c| Interval { lo: c, hi: c });
                 let assumptions = Assumptions { domain, parameters: parameters.to_vec() };
-                let bounds = enclosure::enclose(graph, node, &assumptions).0;
+                let bounds = zeroset_eval::enclose(graph, node, &assumptions).0;
                 bounds.lo.midpoint(bounds.hi)
             }
         };

@@ -8,7 +8,6 @@
 pub mod blank;
 pub mod coordinate;
 pub mod domain;
-pub mod enclosure;
 pub mod gallery;
 pub mod kernels;
 pub mod program;

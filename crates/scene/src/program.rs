@@ -1,7 +1,6 @@
 //! A document prepared for evaluation: simplified over a domain, with parameters bound, its kernels
 //! compiled on request.
 
-use crate::enclosure;
 use crate::kernels::{BoundSurface, Evaluator, Made, Store};
 use crate::simplified::Simplified;
 use std::sync::{Arc, OnceLock};
@@ -145,7 +144,7 @@ impl Program {
         let Simplified { graph, roots, assumptions, .. } = &*store.simplified;
         let values: Arc<[Interval]> = values.into();
         let assumptions = Assumptions { parameters: values.to_vec(), ..assumptions.clone() };
-        let enclosures = enclosure::enclose_all(graph, roots, &assumptions);
+        let enclosures = zeroset_eval::enclose_all(graph, roots, &assumptions);
         let surface = |index| BoundSurface::new(&store, index, &values);
         let surfaces = (0..roots.len()).map(surface).collect();
         Self { store, values, surfaces, enclosures }
@@ -393,7 +392,7 @@ mod tests {
             let left = [Interval { lo: -2.0, hi: -1.0 }; 3];
             let parameters = program.values.to_vec();
             let assumptions = Assumptions { domain: left, parameters };
-            enclosure::enclose(program.graph(), program.roots()[0], &assumptions)
+            zeroset_eval::enclose(program.graph(), program.roots()[0], &assumptions)
         };
         assert_eq!(enclosed("n = 3\nx^n - y"), enclosed("x^3 - y"));
         assert_eq!(enclosed("n = 2\nx^(2n) - y"), enclosed("x^4 - y"));

@@ -5,7 +5,6 @@
 //! assumed ranges. This module computes the inputs of the code for the present parameters, and
 //! reports when the code is not valid for them. Knows neither documents nor what the code computes.
 
-use crate::enclosure;
 use zeroset_eval::Assumptions;
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{Graph, NodeId, compact, hoist};
@@ -71,7 +70,7 @@ impl Uniforms {
 fn known(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Vec<(Interval, Facts)> {
     let assumptions =
         Assumptions { domain: [Interval::ENTIRE; 3], parameters: parameters.to_vec() };
-    let computed = enclosure::enclose_all(graph, nodes, &assumptions);
+    let computed = zeroset_eval::enclose_all(graph, nodes, &assumptions);
     parameters.iter().map(|bounds| (*bounds, Facts::TOTAL)).chain(computed).collect()
 }
 

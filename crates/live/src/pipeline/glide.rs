@@ -1,16 +1,15 @@
-//! The way from one camera to another that shows the same from the same side: so that it is seen
-//! where what is seen went.
+//! The animation from one automatic view to the next, so that the eye can follow the change.
 
 use std::time::{Duration, Instant};
 use zeroset_trace::{Camera, Projection};
 
-/// It takes so long.
+/// Duration of a glide.
 const TAKES: Duration = Duration::from_millis(240);
 
-/// Pictures on it are at least so far apart.
+/// Shortest time between two pictures of a glide.
 const FRAME: Duration = Duration::from_millis(16);
 
-/// A camera that moves.
+/// A camera that moves from one position to another.
 pub struct Glide {
     from: Camera,
     to: Camera,
@@ -18,13 +17,13 @@ pub struct Glide {
 }
 
 impl Glide {
-    /// The way from one camera to another; `None` if they are the same, or see in other ways.
+    /// A glide between two cameras. `None` if they are equal or differ in kind of projection.
     pub fn new(from: Camera, to: Camera) -> Option<Self> {
         let is_way = from != to && between(&from, &to, 0.5).is_some();
         is_way.then(|| Self { from, to, since: Instant::now() })
     }
 
-    /// Where it is now; `None` at the end.
+    /// The current camera. `None` at the end.
     pub fn camera(&self) -> Option<Camera> {
         let share = self.since.elapsed().as_secs_f64() / TAKES.as_secs_f64();
         // Slow at both ends.
@@ -32,7 +31,7 @@ impl Glide {
         if share < 1.0 { between(&self.from, &self.to, eased) } else { None }
     }
 
-    /// For how long no other picture is due.
+    /// Time until the next picture is due.
     pub fn pause(&self) -> Duration {
         let frame = FRAME.as_nanos();
         let into = self.since.elapsed().as_nanos() % frame;
@@ -40,7 +39,7 @@ impl Glide {
     }
 }
 
-/// A camera at this share of the way; `None` where there is none.
+/// The camera at this share of the way, in [0, 1]. `None` if there is none.
 fn between(from: &Camera, to: &Camera, share: f64) -> Option<Camera> {
     let projection = match (from.projection(), to.projection()) {
         (Projection::Perspective { fov: one }, Projection::Perspective { fov: other }) => {

@@ -1,38 +1,36 @@
-//! How large pictures are made while somebody waits or drags, from how long the ones before took.
-//! Knows times and numbers of pixels only.
+//! Chooses the sizes of pictures while someone waits or drags, from the times of earlier pictures.
+//! Knows only times and pixel counts.
 
 use std::time::Duration;
 
-/// A coarse picture should take as long as this: with what is to be done beside it, thirty are seen
-/// in a second.
+/// Target time of a coarse picture. With the work around it, about thirty appear per second.
 const COARSE: Duration = Duration::from_millis(20);
 
-/// If the full picture takes no longer than this, there is no coarse one.
+/// No coarse picture comes first if the full one takes at most this long.
 const PROMPT: Duration = Duration::from_millis(30);
 
-/// If the full picture is expected to take longer than this after a coarse one, there is one of
-/// half the size between.
+/// If the full picture should take longer than this after a coarse one, a picture of half its width
+/// comes between.
 const PATIENCE: Duration = Duration::from_millis(150);
 
-/// A coarse picture has so many times fewer columns and rows, at most; and so has that of a surface
-/// whose cost is unknown.
+/// Largest reduction of width and height. It is also used while the cost of a surface is unknown.
 const COARSEST: f64 = 8.0;
 
-/// A picture with so few times fewer columns and rows might as well be the full one.
+/// Below this reduction, the full picture is drawn instead.
 const NEARLY_FULL: f64 = 1.15;
 
-/// What the present model's pictures cost.
+/// Measured cost of the current model's pictures.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
-    /// So many pixels are made in the time of a coarse picture.
+    /// Number of pixels that take [`COARSE`].
     affordable: Option<f64>,
-    /// The last full picture's time for a pixel, in seconds.
+    /// Time per pixel of the last full picture, in seconds.
     full: Option<f64>,
 }
 
 impl Pace {
-    /// How many times fewer columns and rows the first picture should have than the full one of so
-    /// many pixels.
+    /// Reduction of width and height for the first picture, where the full one has this many
+    /// pixels.
     pub fn first(&self, pixels: usize) -> f64 {
         let Some(affordable) = self.affordable else { return COARSEST };
         if self.full.is_some_and(|pixel| pixel * pixels as f64 <= PROMPT.as_secs_f64()) {
@@ -42,22 +40,23 @@ impl Pace {
         if scale <= NEARLY_FULL { 1.0 } else { scale.min(COARSEST) }
     }
 
-    /// The same of the picture after one with this scale: where the full one is waited for, there
-    /// is one between, for a quarter of its time.
+    /// Reduction for the picture after one of this `scale`. If the full picture is slow, a picture
+    /// with a quarter of its pixels comes between.
     pub fn next(&self, scale: f64, pixels: usize) -> f64 {
         let each = self.full.or(self.affordable.map(|pixels| COARSE.as_secs_f64() / pixels));
         let is_slow = each.is_some_and(|each| each * pixels as f64 > PATIENCE.as_secs_f64());
         if scale > 2.5 && is_slow { 2.0 } else { 1.0 }
     }
 
-    /// Learns from a picture of so many pixels, full or coarse.
+    /// Records the time of a picture with this many pixels.
     pub fn learn(&mut self, pixels: usize, is_full: bool, took: Duration) {
         let pixels = pixels as f64;
         let seconds = took.as_secs_f64().max(1e-9);
         let affordable = pixels * COARSE.as_secs_f64() / seconds;
         if is_full {
             self.full = Some(seconds / pixels);
-            // Pixels of coarse pictures cost more, since fewer of them are settled at once.
+            // A pixel of a coarse picture costs more, since fewer of its pixels are decided by
+            // tiles.
             self.affordable =
                 Some(self.affordable.map_or(affordable, |known| known.min(affordable)));
         } else {
@@ -76,8 +75,8 @@ mod tests {
         Duration::from_secs_f64(ms / 1e3)
     }
 
-    /// Pictures of one request, where a pixel of the full one takes so long and others a third
-    /// longer.
+    /// Reductions of the pictures of one request. The full picture takes `full_ms`, and pixels of
+    /// coarse ones take a third longer.
     fn scales(pace: &mut Pace, full_ms: f64) -> Vec<f64> {
         let mut scales = vec![pace.first(FULL)];
         loop {
@@ -114,7 +113,7 @@ mod tests {
         let mut pace = Pace::default();
         pace.learn(FULL, true, ms(300.0));
         for _ in 0..8 {
-            // Work that does not shrink with the picture.
+            // Part of the time does not depend on the picture's size.
             let took = |pixels: usize| ms(4.0 + 296.0 * pixels as f64 / FULL as f64);
             let pixels = (FULL as f64 / pace.first(FULL).powi(2)) as usize;
             pace.learn(pixels, false, took(pixels));

@@ -1,5 +1,5 @@
-//! How domains that are searched for follow sliders: a surface is seen to grow and to shrink, and
-//! nothing is compiled.
+//! How an automatic region follows sliders: it changes rarely, so that a surface visibly grows and
+//! shrinks, and nothing is compiled again.
 
 use glam::DVec3;
 use zeroset_scene::program::Program;
@@ -7,19 +7,19 @@ use zeroset_scene::view::{self, DomainChoice};
 use zeroset_space::{HalfSpace, Region, RegionError};
 use zeroset_syntax::{Document, Parameter};
 
-/// A surface that takes less than this share of the domain found before gets one of its own.
+/// A surface smaller than this share of the previous region gets a region of its own.
 const LEAST_SHARE: f64 = 0.25;
 
-/// What outgrew its domain gets one with this share of its extent to spare.
+/// Margin of a region that grows, as a share of the surface's extent.
 const SPARE: f64 = 0.25;
 
-/// Of so many sliders are the ends looked at, when code is made.
+/// Number of sliders whose ends are searched when code is compiled.
 const SLIDERS: usize = 4;
 
-/// Code is made for domains so many times as large as the one shown, at most.
+/// Largest extent that code is compiled for, in extents of the shown region.
 const FARTHEST: f64 = 64.0;
 
-/// The same box or ball with this clip.
+/// The same box or ball with this clipping plane.
 ///
 /// # Errors
 /// If the plane has no normal.
@@ -27,11 +27,11 @@ pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, Regio
     view::clipped(region.low(), region.high(), region.ball().is_some(), clip)
 }
 
-/// The domain to be shown after `before`, where `found` is that of the present values: the same
-/// while there is room.
+/// The next region to show, where the previous one was `before` and the present values need
+/// `found`. Returns `before` with the present clip while it fits.
 ///
 /// # Errors
-/// If floats leave none.
+/// If neither region can be represented in floats.
 pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> {
     let is_round = found.ball().is_some();
     let enough = is_inside(found, before)
@@ -46,8 +46,8 @@ pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> 
     view::clipped(low, high, is_round, found.clip()).or(Ok(*found))
 }
 
-/// A box around what is shown and what is found at the ends of the sliders: code made for it serves
-/// for all of them.
+/// A box around the shown region and the regions at the ends of the sliders. Code compiled for it
+/// serves all values of them.
 pub fn reach(
     shown: &Region,
     document: &Document,
@@ -64,7 +64,7 @@ pub fn reach(
             let mut there = document.clone();
             there.parameters[parameter.number as usize].value = end.clone();
             let found = view::region_while(search, &there, domain, None, wanted);
-            // At its very ends there may be no surface.
+            // At the very end of a range there may be no surface.
             if let Ok(Some((region, _))) = found {
                 let room = SPARE * (region.high() - region.low());
                 (low, high) = (low.min(region.low() - room), high.max(region.high() + room));

@@ -1,5 +1,5 @@
-//! From where a picture is taken: from where somebody looks, or else from where what is seen fits.
-//! A camera that was fitted stays while values are moved, and then glides to the next one.
+//! The camera of a picture: the user's orbit, or a camera fitted to the surface. A fitted camera
+//! holds still while values are moved, and then glides to the next one.
 
 use super::glide::Glide;
 use super::worker::{Asked, Framed, Made, Shot, Worker, coarser};
@@ -10,8 +10,8 @@ use zeroset_scene::view::SceneError;
 use zeroset_trace::Camera;
 
 impl Worker {
-    /// The camera for a request, after pictures on the way to it if there is one; `None` if it is
-    /// no longer wanted.
+    /// The camera for a request, after the pictures of a glide if one is due. `None` if the request
+    /// is no longer wanted.
     pub fn camera(&mut self, shot: &Shot<'_>) -> Result<Option<Camera>, Reason> {
         if let Some(orbit) = &shot.job.request.orbit {
             return Ok(Some(orbit.camera(&shot.made.seat)?));
@@ -33,8 +33,7 @@ impl Worker {
         Ok(Some(camera))
     }
 
-    /// Coarse pictures on the way from one camera to another; returns whether the last is still
-    /// wanted.
+    /// Draws coarse pictures along a glide. Returns whether the request is still wanted.
     fn glide(&mut self, shot: &Shot<'_>, glide: &Glide) -> Result<bool, Reason> {
         let full = &shot.job.request.settings;
         let settings = coarser(full, self.pace.first(full.width * full.height)).plain();
@@ -42,7 +41,7 @@ impl Worker {
         while let Some(camera) = glide.camera() {
             let picture = shot.made.model.trace(&camera, &settings, &wanted)?;
             if !wanted(0) {
-                // Whatever comes next goes on from where it is seen.
+                // The next glide starts from the visible camera.
                 if let Some(framed) = &mut self.framed {
                     (framed.camera, framed.arrived) = (camera, false);
                 }
@@ -54,8 +53,7 @@ impl Worker {
         Ok(wanted(0))
     }
 
-    /// The camera where nobody turned the view: fitted once for a model, and kept while only
-    /// parameters move.
+    /// The automatic camera: fitted once per model, and kept while only parameters move.
     fn framed(&mut self, shot: &Shot<'_>) -> Result<Option<Camera>, SceneError> {
         let Shot { job, document, made: Made { model, formula, .. }, .. } = shot;
         let formula = *formula;

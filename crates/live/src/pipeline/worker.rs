@@ -1,4 +1,4 @@
-//! The thread that makes pictures, and what it keeps from one request to the next.
+//! The worker thread, and what it reuses from one request to the next.
 
 use super::pace::Pace;
 use super::rooms;
@@ -17,57 +17,57 @@ use zeroset_syntax::{Document, Errors};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, Proves};
 
-/// Halvings along the ray that a coarse picture keeps at least.
+/// Least number of halvings along a ray in a coarse picture.
 const LEAST_DEPTH: u32 = 6;
 
-/// What was made for earlier requests, as far as it may serve for the next.
+/// State of the worker, with results of earlier requests that the next may reuse.
 pub(super) struct Worker {
     pub shared: Arc<Shared>,
-    /// The document that was read last, and the request for which it was.
+    /// The document read last, with its request.
     read: Option<(Arc<Request>, Arc<Document>)>,
     built: Option<Built>,
-    /// The last search for a domain.
+    /// Program of the last search for a region.
     search: Option<Program>,
     pub framed: Option<Framed>,
-    /// How many formulas there were.
+    /// Number of different formulas so far.
     formulas: u64,
-    /// What the present model's pictures cost.
+    /// Measured cost of the current model's pictures.
     pub pace: Pace,
-    /// What the last picture was of that lacks nothing.
+    /// The request of the last complete picture.
     finished: Option<Arc<Request>>,
 }
 
-/// A model, and what it was made for.
+/// A model, and the request and document it was built from.
 struct Built {
     request: Arc<Request>,
     document: Arc<Document>,
     made: Made,
 }
 
-/// A model, what was found if its domain was searched for, and what views of it are relative to.
+/// A model with its automatic region, if any, and the region that views are relative to.
 #[derive(Clone)]
 pub(super) struct Made {
     pub model: Arc<Model>,
     searched: Option<AutoDomain>,
     pub seat: Region,
-    /// Another for every other formula, whatever its values.
+    /// Identifies the formula, whatever its parameter values.
     pub formula: u64,
 }
 
-/// A camera that was fitted, and to what.
+/// A fitted camera, and what it was fitted to.
 pub(super) struct Framed {
-    /// It may be gone.
+    /// The model, unless it has been freed.
     pub model: Weak<Model>,
     pub region: Region,
-    /// The number of the formula.
+    /// Identifies the formula, as in [`Made`].
     pub formula: u64,
     pub asked: Asked,
     pub camera: Camera,
-    /// Whether it is where it was fitted to, and not still on the way.
+    /// Whether the camera has reached its fitted position, rather than still gliding.
     pub arrived: bool,
 }
 
-/// What a camera depends on beside what is seen.
+/// Settings that a fitted camera depends on.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Asked {
     pub choice: CameraChoice,
@@ -75,7 +75,7 @@ pub(super) struct Asked {
     pub axes: bool,
 }
 
-/// What all pictures of a request share.
+/// Data shared by all pictures of a request.
 pub(super) struct Shot<'a> {
     pub job: &'a Job,
     pub document: &'a Arc<Document>,
@@ -117,7 +117,7 @@ pub(super) struct Job {
 }
 
 impl Shared {
-    /// Whether a request is still the latest.
+    /// Whether this request is still the latest.
     pub fn wanted(&self, job: &Job) -> bool {
         let state = self.lock();
         !state.stop && state.revision == job.revision
@@ -137,7 +137,7 @@ impl Worker {
             done = job.revision;
             let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
             let served = served.unwrap_or_else(|_| {
-                // Whatever was half made is not to be trusted.
+                // State left by a panic may be inconsistent.
                 self = Self::new(Arc::clone(&self.shared));
                 Err(Reason::Bug)
             });
@@ -156,7 +156,7 @@ impl Worker {
         }
     }
 
-    /// Shows what is wrong with a request.
+    /// Publishes the error of a request.
     fn report(&self, job: &Job, reason: Reason) {
         let request = Arc::clone(&job.request);
         let fault = Fault { revision: job.revision, request, reason };
@@ -164,7 +164,8 @@ impl Worker {
         self.shared.changed.notify_all();
     }
 
-    /// Where the text cannot be read, that which is shown is seen as asked for, and to the end.
+    /// Draws the document that is shown with the new request's settings, when the new text has
+    /// errors.
     fn go_on(&mut self, job: &Job) {
         let Some(Built { request: shown, .. }) = &self.built else { return };
         let Request { source, text, overrides, time, .. } = (**shown).clone();
@@ -174,13 +175,13 @@ impl Worker {
             return;
         }
         let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
-        // What is wrong with the text is more to the point.
+        // The error in the text matters more than one found here.
         if served.is_err() {
             *self = Self::new(Arc::clone(&self.shared));
         }
     }
 
-    /// Waits for a request after the one with this number; `None` at the end.
+    /// Waits for a request other than this revision. `None` once the worker should stop.
     fn next(&self, done: u64) -> Option<Job> {
         let waiting = |state: &mut State| !state.stop && state.revision == done;
         let state = self.shared.changed.wait_while(self.shared.lock(), waiting);
@@ -190,7 +191,7 @@ impl Worker {
         (!state.stop).then_some(job)
     }
 
-    /// Makes the pictures of one request, or leaves off when there is a newer one.
+    /// Draws the pictures of a request, and stops when there is a newer one.
     fn serve(&mut self, job: &Job) -> Result<(), Reason> {
         let started = Instant::now();
         let document = self.document(&job.request).map_err(Reason::Text)?;
@@ -211,8 +212,8 @@ impl Worker {
             let is_full = scale <= 1.0;
             let settings = coarser(full, scale).plain();
             let started = Instant::now();
-            // A coarse picture is worth finishing while only the camera moves: it is what is seen
-            // of the movement.
+            // While only the camera moves, a coarse picture is worth finishing: it shows the
+            // movement.
             let advance =
                 |_| if is_full { self.shared.wanted(job) } else { self.wanted_coarsely(job) };
             let picture = made.model.trace(&camera, &settings, &advance)?;
@@ -230,8 +231,7 @@ impl Worker {
         }
     }
 
-    /// The full picture once more, with what it left open, and then in the light that was asked
-    /// for.
+    /// Decides the rays that the full picture left open, then applies the requested light.
     fn finish(&mut self, shot: &Shot<'_>, mut seen: Arc<Rendering>) -> Result<(), Reason> {
         let (job, full) = (shot.job, &shot.job.request.settings);
         let plain = full.plain();
@@ -250,8 +250,7 @@ impl Worker {
         Ok(())
     }
 
-    /// The full picture that is shown, if it differs from what is asked for in nothing but its
-    /// light.
+    /// The full picture that is shown, if the request differs from it only in light.
     fn seen_alike(
         &self,
         model: &Arc<Model>,
@@ -266,8 +265,7 @@ impl Worker {
         is_alike.then_some(seen)
     }
 
-    /// The full picture as it was asked for, once the plain one is shown and nothing newer is
-    /// wanted.
+    /// Applies the requested light to a plain full picture, unless a newer request exists.
     fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), Reason> {
         let (settings, advance) = (&job.request.settings, |_| self.shared.wanted(job));
         if !advance(0) {
@@ -290,21 +288,21 @@ impl Worker {
         let mut state = self.shared.lock();
         let before = state.snapshot.rendering.replace(rendering);
         let revision = state.snapshot.rendering.as_ref().map(|rendering| rendering.revision);
-        // What is wrong with this very request, whose text is not the one that is seen, stays.
+        // An error of this same request stays: the picture then shows an earlier text.
         state.snapshot.fault.take_if(|fault| Some(fault.revision) != revision);
         self.shared.changed.notify_all();
         drop(state);
-        // The last user of a model frees its code; that need not be done under the lock.
+        // Dropping the last reference to a model frees its code, which needs no lock.
         if let Some(before) = before.and_then(Arc::into_inner) {
             before.picture.hand_back();
         }
     }
 
-    /// Waits for so long, or until something else is asked for.
+    /// Waits for this time, or until there is another request.
     pub fn rest(&self, job: &Job, time: Duration) {
         let waiting = |state: &mut State| !state.stop && state.revision == job.revision;
         let state = self.shared.lock();
-        // Whether the time is over or not, what comes next asks again what is wanted.
+        // The caller checks again what is wanted, so the reason for waking does not matter.
         drop(self.shared.changed.wait_timeout_while(state, time, waiting));
     }
 
@@ -325,7 +323,7 @@ impl Worker {
         Ok(document)
     }
 
-    /// The surfaces compiled, or `None` if there is a newer request before that is done.
+    /// The compiled model, reused if possible. `None` if a newer request interrupts.
     fn model(&mut self, job: &Job, document: &Arc<Document>) -> Result<Option<Made>, SceneError> {
         let request = &job.request;
         let last = self.built.take();
@@ -352,7 +350,7 @@ impl Worker {
         made
     }
 
-    /// The same where another document or another clip is asked for.
+    /// As [`Worker::model`], for a new document or clipping plane.
     fn made(
         &mut self,
         job: &Job,
@@ -360,7 +358,7 @@ impl Worker {
         old: Option<&Built>,
     ) -> Result<Option<Made>, SceneError> {
         let Request { domain, clip, settings, .. } = &*job.request;
-        // Code holds for other values of parameters too, in the same domain.
+        // Code serves other parameter values in the same region.
         let same = old.filter(|built| {
             built.document.domain == document.domain
                 && (built.made.searched.is_none() || view::same_search(&built.document, document))
@@ -380,7 +378,8 @@ impl Worker {
         let known = old.filter(|made| made.model.program().serves(document));
         let formula = known.map(|made| made.formula);
         let old = old.filter(|made| made.searched.is_some() && searched.is_some());
-        // The same formula, so that it is seen to grow or to shrink.
+        // For the same formula, the region changes little, so that the surface visibly grows or
+        // shrinks.
         let moved = old.filter(|_| formula.is_some());
         let region = moved.map_or(Ok(found), |made| rooms::for_next(made.model.region(), &found));
         let region = region?;
@@ -407,8 +406,8 @@ impl Worker {
     }
 }
 
-/// The same picture with so many times fewer columns and rows, and slabs coarser to match. What is
-/// hard to decide is left to the picture after it.
+/// Settings of a picture reduced by `scale` in width and height, with slabs coarser to match. Hard
+/// rays are left to a later picture.
 pub(super) fn coarser(full: &Settings, scale: f64) -> Settings {
     let depth = full.options.depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
     let fewer = |size: usize| ((size as f64 / scale).ceil() as usize).clamp(1, size);

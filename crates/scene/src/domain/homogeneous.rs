@@ -9,7 +9,6 @@
 //!
 //! Knows neither kernels nor how results are used.
 
-use super::outward::Bounds;
 use std::array::from_fn;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
@@ -19,7 +18,7 @@ use zeroset_ops::{Class, Law, Op};
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Axis(usize),
-    Number(Bounds),
+    Number(Interval),
     Negation(usize),
     /// Operands are multiplied by the powers of w that bring both to the same degree.
     Sum(Lifted, Lifted),
@@ -42,8 +41,8 @@ type Chart = (usize, f64);
 /// Ranges of u, v and w.
 type ChartBox = [[f64; 2]; 3];
 
-/// Bounds of a value, and of its derivatives by the first `N` of u, v and w.
-type Jet<const N: usize> = (Bounds, [Bounds; N]);
+/// Interval of a value, and of its derivatives by the first `N` of u, v and w.
+type Jet<const N: usize> = (Interval, [Interval; N]);
 
 /// A function that can be evaluated at infinity.
 pub struct Homogeneous {
@@ -71,9 +70,9 @@ impl Homogeneous {
                     (Step::Axis(*axis as usize), weights[*axis as usize] as i32)
                 }
                 Node::Parameter(number) => {
-                    (Step::Number(parameters.get(*number as usize).copied()?.into()), 0)
+                    (Step::Number(parameters.get(*number as usize).copied()?), 0)
                 }
-                Node::Constant(value) => (Step::Number(value.bounds().into()), 0),
+                Node::Constant(value) => (Step::Number(value.bounds()), 0),
                 Node::Apply(op, operands) => {
                     let at = |k: usize| (place[operands[k].index()], operands[k]);
                     applied(graph, *op, at, &degrees)?
@@ -151,7 +150,7 @@ impl Homogeneous {
         false
     }
 
-    /// Bounds over part of a chart by the mean value theorem, from the value in the middle and
+    /// Interval over part of a chart by the mean value theorem, from the value in the middle and
     /// bounds of the derivatives. Also returns how much each coordinate adds to the width. `None`
     /// if the derivatives have no bounds.
     fn about_middle(
@@ -159,26 +158,26 @@ impl Homogeneous {
         chart: Chart,
         part: ChartBox,
         known: &mut Vec<Jet<0>>,
-    ) -> Option<(Bounds, [f64; 3])> {
+    ) -> Option<(Interval, [f64; 3])> {
         let (_, slopes) = self.jet::<3>(chart, part, &mut Vec::new())?;
         let middle = part.map(|[low, high]| low.midpoint(high));
         let mut value = self.over(chart, middle.map(|c| [c, c]), known);
         let mut spreads = [0.0; 3];
         for (k, slope) in slopes.into_iter().enumerate() {
-            let way = Bounds::new(part[k][0], part[k][1]);
-            let change = slope.times(way.plus(Bounds::new(-middle[k], -middle[k])));
+            let way = bounds(part[k][0], part[k][1]);
+            let change = slope.times(way.plus(bounds(-middle[k], -middle[k])));
             value = value.plus(change);
             spreads[k] = change.width();
         }
         Some((value, spreads))
     }
 
-    /// Bounds over part of a chart.
-    fn over(&self, chart: Chart, part: ChartBox, known: &mut Vec<Jet<0>>) -> Bounds {
-        self.jet(chart, part, known).map_or(Bounds::ENTIRE, |(value, [])| value)
+    /// Interval over part of a chart.
+    fn over(&self, chart: Chart, part: ChartBox, known: &mut Vec<Jet<0>>) -> Interval {
+        self.jet(chart, part, known).map_or(Interval::ENTIRE, |(value, [])| value)
     }
 
-    /// Bounds over part of a chart, with bounds of the first `N` derivatives. `None` if `N` > 0 and
+    /// Interval over part of a chart, with bounds of the first `N` derivatives. `None` if `N` > 0 and
     /// a step is not a sum, product or power.
     fn jet<const N: usize>(
         &self,
@@ -186,17 +185,17 @@ impl Homogeneous {
         part: ChartBox,
         known: &mut Vec<Jet<N>>,
     ) -> Option<Jet<N>> {
-        let number = |value: Bounds| (value, [Bounds::ZERO; N]);
+        let number = |value: Interval| (value, [Interval::ZERO; N]);
         let coordinate = |k: usize| {
-            let slope = |other: usize| if other == k { Bounds::ONE } else { Bounds::ZERO };
-            (Bounds::new(part[k][0], part[k][1]), from_fn(slope))
+            let slope = |other: usize| if other == k { Interval::ONE } else { Interval::ZERO };
+            (bounds(part[k][0], part[k][1]), from_fn(slope))
         };
-        let mut coordinates = [number(Bounds::new(side, side)); 3];
+        let mut coordinates = [number(bounds(side, side)); 3];
         (coordinates[(axis + 1) % 3], coordinates[(axis + 2) % 3]) = (coordinate(0), coordinate(1));
         let w = coordinate(2);
         known.clear();
         for step in &self.steps {
-            let negated = |(a, da): Jet<N>| (a.negated(), da.map(Bounds::negated));
+            let negated = |(a, da): Jet<N>| (a.negated(), da.map(Interval::negated));
             let sum =
                 |(a, da): Jet<N>, (b, db): Jet<N>| (a.plus(b), from_fn(|k| da[k].plus(db[k])));
             let product = |(a, da): Jet<N>, (b, db): Jet<N>| {
@@ -204,8 +203,8 @@ impl Homogeneous {
             };
             let power = |(base, slopes): Jet<N>, n: u32| {
                 let factor = match n {
-                    1.. if N > 0 => Bounds::new(n.into(), n.into()).times(base.power(n - 1)),
-                    _ => Bounds::ZERO,
+                    1.. if N > 0 => bounds(n.into(), n.into()).times(base.power(n - 1)),
+                    _ => Interval::ZERO,
                 };
                 (base.power(n), from_fn(|k| factor.times(slopes[k])))
             };
@@ -213,7 +212,7 @@ impl Homogeneous {
                 0 => known[place],
                 _ => product(known[place], power(w, n)),
             };
-            let alone = |value: Bounds| (N == 0).then_some(number(value));
+            let alone = |value: Interval| (N == 0).then_some(number(value));
             let value = match *step {
                 Step::Axis(axis) => coordinates[axis],
                 Step::Number(value) => number(value),
@@ -233,6 +232,10 @@ impl Homogeneous {
         }
         known.last().copied()
     }
+}
+
+fn bounds(lo: f64, hi: f64) -> Interval {
+    Interval { lo, hi }
 }
 
 /// The charts of all axes.

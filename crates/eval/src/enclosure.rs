@@ -1,6 +1,6 @@
 //! Bounds and facts of formulas over a whole domain, from one pass over their graph.
 
-use zeroset_eval::Assumptions;
+use crate::tape::Assumptions;
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 use zeroset_ir::{Graph, Node, NodeId};
 
