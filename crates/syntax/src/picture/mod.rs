@@ -1,0 +1,7 @@
+//! Lines about the picture, such as `domain`, `view` and `color`, as data.
+//!
+//! Nothing here knows what a line changes in a picture.
+
+pub(crate) mod lines;
+pub(crate) mod paint;
+pub(crate) mod scene;

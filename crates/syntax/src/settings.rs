@@ -1,0 +1,120 @@
+//! Lines that set something about the picture: the table of them.
+
+use crate::grammar::Rule;
+use crate::messages::error::{Error, ErrorKind};
+use crate::span::Span;
+
+/// A word that begins a line about the picture.
+pub(crate) struct Setting {
+    pub word: &'static str,
+    /// What the grammar knows it by.
+    pub symbol: char,
+    /// What such a line is.
+    pub rule: Rule,
+    /// What it sets.
+    pub kind: SettingKind,
+    /// What to write.
+    pub hint: &'static str,
+}
+
+/// What a line about the picture sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SettingKind {
+    Domain,
+    View,
+    Color,
+    Look,
+    Background,
+    Clip,
+    Light,
+    Opacity,
+    Hidden,
+    Shadows,
+    Axes,
+    Legend,
+    Contours,
+}
+
+/// A word with numbers behind it, or with `on` or `off`.
+const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> Setting {
+    Setting { word, symbol: 's', rule: Rule::setting_line, kind, hint }
+}
+
+const COLOR: Setting = Setting {
+    word: "color",
+    kind: SettingKind::Color,
+    symbol: 'c',
+    rule: Rule::color_line,
+    hint: "write a name of CSS such as `orange`, `#ff8800`, or a color map such as `viridis(z)`; \
+           perhaps how opaque it is behind that, as `50%`",
+};
+
+/// Every such word.
+pub(crate) const SETTINGS: &[Setting] = &[
+    Setting {
+        word: "domain",
+        kind: SettingKind::Domain,
+        symbol: 'd',
+        rule: Rule::domain_line,
+        hint: "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
+               `domain x in [-2, 2], y in [-1, 1]` or six numbers",
+    },
+    Setting {
+        word: "view",
+        kind: SettingKind::View,
+        symbol: 'v',
+        rule: Rule::view_line,
+        hint: "write a side such as `view front`, or `view eye (4, 3, 6) target (0, 0, 0) fov 40`",
+    },
+    COLOR,
+    Setting { word: "colour", ..COLOR },
+    Setting {
+        word: "look",
+        kind: SettingKind::Look,
+        symbol: 'l',
+        rule: Rule::look_line,
+        hint: "there are `studio`, `flat`, `paper` and `night`",
+    },
+    Setting {
+        word: "background",
+        kind: SettingKind::Background,
+        symbol: 'b',
+        rule: Rule::background_line,
+        hint: "write a name of CSS such as `orange`, or `#ff8800`",
+    },
+    plain("clip", SettingKind::Clip, "write a, b, c and d: `clip 1, 0, 0, 0.5` keeps x <= 0.5"),
+    plain("light", SettingKind::Light, "write where it is: `light 4, -3, 6`"),
+    plain("opacity", SettingKind::Opacity, "write a share from 0 to 1, or from `0%` to `100%`"),
+    plain(
+        "hidden",
+        SettingKind::Hidden,
+        "write `hidden` above what is not to be seen, and `hidden off` above what is",
+    ),
+    plain("shadows", SettingKind::Shadows, "write `shadows on` or `shadows off`"),
+    plain("axes", SettingKind::Axes, "write `axes on` or `axes off`"),
+    plain("legend", SettingKind::Legend, "write `legend on` or `legend off`"),
+    plain(
+        "contours",
+        SettingKind::Contours,
+        "write what is the same along a line, how far the lines are apart, or both: \
+               `contours z`, `contours 0.5`, `contours z, 0.5`",
+    ),
+];
+
+/// The setting that `word` begins.
+pub(crate) fn setting(word: &str) -> Option<&'static Setting> {
+    SETTINGS.iter().find(|setting| setting.word == word)
+}
+
+/// What a line about the picture sets that begins with `word`: the word itself, or its first
+/// spelling; `None` if there is no such line.
+pub fn setting_word(word: &str) -> Option<&'static str> {
+    let found = setting(word)?;
+    let first = SETTINGS.iter().find(|other| other.kind == found.kind);
+    first.map(|setting| setting.word)
+}
+
+pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
+    let hint = setting(word).map_or("", |setting| setting.hint);
+    Error::new(span, ErrorKind::BadSetting { word, hint })
+}

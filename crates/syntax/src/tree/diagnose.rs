@@ -1,0 +1,260 @@
+//! Statements as the grammar recognises them, and what is wrong with one that it refuses, inferred
+//! from where it stopped.
+
+use crate::grammar::{Pair, Rule, Zeroset};
+use crate::lex::scanner::Piece;
+use crate::lex::spelling::{closer, is_closer, is_name, is_operator, short_name, typed_setting};
+use crate::lex::token::{Token, split};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::span::Span;
+use pest::Parser as _;
+use pest::error::{ErrorVariant, InputLocation};
+
+/// Bytes of the longest statement that is written anew.
+const LONGEST: usize = 60;
+
+/// Recognises a statement of `text`.
+pub(crate) fn recognise<'i>(text: &str, piece: &'i Piece, rule: Rule) -> Fallible<Pair<'i>> {
+    let mut pairs = Zeroset::parse(rule, &piece.symbols).map_err(|refusal| {
+        // Where a thread has little of its stack left, pest stops.
+        if matches!(&refusal.variant, ErrorVariant::CustomError { .. }) {
+            return Error::new(piece.span, ErrorKind::NoStack);
+        }
+        let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = refusal.location;
+        diagnose(text, piece, rule, piece.index(at))
+    })?;
+    Ok(pairs.next().expect("a statement is one pair"))
+}
+
+/// The error behind the grammar's refusal of `piece`; `next` is the index of the token at which it
+/// stopped.
+fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
+    let found = piece.tokens.get(next);
+    let word = piece.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
+    let setting = match rule {
+        Rule::domain_line => Some(ErrorKind::BadDomain),
+        Rule::view_line => Some(ErrorKind::BadView),
+        Rule::color_line | Rule::background_line => Some(ErrorKind::BadColor),
+        Rule::look_line => Some(ErrorKind::BadLook),
+        Rule::setting_line => {
+            word.map(|setting| ErrorKind::BadSetting { word: setting.word, hint: setting.hint })
+        }
+        _ => None,
+    };
+    if let Some(kind) = setting {
+        return Error::new(found.map_or(piece.span, |token| token.span), kind);
+    }
+    // A character without a meaning is reported before anything else.
+    let unknown = |token: &&Token| {
+        matches!(token.symbol, '?' | '%') || (token.symbol == ':' && !inside(piece, token))
+    };
+    if let Some(token) = piece.tokens.iter().find(unknown) {
+        return unknown_character(text, token.span);
+    }
+    let before = next.checked_sub(1).map(|index| piece.tokens[index]);
+    let place = before.map_or(piece.span, |token| token.span);
+    let here = found.map_or(place, |token| token.span);
+    let both = if before.is_some() { place.to(here) } else { here };
+    let typed = |span: Span| text[span.range()].to_owned();
+    let opens = |symbol| closer(symbol).is_some() || symbol == '|';
+    match (before.map_or(' ', |token| token.symbol), found.map_or(' ', |token| token.symbol)) {
+        (' ', sign) if is_operator(sign) => {
+            Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })
+        }
+        ('=', '<') | ('<', '=') => foreign(text, both, "<="),
+        ('=', '>') | ('>', '=') => foreign(text, both, ">="),
+        ('=', '=') | ('-', '>') | ('<', '-') => foreign(text, both, "="),
+        ('<', '>') => foreign(text, both, "!="),
+        ('/', '/') => Error::new(both, ErrorKind::IntegerDivision),
+        (sign, ',') if !is_operator(sign) || sign == '²' => comma(text, piece, next),
+        ('∈', _) => Error::new(both, ErrorKind::BadRange),
+        (_, '∈') => Error::new(Span::new(here.start, piece.span.end), ErrorKind::BadRange),
+        _ if let Some(span) = half_fraction(&piece.tokens[..next]) => {
+            Error::new(span, ErrorKind::HalfFraction)
+        }
+        // Outside brackets it would have ended the statement, so arguments are being separated.
+        (_, ';') => {
+            Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
+        }
+        ('}', sign) if "+-*/^".contains(sign) && braces_restrict(&piece.tokens[..next]) => {
+            Error::new(here, ErrorKind::RestrictionInside)
+        }
+        (sign, _) if is_operator(sign) => {
+            Error::new(place, ErrorKind::MissingAfter { sign: typed(place) })
+        }
+        (open, sign) if opens(open) && is_operator(sign) => {
+            Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })
+        }
+        (open, close) if opens(open) && is_closer(close) => {
+            Error::new(both, ErrorKind::EmptyBrackets)
+        }
+        (_, ' ') => Error::new(Span::at(place.end), ErrorKind::Unfinished),
+        _ if let Some(span) = choice_in_braces(piece, next) => {
+            Error::new(span, ErrorKind::PieceWithoutCondition)
+        }
+        _ => Error::new(here, ErrorKind::Unexpected { found: short_name(&typed(here)) }),
+    }
+}
+
+/// Braces behind a sign, open at `next`: a restriction follows what it restricts.
+fn choice_in_braces(piece: &Piece, next: usize) -> Option<Span> {
+    let before = &piece.tokens[..next];
+    let open = before.iter().rposition(|token| token.symbol == '{')?;
+    let sign = before.get(open.checked_sub(1)?)?;
+    is_operator(sign.symbol).then(|| before[open].span.to(piece.tokens[next].span))
+}
+
+/// Whether the braces that were closed last hold a comparison.
+fn braces_restrict(before: &[Token]) -> bool {
+    let open = before.iter().rposition(|token| token.symbol == '{').unwrap_or(0);
+    before[open..].iter().any(|token| "=≠<≤>≥".contains(token.symbol))
+}
+
+/// Whether a colon is in a choice, where it has a meaning.
+fn inside(piece: &Piece, colon: &Token) -> bool {
+    let before = piece.tokens.iter().take_while(|token| token.span.start < colon.span.start);
+    let mut depth = 0_i32;
+    for token in before {
+        depth += i32::from(token.symbol == '⦃') - i32::from(token.symbol == '⦄');
+    }
+    depth > 0
+}
+
+/// A sign of other languages, and what is written here.
+fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
+    let sign = text[span.range()].to_owned();
+    Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
+}
+
+/// A comma outside brackets: directly between two numbers it is a decimal comma. Behind a formula
+/// there may be values, behind an equation what restricts it, and behind a condition others.
+fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
+    let Token { span, .. } = piece.tokens[index];
+    let before = piece.tokens[index - 1].span;
+    match piece.tokens.get(index + 1) {
+        Some(after)
+            if piece.tokens[index - 1].symbol == '0'
+                && after.symbol == '0'
+                && before.end == span.start
+                && span.end == after.span.start =>
+        {
+            Error::new(before.to(after.span), ErrorKind::Comma).suggest(span, ".")
+        }
+        _ => {
+            let whole = piece.span;
+            Error::new(span, ErrorKind::Comma).suggest_any(whole, listed(text, piece, index))
+        }
+    }
+}
+
+/// What was meant by parts of a statement between commas, the first of which is at `first`.
+fn listed(text: &str, piece: &Piece, first: usize) -> Option<String> {
+    let parts = split(&piece.tokens, ',');
+    let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
+    let texts: Vec<&str> = parts.iter().map(typed).collect::<Option<_>>()?;
+    let (formula, rest) = (*texts.first()?, texts.get(1..).filter(|rest| !rest.is_empty())?);
+    let has = |part: &[Token], signs: &str| part.iter().any(|token| signs.contains(token.symbol));
+    let is_value = |part: &Vec<Token>| {
+        matches!(part.as_slice(), [name, equals, _, ..] if name.symbol == 'a' && equals.symbol == '=')
+            && !has(part, "<≤>≥")
+    };
+    let is_condition = |part: &Vec<Token>| has(part, "<≤>≥") && !has(part, "=");
+    let all = |is: &dyn Fn(&Vec<Token>) -> bool| parts[1..].iter().all(is);
+    // A comma within the first part is another.
+    if piece.tokens[..first].len() != parts[0].len() {
+        return None;
+    }
+    let meant = if all(&is_value) {
+        texts.join("; ")
+    } else if all(&is_condition) && is_condition(&parts[0]) {
+        texts.join(" and ")
+    } else if all(&is_condition) {
+        format!("{formula} {{{}}}", rest.join(" and "))
+    } else {
+        return None;
+    };
+    (meant.len() <= LONGEST && !meant.contains('\n')).then_some(meant)
+}
+
+/// The place of `\frac` if its second part is missing right behind `before`.
+fn half_fraction(before: &[Token]) -> Option<Span> {
+    if let [.., fraction, part] = before
+        && fraction.symbol == 'F'
+        && is_name(part.symbol)
+    {
+        return Some(fraction.span);
+    }
+    let mut depth = 0_usize;
+    for token in before.iter().rev() {
+        match token.symbol {
+            '}' => depth += 1,
+            '{' => depth = depth.checked_sub(1)?,
+            _ if depth > 0 => {}
+            'F' => return Some(token.span),
+            // Its first part, as in `\frac1x`.
+            '1' | '0' => {}
+            _ => return None,
+        }
+    }
+    None
+}
+
+/// LaTeX commands and signs of calculus.
+const CALCULUS: &[&str] =
+    &[r"\int", r"\iint", r"\iiint", r"\oint", r"\partial", r"\nabla", r"\lim"];
+
+fn unknown_character(text: &str, span: Span) -> Box<Error> {
+    let typed = &text[span.range()];
+    if CALCULUS.contains(&typed) || matches!(typed, "∫" | "∬" | "∮" | "∂" | "∇") {
+        return Error::new(span, ErrorKind::Calculus);
+    }
+    let character = match typed {
+        r"\pm" | r"\mp" => '±',
+        _ => typed.chars().next().unwrap_or('?'),
+    };
+    let error = Error::new(span, ErrorKind::UnexpectedCharacter { character });
+    let meant = match character {
+        '‐' | '‑' => "-",
+        '⋆' => "*",
+        '：' | ':' | '≡' | '≈' => "=",
+        '&' => "and",
+        _ => return error,
+    };
+    error.suggest(span, meant)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::document::reading::{Options, read};
+    use crate::messages::error::ErrorKind;
+
+    #[test]
+    fn signs_that_only_look_like_ours_are_suggested() {
+        for (typed, meant) in [
+            ('\u{2010}', "-"),
+            ('\u{2011}', "-"),
+            ('⋆', "*"),
+            ('：', "="),
+            (':', "="),
+            ('≡', "="),
+            ('≈', "="),
+            ('&', "and"),
+        ] {
+            let errors = read(&format!("x {typed} 1"), &Options::default()).expect_err("no sign");
+            let mut errors = errors.iter().map(|error| error.suggestion.as_ref());
+            let suggestion = errors.next().flatten().map(|suggestion| &*suggestion.replacement);
+            assert_eq!(suggestion, Some(meant), "{typed}");
+        }
+    }
+
+    #[test]
+    fn signs_that_are_known_need_no_suggestion() {
+        for typed in "–—‒－＋＊∗•∕⁄＝（），".chars() {
+            if let Err(errors) = read(&format!("x {typed} 1"), &Options::default()) {
+                let unknown =
+                    |kind: &ErrorKind| matches!(kind, ErrorKind::UnexpectedCharacter { .. });
+                assert!(!errors.iter().any(|error| unknown(&error.kind)), "{typed}: {errors}");
+            }
+        }
+    }
+}
