@@ -24,7 +24,6 @@
 
 mod dialect;
 mod document;
-mod grammar;
 mod lex;
 mod limits;
 mod lower;
@@ -38,7 +37,6 @@ mod words;
 pub use document::reading::{
     Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse, read, read_bytes,
 };
-pub use lex::spelling::{COLOR_MAPS, LOOKS, PRESETS};
 pub use limits::Limits;
 pub use lower::constant::constant;
 pub use messages::error::{Error, ErrorKind, Errors, Origin, Suggestion};
@@ -46,7 +44,7 @@ pub use messages::note::{Note, NoteKind};
 pub use picture::lines::{PictureLines, SettingLine};
 pub use picture::paint::{Contours, MappedColor, POINT_NAMES, PointValue, SurfaceColor};
 pub use picture::scene::{ConstantRange, DomainLine, SrgbColor, ViewLine};
-pub use settings::setting_word;
+pub use settings::{COLOR_MAPS, LOOKS, PRESETS, setting_word};
 pub use span::Span;
 pub use tree::ast;
 pub use words::{WordKind, language_names, word_help, words};

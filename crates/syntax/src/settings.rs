@@ -1,16 +1,20 @@
 //! Lines that set something about the picture: the table of them.
 
-use crate::grammar::Rule;
-use crate::messages::error::{Error, ErrorKind};
-use crate::span::Span;
+/// Directions that a `view` line can name.
+pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
+
+/// What a `look` line may name.
+pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
+
+/// Color maps that a `color` line can name.
+pub const COLOR_MAPS: [&str; 12] = [
+    "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "spectral", "sinebow", "rainbow",
+    "blues", "greys", "redblue",
+];
 
 /// A word that begins a line about the picture.
 pub(crate) struct Setting {
     pub word: &'static str,
-    /// What the grammar knows it by.
-    pub symbol: char,
-    /// What such a line is.
-    pub rule: Rule,
     /// What it sets.
     pub kind: SettingKind,
     /// What to write.
@@ -37,14 +41,12 @@ pub(crate) enum SettingKind {
 
 /// A word with numbers behind it, or with `on` or `off`.
 const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> Setting {
-    Setting { word, symbol: 's', rule: Rule::setting_line, kind, hint }
+    Setting { word, kind, hint }
 }
 
 const COLOR: Setting = Setting {
     word: "color",
     kind: SettingKind::Color,
-    symbol: 'c',
-    rule: Rule::color_line,
     hint: "write a name of CSS such as `orange`, `#ff8800`, or a color map such as `viridis(z)`; \
            perhaps how opaque it is behind that, as `50%`",
 };
@@ -54,16 +56,12 @@ pub(crate) const SETTINGS: &[Setting] = &[
     Setting {
         word: "domain",
         kind: SettingKind::Domain,
-        symbol: 'd',
-        rule: Rule::domain_line,
         hint: "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
                `domain x in [-2, 2], y in [-1, 1]` or six numbers",
     },
     Setting {
         word: "view",
         kind: SettingKind::View,
-        symbol: 'v',
-        rule: Rule::view_line,
         hint: "write a side such as `view front`, or `view eye (4, 3, 6) target (0, 0, 0) fov 40`",
     },
     COLOR,
@@ -71,15 +69,11 @@ pub(crate) const SETTINGS: &[Setting] = &[
     Setting {
         word: "look",
         kind: SettingKind::Look,
-        symbol: 'l',
-        rule: Rule::look_line,
         hint: "there are `studio`, `flat`, `paper` and `night`",
     },
     Setting {
         word: "background",
         kind: SettingKind::Background,
-        symbol: 'b',
-        rule: Rule::background_line,
         hint: "write a name of CSS such as `orange`, or `#ff8800`",
     },
     plain("clip", SettingKind::Clip, "write a, b, c and d: `clip 1, 0, 0, 0.5` keeps x <= 0.5"),
@@ -112,9 +106,4 @@ pub fn setting_word(word: &str) -> Option<&'static str> {
     let found = setting(word)?;
     let first = SETTINGS.iter().find(|other| other.kind == found.kind);
     first.map(|setting| setting.word)
-}
-
-pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
-    let hint = setting(word).map_or("", |setting| setting.hint);
-    Error::new(span, ErrorKind::BadSetting { word, hint })
 }

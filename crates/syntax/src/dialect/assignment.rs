@@ -5,7 +5,8 @@ use crate::dialect::known_numbers::{number_of, written};
 use crate::dialect::program::{Head, Wrap};
 use crate::dialect::program_reader::{Frame, Reader};
 use crate::dialect::program_words::Words;
-use crate::lex::spelling::is_name;
+use crate::lex::token_kind::TokenKind::{Comma, Number, OpenBracket, Slash};
+
 use crate::lex::token::{Token, split};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
@@ -24,7 +25,7 @@ impl Reader<'_> {
         is_whole: bool,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        for tokens in split(tokens, ',') {
+        for tokens in split(tokens, Comma) {
             let tokens = Words::without_type(tokens);
             if is_whole && let Some(name) = tokens.first() {
                 let word = self.words.word(*name);
@@ -50,8 +51,8 @@ impl Reader<'_> {
                 let name = self.words.name(name);
                 self.set(name, size, value, frame)?;
             } else if let [name, open, ..] = tokens.as_slice()
-                && open.symbol == '['
-                && is_name(name.symbol)
+                && open.kind == OpenBracket
+                && name.kind.is_name()
             {
                 return Err(Error::new(name.span, ErrorKind::Array));
             } else if let [name] = tokens.as_slice() {
@@ -140,10 +141,10 @@ impl Reader<'_> {
         let is_named = |token: Token| self.whole.contains(self.words.word(token));
         let is_whole = |token: Token| {
             let typed = &self.words.text[token.span.range()];
-            is_named(token) || token.symbol == '0' && typed.bytes().all(|b| b.is_ascii_digit())
+            is_named(token) || token.kind == Number && typed.bytes().all(|b| b.is_ascii_digit())
         };
         let found = tokens.windows(3).find(|part| {
-            part[1].symbol == '/'
+            part[1].kind == Slash
                 && is_whole(part[0])
                 && is_whole(part[2])
                 && (is_named(part[0]) || is_named(part[2]))

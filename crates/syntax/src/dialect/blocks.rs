@@ -2,7 +2,8 @@
 //! looked into.
 
 use crate::dialect::program_words::Words;
-use crate::lex::spelling::is_name;
+use crate::lex::token_kind::TokenKind::*;
+
 use crate::lex::token::{Token, closing, outside, split};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 
@@ -58,7 +59,7 @@ impl Step {
 
 /// What stands behind the semicolons and line ends at the start.
 fn skip(tokens: &[Token]) -> &[Token] {
-    let count = tokens.iter().take_while(|token| token.symbol == ';').count();
+    let count = tokens.iter().take_while(|token| token.kind == Semicolon).count();
     &tokens[count..]
 }
 
@@ -67,19 +68,21 @@ impl Words<'_> {
     pub(crate) fn governs(self, tokens: &[Token]) -> bool {
         let Some(first) = tokens.first() else { return false };
         match self.word(*first) {
-            "for" | "while" => tokens.get(1).is_some_and(|next| next.symbol == '('),
+            "for" | "while" => tokens.get(1).is_some_and(|next| next.kind == OpenParen),
             // `if(c, a, b)` is a value; `if (c) a` is not.
             "if" => {
                 let Some(end) = tokens.get(1..).and_then(closing) else { return false };
-                tokens[1].symbol == '('
-                    && outside(&tokens[2..=end], ',').is_none()
+                tokens[1].kind == OpenParen
+                    && outside(&tokens[2..=end], Comma).is_none()
                     && tokens.get(end + 2).is_none_or(|next| {
-                        is_name(next.symbol) && self.word(*next) != "else"
-                            || next.symbol == '{'
-                            || next.symbol == ';'
+                        next.kind.is_name() && self.word(*next) != "else"
+                            || next.kind == OpenBrace
+                            || next.kind == Semicolon
                     })
             }
-            "else" => tokens.get(1).is_none_or(|next| is_name(next.symbol) || next.symbol == '{'),
+            "else" => {
+                tokens.get(1).is_none_or(|next| next.kind.is_name() || next.kind == OpenBrace)
+            }
             _ => false,
         }
     }
@@ -92,11 +95,11 @@ impl Words<'_> {
         while let Some(first) = rest.first() {
             let is_else = self.word(*first) == "else";
             let governs = is_else || self.governs(rest);
-            let end = match first.symbol {
+            let end = match first.kind {
                 _ if is_else => Some(1),
                 _ if governs => closing(&rest[1..]).map(|close| close + 2),
-                '{' => closing(rest).map(|close| close + 1),
-                _ => outside(rest, ';').or(Some(rest.len())),
+                OpenBrace => closing(rest).map(|close| close + 1),
+                _ => outside(rest, Semicolon).or(Some(rest.len())),
             };
             let Some(end) = end else { return false };
             is_whole = !governs;
@@ -127,7 +130,7 @@ impl Words<'_> {
         if depth > DEEPEST {
             return Err(Error::new(first.span, ErrorKind::TooDeep { limit: DEEPEST }));
         }
-        if first.symbol == '{'
+        if first.kind == OpenBrace
             && let Some(end) = closing(tokens)
         {
             steps.extend(self.block(&tokens[1..end], depth + 1)?);
@@ -137,7 +140,7 @@ impl Words<'_> {
             return Err(self.unread(first));
         }
         if !self.governs(tokens) || self.word(first) == "else" {
-            let end = outside(tokens, ';').unwrap_or(tokens.len());
+            let end = outside(tokens, Semicolon).unwrap_or(tokens.len());
             steps.push(Step::Plain(tokens[..end].to_vec()));
             return Ok(&tokens[end..]);
         }
@@ -161,7 +164,7 @@ impl Words<'_> {
             }
             _ => {
                 let parts: Vec<Vec<Token>> =
-                    header.split(|token| token.symbol == ';').map(<[Token]>::to_vec).collect();
+                    header.split(|token| token.kind == Semicolon).map(<[Token]>::to_vec).collect();
                 if let Ok([start, condition, next]) = <[_; 3]>::try_from(parts) {
                     steps.push(Step::Loop { word: first, start, condition, next, body });
                 } else {
@@ -188,8 +191,8 @@ impl Words<'_> {
         let word = tokens.first().map_or("", |first| self.word(*first));
         matches!(word, "if" | "elif" | "else" | "for" | "while")
             && !self.governs(tokens)
-            && outside(tokens, ':').is_some()
-            && outside(tokens, '⸮').is_none()
+            && outside(tokens, Colon).is_some()
+            && outside(tokens, QuestionMark).is_none()
     }
 
     /// The statements of lines that are indented alike.
@@ -218,7 +221,7 @@ impl Words<'_> {
         if self.word(first) == "pass" && tokens.len() == 1 {
             return Ok(index + 1);
         }
-        let colon = outside(tokens, ':').filter(|_| self.governs_lines(tokens));
+        let colon = outside(tokens, Colon).filter(|_| self.governs_lines(tokens));
         let Some(colon) = colon else {
             steps.push(Step::Plain(tokens.clone()));
             return Ok(index + 1);
@@ -250,7 +253,7 @@ impl Words<'_> {
                 steps.push(Step::Loop { word: first, start, condition: header, next: after, body });
             }
             _ => match header.as_slice() {
-                [name, within, values @ ..] if within.symbol == '∈' => {
+                [name, within, values @ ..] if within.kind == In => {
                     steps.push(Step::Each { name: *name, values: values.to_vec(), body });
                 }
                 _ => return Err(self.unread(first)),
@@ -261,10 +264,10 @@ impl Words<'_> {
 
     /// The parts of `a = 1, b = 2`, each of which sets a name; the whole if it is none such.
     pub(crate) fn each_setting(self, tokens: Vec<Token>) -> Vec<Vec<Token>> {
-        if outside(&tokens, ',').is_none() || self.types(&tokens) > 0 {
+        if outside(&tokens, Comma).is_none() || self.types(&tokens) > 0 {
             return vec![tokens];
         }
-        let parts = split(&tokens, ',');
+        let parts = split(&tokens, Comma);
         if parts.iter().all(|part| self.assignment(part).is_some()) { parts } else { vec![tokens] }
     }
 }

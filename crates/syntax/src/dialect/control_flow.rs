@@ -9,6 +9,7 @@ use crate::dialect::known_numbers::{count, number_of, written};
 use crate::dialect::program::Wrap;
 use crate::dialect::program_reader::{Frame, Reader, Statements};
 use crate::lex::token::{Token, closing, span_of, split};
+use crate::lex::token_kind::TokenKind::{Comma, Equals};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Name, Relation};
@@ -43,7 +44,7 @@ impl Reader<'_> {
                 Step::Plain(tokens) => self.plain_step(tokens, frame)?,
                 Step::If { condition, yes, no } => self.branch(condition, yes, no, frame)?,
                 Step::Loop { word, start, condition, next, body } => {
-                    let counted = start.windows(2).filter(|pair| pair[1].symbol == '=');
+                    let counted = start.windows(2).filter(|pair| pair[1].kind == Equals);
                     let names = counted.map(|pair| self.words.word(pair[0]).to_owned());
                     frame.whole.extend(names);
                     let mut before = start.as_slice();
@@ -203,7 +204,7 @@ impl Reader<'_> {
         let Some(end) = closing(list).filter(|end| end + 1 == list.len()) else {
             return Err(refused());
         };
-        let parts = split(&list[1..end], ',');
+        let parts = split(&list[1..end], Comma);
         if !is_range {
             return Ok(parts.into_iter().map(LoopValue::Typed).collect());
         }

@@ -7,6 +7,7 @@ use crate::dialect::program::Head;
 use crate::dialect::program_reader::{Frame, Given, Procedure, Reader, Statements};
 use crate::dialect::program_words::{SCENES, Words, size_of};
 use crate::lex::token::{Token, bracketed, closing, split};
+use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, Semicolon};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
@@ -119,7 +120,7 @@ impl Reader<'_> {
         };
         while begins_else(following.as_slice().first()) || !self.words.is_whole(&tokens) {
             let Some(more) = following.next() else { break };
-            tokens.push(Token::new(';', Span::at(more[0].span.start)));
+            tokens.push(Token::new(Semicolon, Span::at(more[0].span.start)));
             tokens.extend(more);
         }
         let tokens = self.expanded(tokens, 0)?;
@@ -163,21 +164,21 @@ impl Reader<'_> {
         let name = self.words.name(tokens[0]);
         match bracketed(&tokens[1..]) {
             Some((inner, [equals, rest @ ..]))
-                if equals.symbol == '='
+                if equals.kind == Equals
                     && rest.first().is_some_and(|word| self.words.word(*word) == "let") =>
             {
-                let mut frame = self.enter(name, split(inner, ','))?;
+                let mut frame = self.enter(name, split(inner, Comma))?;
                 self.bindings(rest.to_vec(), &mut frame)?;
             }
             Some((inner, [equals, rest @ ..]))
-                if equals.symbol == '=' && inner.iter().any(|token| token.symbol == '=') =>
+                if equals.kind == Equals && inner.iter().any(|token| token.kind == Equals) =>
             {
-                let frame = self.enter(name, split(inner, ','))?;
+                let frame = self.enter(name, split(inner, Comma))?;
                 self.result(rest.to_vec(), &frame)?;
             }
             found => {
                 if let Some((inner, rest)) = found
-                    && !inner.iter().any(|token| token.symbol == ',')
+                    && !inner.iter().any(|token| token.kind == Comma)
                     && self.words.is_point(inner, &[rest.to_vec()])
                 {
                     self.draws(&name);
@@ -288,7 +289,8 @@ impl Reader<'_> {
         value: Vec<Token>,
         frame: &Frame,
     ) -> Fallible<()> {
-        let braces = closing(&value).filter(|end| value[0].symbol == '{' && end + 1 == value.len());
+        let braces =
+            closing(&value).filter(|end| value[0].kind == OpenBrace && end + 1 == value.len());
         let body = braces.map(|end| value[1..end].to_vec());
         let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, std::slice::from_ref(&value)));
         let name = match name {
@@ -314,7 +316,7 @@ impl Reader<'_> {
         let Some((inner, rest)) = bracketed(&tokens[1..]) else {
             return self.plain(tokens, frame, false);
         };
-        for tokens in split(inner, ',') {
+        for tokens in split(inner, Comma) {
             if let Some((name, None, value)) = self.words.assignment(&tokens) {
                 self.set(self.words.name(name), 1, value, frame)?;
             }

@@ -4,6 +4,7 @@
 use crate::dialect::control_flow::RESULT;
 use crate::dialect::program_reader::{Frame, Macro, Procedure, Reader};
 use crate::lex::token::{Token, closing, in_brackets, split};
+use crate::lex::token_kind::TokenKind::{Comma, Component, OpenParen};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::tree::ast::ExprKind;
 use crate::tree::built_statement::with_parts;
@@ -17,8 +18,9 @@ impl Reader<'_> {
     pub(crate) fn macro_of(&mut self, tokens: &[Token]) {
         let Some(name) = tokens.first().copied() else { return };
         let rest = &tokens[1..];
-        let is_call =
-            rest.first().is_some_and(|next| next.symbol == '(' && next.span.start == name.span.end);
+        let is_call = rest
+            .first()
+            .is_some_and(|next| next.kind == OpenParen && next.span.start == name.span.end);
         let made = match closing(rest).filter(|_| is_call) {
             Some(end) => {
                 let names = rest[1..end].iter().map(|token| self.words.word(*token).to_owned());
@@ -56,11 +58,11 @@ impl Reader<'_> {
                 all.extend(self.expanded(made.body.clone(), depth + 1)?);
                 continue;
             };
-            let Some(end) = closing(&tokens[at..]).filter(|_| tokens[at].symbol == '(') else {
+            let Some(end) = closing(&tokens[at..]).filter(|_| tokens[at].kind == OpenParen) else {
                 all.push(token);
                 continue;
             };
-            let arguments = split(&tokens[at + 1..at + end], ',');
+            let arguments = split(&tokens[at + 1..at + end], Comma);
             at += end + 1;
             let mut body = Vec::with_capacity(made.body.len());
             for part in &made.body {
@@ -81,8 +83,8 @@ impl Reader<'_> {
     pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
         let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
         let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;
-        let arguments = split(&tokens[2..=end], ',');
-        (tokens[1].symbol == '(').then(|| (Rc::clone(procedure), arguments))
+        let arguments = split(&tokens[2..=end], Comma);
+        (tokens[1].kind == OpenParen).then(|| (Rc::clone(procedure), arguments))
     }
 
     /// Runs a procedure where it is called; what it returns.
@@ -127,7 +129,7 @@ impl Reader<'_> {
             };
             let (target, letters) = match argument.as_slice() {
                 [target] => (*target, None),
-                [target, letters] if letters.symbol == '‧' => (
+                [target, letters] if letters.kind == Component => (
                     *target,
                     Some(self.words.text[letters.span.start + 1..letters.span.end].to_owned()),
                 ),

@@ -3,6 +3,7 @@
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::decimal;
 use crate::lex::token::Token;
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Expr, ExprKind};
@@ -36,6 +37,9 @@ pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
     }
 }
 
+/// What a condition compares by.
+const RELATIONS: &[TokenKind] = &[Less, LessEqual, Greater, GreaterEqual, Equals, NotEqual];
+
 struct Count<'a> {
     words: Words<'a>,
     tokens: &'a [Token],
@@ -58,14 +62,14 @@ impl Count<'_> {
         self.aliases.push(name.to_owned(), written(value, Span::default()));
     }
 
-    fn symbol(&self) -> Option<char> {
-        self.tokens.get(self.at).map(|token| token.symbol)
+    fn kind(&self) -> Option<TokenKind> {
+        self.tokens.get(self.at).map(|token| token.kind)
     }
 
-    fn take(&mut self, symbols: &str) -> Option<char> {
-        let symbol = self.symbol().filter(|symbol| symbols.contains(*symbol))?;
+    fn take(&mut self, kinds: &[TokenKind]) -> Option<TokenKind> {
+        let kind = self.kind().filter(|kind| kinds.contains(kind))?;
         self.at += 1;
-        Some(symbol)
+        Some(kind)
     }
 
     fn typed(&self, token: Token) -> &str {
@@ -75,9 +79,9 @@ impl Count<'_> {
     /// Whether the same sign stands here twice.
     fn doubled(&self) -> Option<f64> {
         match self.tokens.get(self.at..self.at + 2)? {
-            [a, b] if a.symbol == b.symbol && a.span.end == b.span.start => match a.symbol {
-                '+' => Some(1.0),
-                '-' => Some(-1.0),
+            [a, b] if a.kind == b.kind && a.span.end == b.span.start => match a.kind {
+                Plus => Some(1.0),
+                Minus => Some(-1.0),
                 _ => None,
             },
             _ => None,
@@ -90,9 +94,9 @@ impl Count<'_> {
             return None;
         }
         let mut value = self.compared()?;
-        while let Some(joint) = self.take("∧∨") {
+        while let Some(joint) = self.take(&[And, Or]) {
             let next = self.compared()?;
-            let holds = if joint == '∧' {
+            let holds = if joint == And {
                 value != 0.0 && next != 0.0
             } else {
                 value != 0.0 || next != 0.0
@@ -104,19 +108,19 @@ impl Count<'_> {
     }
 
     fn compared(&mut self) -> Option<f64> {
-        if self.take("¬").is_some() {
+        if self.take(&[Not]).is_some() {
             return Some(f64::from(u8::from(self.compared()? == 0.0)));
         }
         let left = self.sum()?;
-        let Some(relation) = self.take("<≤>≥=≠") else { return Some(left) };
+        let Some(relation) = self.take(RELATIONS) else { return Some(left) };
         let right = self.sum()?;
         #[allow(clippy::float_cmp)] // as programs do
         let holds = match relation {
-            '<' => left < right,
-            '≤' => left <= right,
-            '>' => left > right,
-            '≥' => left >= right,
-            '=' => left == right,
+            Less => left < right,
+            LessEqual => left <= right,
+            Greater => left > right,
+            GreaterEqual => left >= right,
+            Equals => left == right,
             _ => left != right,
         };
         Some(f64::from(u8::from(holds)))
@@ -125,10 +129,10 @@ impl Count<'_> {
     fn sum(&mut self) -> Option<f64> {
         let mut value = self.product()?;
         while self.doubled().is_none()
-            && let Some(sign) = self.take("+-")
+            && let Some(sign) = self.take(&[Plus, Minus])
         {
             let next = self.product()?;
-            value = if sign == '+' { value + next } else { value - next };
+            value = if sign == Plus { value + next } else { value - next };
         }
         Some(value)
     }
@@ -143,11 +147,12 @@ impl Count<'_> {
                 value = if next == 0.0 { return None } else { value % next };
                 continue;
             }
-            let Some(sign) = self.take("*/") else { return Some(value) };
+            let Some(sign) = self.take(&[Star, Slash]) else { return Some(value) };
             let next = self.factor()?;
-            let result = if sign == '*' { value * next } else { value / next };
+            let result = if sign == Star { value * next } else { value / next };
             // The quotient of whole numbers is cut in some languages.
-            if sign == '/' && value.fract() == 0.0 && next.fract() == 0.0 && result.fract() != 0.0 {
+            if sign == Slash && value.fract() == 0.0 && next.fract() == 0.0 && result.fract() != 0.0
+            {
                 return None;
             }
             value = result;
@@ -163,23 +168,23 @@ impl Count<'_> {
             self.at += 3;
             return Some(value);
         }
-        if self.take("-").is_some() {
+        if self.take(&[Minus]).is_some() {
             return self.factor().map(|value| -value);
         }
         let token = *self.tokens.get(self.at)?;
         self.at += 1;
-        if token.symbol == '0' {
+        if token.kind == Number {
             return decimal(self.typed(token)).parse().ok();
         }
-        if token.symbol == '(' {
+        if token.kind == OpenParen {
             let value = self.joined()?;
-            return self.take(")").map(|_| value);
+            return self.take(&[CloseParen]).map(|_| value);
         }
         let name = self.words.word(token);
-        if matches!(name, "float" | "int" | "double") && self.take("(").is_some() {
+        if matches!(name, "float" | "int" | "double") && self.take(&[OpenParen]).is_some() {
             let value = self.joined()?;
             let value = if name == "int" { value.trunc() } else { value };
-            return self.take(")").map(|_| value);
+            return self.take(&[CloseParen]).map(|_| value);
         }
         let value = self.get(name)?;
         if let Some(change) = self.doubled() {

@@ -6,6 +6,7 @@
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::plain_name;
 use crate::lex::token::{Token, bracketed, closing, in_brackets, outside, span_of, split};
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
@@ -56,9 +57,11 @@ pub(crate) struct Plot {
     pub note: Option<Note>,
 }
 
+const AXES: [TokenKind; 3] = [X, Y, Z];
+
 /// A range of a coordinate.
 struct Range {
-    axis: char,
+    axis: TokenKind,
     low: Vec<Token>,
     high: Vec<Token>,
 }
@@ -69,12 +72,12 @@ impl Words<'_> {
         // `plots[implicitplot3d](…)` of Maple
         if let [plots, open, command, close, rest @ ..] = tokens
             && self.word(*plots) == "plots"
-            && (open.symbol, close.symbol) == ('[', ']')
+            && (open.kind, close.kind) == (OpenBracket, CloseBracket)
         {
             return self.plot_of(self.word(*command), rest);
         }
         let Some(first) = tokens.first() else { return Ok(None) };
-        if self.word(*first) == "isosurface" && tokens.get(1).is_some_and(|t| t.symbol == '{') {
+        if self.word(*first) == "isosurface" && tokens.get(1).is_some_and(|t| t.kind == OpenBrace) {
             return Ok(self.isosurface(&tokens[1..], first.span));
         }
         self.plot_of(self.word(*first), &tokens[1..])
@@ -85,11 +88,11 @@ impl Words<'_> {
         let Some((inner, rest)) = bracketed(tokens).filter(|_| PLOTS.contains(&word)) else {
             return Ok(None);
         };
-        if !rest.iter().all(|token| matches!(token.symbol, ':' | '?')) {
+        if !rest.iter().all(|token| matches!(token.kind, Colon | Unknown)) {
             return Ok(None);
         }
         let place = tokens[0].span;
-        let arguments = split(inner, ',');
+        let arguments = split(inner, Comma);
         let is_inner = |part: &&Vec<Token>| INNER.contains(&self.word(part[0]));
         if let Some(part) = arguments.iter().find(is_inner)
             && let Some(plot) = self.plot_of(self.word(part[0]), &part[1..])?
@@ -114,11 +117,11 @@ impl Words<'_> {
         let (domain, note) = self.domain(&ranges, place);
         let mut formulas = Self::listed(formula);
         for formula in &mut formulas {
-            if let Some(level) = level.clone().filter(|_| outside(formula, '=').is_none()) {
+            if let Some(level) = level.clone().filter(|_| outside(formula, Equals).is_none()) {
                 *formula = less(formula, &level);
             }
             // A function by its name alone is drawn where nothing else is.
-            if matches!(formula.as_slice(), [name] if name.symbol == 'a') {
+            if matches!(formula.as_slice(), [name] if name.kind == TokenKind::Name) {
                 formula.clear();
             }
         }
@@ -135,11 +138,11 @@ impl Words<'_> {
             Some(&inner[at + 1..])
         };
         let mut rest = behind("function")?;
-        if rest.first()?.symbol == '(' {
+        if rest.first()?.kind == OpenParen {
             rest = bracketed(rest)?.1;
         }
         let (body, _) = bracketed(rest)?;
-        let is_sign = |token: &&Token| matches!(token.symbol, '0' | '-');
+        let is_sign = |token: &&Token| matches!(token.kind, Number | Minus);
         let level: Vec<Token> =
             behind("threshold").unwrap_or_default().iter().take_while(is_sign).copied().collect();
         let body = if level.is_empty() { body.to_vec() } else { less(body, &level) };
@@ -157,33 +160,33 @@ impl Words<'_> {
     fn contained(self, tokens: &[Token]) -> Option<Vec<Range>> {
         let (inner, _) = bracketed(tokens)?;
         let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
-        let mut ends = split(ends, ',');
+        let mut ends = split(ends, Comma);
         // A corner is a list between signs of order.
         for end in &mut ends {
-            end.retain(|token| !matches!(token.symbol, '<' | '>'));
+            end.retain(|token| !matches!(token.kind, Less | Greater));
         }
         if ends.iter().any(Vec::is_empty) || !matches!(ends.len(), 2 | 6) {
             return None;
         }
         let half = ends.len() / 2;
-        let range = |(index, axis): (usize, char)| {
+        let range = |(index, axis): (usize, TokenKind)| {
             let index = index.min(half - 1);
             Range { axis, low: ends[index].clone(), high: ends[index + half].clone() }
         };
-        Some("xyz".chars().enumerate().map(range).collect())
+        Some(AXES.into_iter().enumerate().map(range).collect())
     }
 
     /// The formulas of a list, or the one that there is.
     fn listed(formula: &[Token]) -> Vec<Vec<Token>> {
-        if formula[0].symbol == '@'
+        if formula[0].kind == At
             && let Some((_, body)) = bracketed(&formula[1..])
         {
             return vec![body.to_vec()];
         }
-        let is_list = matches!(formula[0].symbol, '{' | '[');
+        let is_list = matches!(formula[0].kind, OpenBrace | OpenBracket);
         let is_whole = closing(formula).is_some_and(|end| end + 1 == formula.len());
         if let Some((inner, _)) = bracketed(formula).filter(|_| is_list && is_whole) {
-            return split(inner, ',');
+            return split(inner, Comma);
         }
         vec![formula.to_vec()]
     }
@@ -192,10 +195,12 @@ impl Words<'_> {
     fn level(self, arguments: &[Vec<Token>]) -> Option<Vec<Token>> {
         arguments.iter().find_map(|part| match part.as_slice() {
             [name, minus, arrow, value @ ..]
-                if self.word(*name) == "Contours" && minus.symbol == '-' && arrow.symbol == '>' =>
+                if self.word(*name) == "Contours"
+                    && minus.kind == Minus
+                    && arrow.kind == Greater =>
             {
                 let inner = bracketed(value).map_or(value, |(inner, _)| inner);
-                (!inner.iter().any(|token| token.symbol == ',')).then(|| inner.to_vec())
+                (!inner.iter().any(|token| token.kind == Comma)).then(|| inner.to_vec())
             }
             _ => None,
         })
@@ -204,15 +209,15 @@ impl Words<'_> {
     /// The ranges among arguments: `{x, -2, 2}`, `x = -2..2`, `x, -2, 2`, `[-2 2 -1 1]`.
     fn ranges(self, arguments: &[Vec<Token>]) -> Vec<Range> {
         let axis = |part: &[Token]| match part {
-            [only] if matches!(only.symbol, 'x' | 'y' | 'z') => Some(only.symbol),
+            [only] if only.kind.is_axis() => Some(only.kind),
             _ => None,
         };
         let mut ranges = Vec::new();
         for part in arguments {
-            if matches!(part[0].symbol, '{' | '(' | '[')
+            if matches!(part[0].kind, OpenBrace | OpenParen | OpenBracket)
                 && let Some((inner, _)) = bracketed(part)
             {
-                let parts = split(inner, ',');
+                let parts = split(inner, Comma);
                 if let Ok([name, low, high]) = <[_; 3]>::try_from(parts) {
                     let axis = axis(&name);
                     ranges.extend(axis.map(|axis| Range { axis, low, high }));
@@ -220,8 +225,8 @@ impl Words<'_> {
                     ranges.extend(in_order(&numbers));
                 }
             } else if let [name, equals, ends @ ..] = part.as_slice()
-                && equals.symbol == '='
-                && let (Some(axis), Some(dots)) = (axis(&[*name]), outside(ends, '‥'))
+                && equals.kind == Equals
+                && let (Some(axis), Some(dots)) = (axis(&[*name]), outside(ends, Dots))
             {
                 let (low, high) = (ends[..dots].to_vec(), ends[dots + 1..].to_vec());
                 ranges.push(Range { axis, low, high });
@@ -242,13 +247,13 @@ impl Words<'_> {
         let mut numbers: Vec<Vec<Token>> = Vec::new();
         let mut sign = None;
         for token in row {
-            match token.symbol {
-                '-' if sign.is_none() => sign = Some(*token),
-                '0' => numbers.push(sign.take().into_iter().chain([*token]).collect()),
-                'a' if plain_name(self.word(*token)) == "pi" => {
+            match token.kind {
+                Minus if sign.is_none() => sign = Some(*token),
+                Number => numbers.push(sign.take().into_iter().chain([*token]).collect()),
+                TokenKind::Name if plain_name(self.word(*token)) == "pi" => {
                     numbers.push(sign.take().into_iter().chain([*token]).collect());
                 }
-                ',' => {}
+                Comma => {}
                 _ => return None,
             }
         }
@@ -262,33 +267,33 @@ impl Words<'_> {
         let at = Span::at(first.low[0].span.start);
         let is_known = |token: &Token| {
             let name = plain_name(self.word(*token)).to_lowercase();
-            !"xyza".contains(token.symbol) || CONSTANTS.contains(&name.as_str())
+            !matches!(token.kind, X | Y | Z | TokenKind::Name) || CONSTANTS.contains(&name.as_str())
         };
         let ends = || ranges.iter().flat_map(|range| range.low.iter().chain(&range.high));
-        let mut axes: Vec<char> = ranges.iter().map(|range| range.axis).collect();
-        axes.sort_unstable();
+        let mut axes: Vec<TokenKind> = ranges.iter().map(|range| range.axis).collect();
+        axes.sort_unstable_by_key(|axis| axis.as_char());
         axes.dedup();
         let line = ranges
             .iter()
-            .map(|r| format!("{} in [{}, {}]", r.axis, typed(&r.low), typed(&r.high)))
+            .map(|r| format!("{} in [{}, {}]", r.axis.as_char(), typed(&r.low), typed(&r.high)))
             .collect::<Vec<_>>()
             .join(", ");
         if !ends().all(is_known) || axes.len() < ranges.len() {
             let note = Note { span: place, kind: NoteKind::PlotWithoutRanges };
             return (None, Some(note));
         }
-        let sign = |symbol: char, at: usize| Token::new(symbol, Span::at(at));
-        let mut tokens = vec![Token::new('d', at)];
+        let sign = |kind: TokenKind, at: usize| Token::new(kind, Span::at(at));
+        let mut tokens = vec![Token::new(DomainWord, at)];
         for (index, Range { axis, low, high }) in ranges.iter().enumerate() {
             let (start, end) = (low[0].span.start, high[high.len() - 1].span.end);
             if index > 0 {
-                tokens.push(sign(',', start));
+                tokens.push(sign(Comma, start));
             }
-            tokens.extend([sign(*axis, start), sign('∈', start), sign('[', start)]);
+            tokens.extend([sign(*axis, start), sign(In, start), sign(OpenBracket, start)]);
             tokens.extend(low);
-            tokens.push(sign(',', high[0].span.start));
+            tokens.push(sign(Comma, high[0].span.start));
             tokens.extend(high);
-            tokens.push(sign(']', end));
+            tokens.push(sign(CloseBracket, end));
         }
         let domain = if line.len() > LONGEST { "…".to_owned() } else { line };
         (Some(tokens), Some(Note { span: place, kind: NoteKind::PlotDomain { domain } }))
@@ -303,14 +308,14 @@ fn in_order(numbers: &[Vec<Token>]) -> Vec<Range> {
         high: numbers[(at + 1) % numbers.len()].clone(),
     };
     let count = if numbers.len() == 2 { 3 } else { numbers.len() / 2 };
-    "xyz".chars().take(count).enumerate().map(|(index, axis)| pair(axis, 2 * index)).collect()
+    AXES.into_iter().take(count).enumerate().map(|(index, axis)| pair(axis, 2 * index)).collect()
 }
 
 /// `(formula) - (level)`
 fn less(formula: &[Token], level: &[Token]) -> Vec<Token> {
     let mut all = in_brackets(formula);
     let end = all[all.len() - 1].span;
-    all.push(Token::new('-', end));
+    all.push(Token::new(Minus, end));
     all.extend(in_brackets(level));
     all
 }

@@ -6,7 +6,8 @@ use crate::dialect::program::{Head, Program, Unit, Wrap};
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::lex::arrangement::arrange;
 use crate::lex::scanner::scan;
-use crate::lex::spelling::is_setting;
+use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
+
 use crate::lex::token::{Token, closing};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -131,7 +132,7 @@ impl Reader<'_> {
         if let Some(sign) = Words::prefixed(&tokens) {
             return Err(Error::new(sign.span, ErrorKind::Prefix));
         }
-        if is_setting(first.symbol) && frame.function.is_none() {
+        if first.kind.is_setting() && frame.function.is_none() {
             return self.plain(tokens, frame, false);
         }
         if frame.function.is_none()
@@ -174,7 +175,7 @@ impl Reader<'_> {
             }
             "difference" | "union" | "intersection" | "translate" | "rotate" | "hull"
                 if tokens.get(1..).and_then(closing).is_some_and(|end| {
-                    tokens.get(end + 2).is_some_and(|next| next.symbol == '{')
+                    tokens.get(end + 2).is_some_and(|next| next.kind == OpenBrace)
                 }) =>
             {
                 let formula = "write equations for its parts, and `subtract(a, b)`, `union(a, b)` or `intersect(a, b)` of them";
@@ -189,7 +190,7 @@ impl Reader<'_> {
                 self.program.made.push(Built::made(statement, first.span));
                 return Ok(());
             }
-            "let" if tokens.get(1).is_some_and(|token| token.symbol == '(') => {
+            "let" if tokens.get(1).is_some_and(|token| token.kind == OpenParen) => {
                 return self.bindings(tokens, frame);
             }
             _ => {}
@@ -227,8 +228,8 @@ impl Reader<'_> {
             return Err(Error::new(tokens[0].span, ErrorKind::NoEffect));
         }
         if let [name, equals, number] = tokens.as_slice()
-            && equals.symbol == '='
-            && number.symbol == '0'
+            && equals.kind == Equals
+            && number.kind == Number
             && let Some(value) = self.known(&[*number], &mut Frame::default())
         {
             self.constants.insert(self.words.word(*name).to_owned(), value);
@@ -311,7 +312,7 @@ impl Reader<'_> {
                 let write = letters.map(|letters| Wrap::Write { letters, before, size });
                 return self.set_to(name, size, value, write, &within, frame).map(|()| true);
             }
-            let is_number = matches!(value.as_slice(), [only] if only.symbol == '0');
+            let is_number = matches!(value.as_slice(), [only] if only.kind == Number);
             if frame.function.is_none() && !is_number && self.words.lambda(tokens).is_none() {
                 self.program.last_value = Some(name.clone());
             }

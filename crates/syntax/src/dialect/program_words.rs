@@ -1,7 +1,8 @@
 //! The words of programs, and where their parts begin and end: no formula is looked into.
 
-use crate::lex::spelling::{is_name, plain_name};
+use crate::lex::spelling::{plain_name, token_kind};
 use crate::lex::token::{Token, bracketed, closing, in_brackets, split};
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind};
 use crate::span::Span;
 use crate::tree::ast::Name;
@@ -84,7 +85,7 @@ pub(crate) struct Words<'a> {
 impl<'a> Words<'a> {
     /// What was typed for a symbol that is a name; nothing for others.
     pub(crate) fn word(self, token: Token) -> &'a str {
-        if is_name(token.symbol) { &self.text[token.span.range()] } else { "" }
+        if token.kind.is_name() { &self.text[token.span.range()] } else { "" }
     }
 
     /// Whether a word is among symbols.
@@ -104,13 +105,13 @@ impl<'a> Words<'a> {
     /// Whether a word is followed by brackets or a name, and not by a sign.
     pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
-        if is_name(next.symbol) || next.symbol == '{' {
+        if next.kind.is_name() || next.kind == OpenBrace {
             return true;
         }
         // `if(c, a, b)` is a value; `if (c) a` is not.
         let Some((inner, rest)) = bracketed(&tokens[1..]) else { return false };
-        split(inner, ',').len() == 1
-            && rest.first().is_some_and(|next| is_name(next.symbol) || next.symbol == '{')
+        split(inner, Comma).len() == 1
+            && rest.first().is_some_and(|next| next.kind.is_name() || next.kind == OpenBrace)
     }
 
     /// Joins a body to the statement before it, which ends with a function's parameters.
@@ -118,11 +119,11 @@ impl<'a> Words<'a> {
         let mut index = 1;
         while index < statements.len() {
             let before = &statements[index - 1];
-            let is_body = statements[index][0].symbol == '{'
-                && before.last().is_some_and(|token| token.symbol == ')')
+            let is_body = statements[index][0].kind == OpenBrace
+                && before.last().is_some_and(|token| token.kind == CloseParen)
                 && self.types(before) > 0;
             // The right side of a definition of OpenSCAD may stand below it.
-            let is_right = before.last().is_some_and(|token| token.symbol == '=')
+            let is_right = before.last().is_some_and(|token| token.kind == Equals)
                 && self.word(before[0]) == "function";
             if is_body || is_right {
                 let body = statements.remove(index);
@@ -142,17 +143,17 @@ impl<'a> Words<'a> {
         let is_grid = |token: &Token| {
             matches!(self.word(*token), "meshgrid" | "mgrid" | "symbols" | "ndgrid" | "ogrid")
         };
-        if is_import || tokens.iter().any(is_grid) && tokens.iter().any(|t| t.symbol == '=') {
+        if is_import || tokens.iter().any(is_grid) && tokens.iter().any(|t| t.kind == Equals) {
             return true;
         }
         if types > 0 && is_open || first == "return" && tokens.len() > 1 || first == "#define" {
             return true;
         }
         match tokens {
-            [name, component, equals, ..] if is_name(name.symbol) => {
-                component.symbol == '‧' && equals.symbol == '=' && self.sets(*equals)
-                    || "+-*/".contains(component.symbol)
-                        && equals.symbol == '='
+            [name, component, equals, ..] if name.kind.is_name() => {
+                component.kind == Component && equals.kind == Equals && self.sets(*equals)
+                    || component.kind.is_arithmetic()
+                        && equals.kind == Equals
                         && component.span.end == equals.span.start
             }
             _ => false,
@@ -188,21 +189,21 @@ impl<'a> Words<'a> {
         let name = tokens[types];
         let (parameters, rest) = bracketed(&tokens[types + 1..])?;
         // The type of the result may stand behind an arrow.
-        let brace = rest.iter().position(|token| token.symbol == '{')?;
-        let is_arrow = rest.first().is_some_and(|token| token.symbol == '-');
+        let brace = rest.iter().position(|token| token.kind == OpenBrace)?;
+        let is_arrow = rest.first().is_some_and(|token| token.kind == Minus);
         if brace > 0 && !is_arrow {
             return None;
         }
         let (body, rest) = bracketed(&rest[brace..])?;
-        Some((name, split(parameters, ','), body.to_vec(), rest.to_vec()))
+        Some((name, split(parameters, Comma), body.to_vec(), rest.to_vec()))
     }
 
     /// Name, parameters and what stands behind the colon of `def name(parameters):`.
     pub(crate) fn python(tokens: &[Token]) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
         let (parameters, rest) = bracketed(&tokens[2..])?;
-        let colon = rest.iter().position(|token| token.symbol == ':')?;
+        let colon = rest.iter().position(|token| token.kind == Colon)?;
         let name = *tokens.get(1)?;
-        is_name(name.symbol).then(|| (name, split(parameters, ','), rest[colon + 1..].to_vec()))
+        name.kind.is_name().then(|| (name, split(parameters, Comma), rest[colon + 1..].to_vec()))
     }
 
     /// Name, parameters and value of `f = lambda x: …` or `f = (x) => …`; the name may be left out.
@@ -212,34 +213,34 @@ impl<'a> Words<'a> {
         tokens: &[Token],
     ) -> Option<(Option<Token>, Vec<Vec<Token>>, Vec<Token>)> {
         let (name, rest) = match tokens {
-            [name, equals, rest @ ..] if is_name(name.symbol) && equals.symbol == '=' => {
+            [name, equals, rest @ ..] if name.kind.is_name() && equals.kind == Equals => {
                 (Some(*name), rest)
             }
             rest => (None, rest),
         };
         if self.word(*rest.first()?) == "lambda" {
-            let colon = rest.iter().position(|token| token.symbol == ':')?;
-            let parameters = split(&rest[1..colon], ',');
+            let colon = rest.iter().position(|token| token.kind == Colon)?;
+            let parameters = split(&rest[1..colon], Comma);
             return Some((name, parameters, rest[colon + 1..].to_vec()));
         }
         // `Function[{x, y}, value]`
         if self.word(rest[0]) == "Function" {
             let (inner, more) = bracketed(&rest[1..])?;
-            let [names, value] = <[_; 2]>::try_from(split(inner, ',')).ok()?;
+            let [names, value] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
             let (names, _) = bracketed(&names)?;
-            return more.is_empty().then(|| (name, split(names, ','), value));
+            return more.is_empty().then(|| (name, split(names, Comma), value));
         }
-        let is_word = matches!(self.word(rest[0]), "function" | "proc") || rest[0].symbol == '@';
-        let is_capture =
-            rest[0].symbol == '[' && rest.get(1).is_some_and(|next| next.symbol == ']');
+        let is_word = matches!(self.word(rest[0]), "function" | "proc") || rest[0].kind == At;
+        let is_capture = rest[0].kind == OpenBracket
+            && rest.get(1).is_some_and(|next| next.kind == CloseBracket);
         let before = if is_word { 1 } else { 2 * usize::from(is_capture) };
         let rest = &rest[before..];
-        let (parameters, value) = bracketed(rest).filter(|_| rest[0].symbol == '(')?;
-        let parameters = split(parameters, ',');
+        let (parameters, value) = bracketed(rest).filter(|_| rest[0].kind == OpenParen)?;
+        let parameters = split(parameters, Comma);
         match value {
             [first, second, value @ ..]
-                if second.symbol == '>'
-                    && matches!(first.symbol, '=' | '-')
+                if second.kind == Greater
+                    && matches!(first.kind, Equals | Minus)
                     && first.span.end == second.span.start =>
             {
                 Some((name, parameters, value.to_vec()))
@@ -256,11 +257,11 @@ impl<'a> Words<'a> {
 
     /// Name, size and value of a parameter.
     pub(crate) fn parameter(self, tokens: &[Token]) -> Option<(Token, usize, Option<Vec<Token>>)> {
-        let equals = tokens.iter().position(|token| token.symbol == '=');
+        let equals = tokens.iter().position(|token| token.kind == Equals);
         let declared = &tokens[..equals.unwrap_or(tokens.len())];
-        let colon = declared.iter().position(|token| token.symbol == ':');
+        let colon = declared.iter().position(|token| token.kind == Colon);
         let before = &declared[..colon.unwrap_or(declared.len())];
-        let name = *before.iter().rfind(|token| is_name(token.symbol))?;
+        let name = *before.iter().rfind(|token| token.kind.is_name())?;
         let size = declared.iter().map(|token| size_of(self.word(*token))).max().unwrap_or(1);
         Some((name, size, equals.map(|equals| tokens[equals + 1..].to_vec())))
     }
@@ -271,22 +272,22 @@ impl<'a> Words<'a> {
         tokens: &[Token],
     ) -> Option<(Token, Option<String>, Vec<Token>)> {
         let (name, rest) = tokens.split_first()?;
-        if !is_name(name.symbol) {
+        if !name.kind.is_name() {
             return None;
         }
-        let letters = rest.first().filter(|token| token.symbol == '‧');
+        let letters = rest.first().filter(|token| token.kind == Component);
         let rest = &rest[usize::from(letters.is_some())..];
         let typed = letters.map(|token| self.text[token.span.start + 1..token.span.end].to_owned());
         match rest {
-            [equals, value @ ..] if equals.symbol == '=' && self.sets(*equals) => {
+            [equals, value @ ..] if equals.kind == Equals && self.sets(*equals) => {
                 let is_arrow = value
                     .first()
-                    .is_some_and(|next| next.symbol == '>' && next.span.start == equals.span.end);
+                    .is_some_and(|next| next.kind == Greater && next.span.start == equals.span.end);
                 (!is_arrow).then(|| (*name, typed, value.to_vec()))
             }
             [operator, equals, value @ ..]
-                if "+-*/".contains(operator.symbol)
-                    && equals.symbol == '='
+                if operator.kind.is_arithmetic()
+                    && equals.kind == Equals
                     && operator.span.end == equals.span.start
                     && !value.is_empty() =>
             {
@@ -302,19 +303,19 @@ impl<'a> Words<'a> {
 
     /// The names before an equals sign, and what stands behind it.
     fn set_at_once(tokens: &[Token]) -> Option<(Vec<Token>, &[Token])> {
-        let equals = tokens.iter().position(|token| token.symbol == '=')?;
+        let equals = tokens.iter().position(|token| token.kind == Equals)?;
         let single = |tokens: &Vec<Token>| match tokens.as_slice() {
-            [only] if is_name(only.symbol) => Some(*only),
+            [only] if only.kind.is_name() => Some(*only),
             _ => None,
         };
-        let names: Option<_> = split(&tokens[..equals], ',').iter().map(single).collect();
+        let names: Option<_> = split(&tokens[..equals], Comma).iter().map(single).collect();
         names.map(|names| (names, &tokens[equals + 1..]))
     }
 
     /// The names and values of `a, b = 1, 2`.
     pub(crate) fn parallel(tokens: &[Token]) -> Option<(Vec<Token>, Vec<Vec<Token>>)> {
         let (names, values) = Self::set_at_once(tokens)?;
-        let values = split(values, ',');
+        let values = split(values, Comma);
         (names.len() > 1 && names.len() == values.len()).then_some((names, values))
     }
 
@@ -330,8 +331,8 @@ impl<'a> Words<'a> {
         lines.iter().any(|line| {
             let takes = line.windows(2).any(|pair| {
                 self.word(pair[0]) == name
-                    && (pair[1].symbol == '‧'
-                        || pair[1].symbol == '[' && pair[0].span.end == pair[1].span.start)
+                    && (pair[1].kind == Component
+                        || pair[1].kind == OpenBracket && pair[0].span.end == pair[1].span.start)
             });
             let unpacks = Self::unpacked(line)
                 .is_some_and(|(_, value)| matches!(value, [only] if self.word(*only) == name));
@@ -344,8 +345,8 @@ impl<'a> Words<'a> {
     /// The first sign that stands before all that it joins, as in `(+ a b)`.
     pub(crate) fn prefixed(tokens: &[Token]) -> Option<Token> {
         let found = tokens.windows(3).find(|part| {
-            part[0].symbol == '('
-                && "+*/".contains(part[1].symbol)
+            part[0].kind == OpenParen
+                && matches!(part[1].kind, Plus | Star | Slash)
                 && part[1].span.end < part[2].span.start
         });
         found.map(|part| part[1])
@@ -354,8 +355,8 @@ impl<'a> Words<'a> {
     /// Whether `++` or `--` is in `tokens`.
     pub(crate) fn steps_by_one(tokens: &[Token]) -> bool {
         tokens.windows(2).any(|pair| {
-            matches!(pair[0].symbol, '+' | '-')
-                && pair[0].symbol == pair[1].symbol
+            matches!(pair[0].kind, Plus | Minus)
+                && pair[0].kind == pair[1].kind
                 && pair[0].span.end == pair[1].span.start
         })
     }
@@ -366,14 +367,16 @@ impl<'a> Words<'a> {
         self.word(*first) != "return"
             && self.types(tokens) == 0
             && self.assignment(tokens).is_none()
-            && tokens.iter().all(|token| token.symbol != '=')
+            && tokens.iter().all(|token| token.kind != Equals)
     }
 
     /// `name: f32 = value` as `name = value`.
     pub(crate) fn without_type(tokens: Vec<Token>) -> Vec<Token> {
-        let equals = tokens.iter().position(|token| token.symbol == '=').unwrap_or(tokens.len());
-        let is_typed = tokens.get(1).is_some_and(|next| next.symbol == ':')
-            && tokens[2..equals].iter().all(|t| is_name(t.symbol) || "<>0?".contains(t.symbol));
+        let equals = tokens.iter().position(|token| token.kind == Equals).unwrap_or(tokens.len());
+        let is_typed = tokens.get(1).is_some_and(|next| next.kind == Colon)
+            && tokens[2..equals]
+                .iter()
+                .all(|t| t.kind.is_name() || matches!(t.kind, Less | Greater | Number | Unknown));
         if !is_typed {
             return tokens;
         }
@@ -384,16 +387,16 @@ impl<'a> Words<'a> {
 
     /// `f[x_, y_]` as `f[x, y]`, on the left of a definition.
     pub(crate) fn patterns(self, tokens: &mut [Token]) {
-        let Some(end) = tokens.get(1..).and_then(closing).filter(|_| tokens[1].symbol == '[')
+        let Some(end) = tokens.get(1..).and_then(closing).filter(|_| tokens[1].kind == OpenBracket)
         else {
             return;
         };
         for token in &mut tokens[2..=end] {
             let typed = &self.text[token.span.range()];
-            if token.symbol == 'a' && typed.len() > 1 && typed.ends_with('_') {
+            if token.kind == TokenKind::Name && typed.len() > 1 && typed.ends_with('_') {
                 token.span = Span::new(token.span.start, token.span.end - 1);
                 if let letter @ ("x" | "y" | "z") = &self.text[token.span.range()] {
-                    token.symbol = letter.chars().next().unwrap_or('a');
+                    token.kind = token_kind(letter).unwrap_or(TokenKind::Name);
                 }
             }
         }
@@ -402,5 +405,5 @@ impl<'a> Words<'a> {
 
 /// Whether a symbol is a name.
 pub(crate) fn begins_name(token: Option<&Token>) -> bool {
-    token.is_some_and(|token| is_name(token.symbol))
+    token.is_some_and(|token| token.kind.is_name())
 }

@@ -5,15 +5,16 @@
 //! definitions that were taken. Where a text defines a name, it means that.
 
 use crate::dialect::program::Wrap;
-use crate::grammar::Rule;
 use crate::lex::arrangement::statements;
 use crate::lex::spelling::plain_name;
+use crate::lex::token_kind::TokenKind::{self, Component, X, Y, Z};
 use crate::limits::Limits;
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
 use crate::tree::builder::Builder;
 use crate::tree::built_statement::Built;
+use crate::tree::grammar::Rule;
 use crate::tree::scope::{Scope, canonical};
 use crate::tree::statement::Line;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -41,11 +42,11 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
             .chain(unit.aliases.iter().map(|(name, _)| name))
             .collect();
         for token in &line.unit.piece.tokens {
-            let name = match token.symbol {
-                'x' => Some("x"),
-                'y' => Some("y"),
-                'z' => Some("z"),
-                'a' => {
+            let name = match token.kind {
+                X => Some("x"),
+                Y => Some("y"),
+                Z => Some("z"),
+                TokenKind::Name => {
                     let name = plain_name(&text[token.span.range()]);
                     if scope.is_defined(&name) {
                         continue;
@@ -196,7 +197,9 @@ fn system([r, rho, theta, phi]: [bool; 4], with_z: bool) -> Option<(&'static str
 fn has_components(text: &str, lines: &[Line<'_>], name: &str) -> bool {
     lines.iter().any(|line| {
         line.unit.piece.tokens.windows(2).any(|pair| {
-            pair[0].symbol == 'a' && pair[1].symbol == '‧' && &text[pair[0].span.range()] == name
+            pair[0].kind == TokenKind::Name
+                && pair[1].kind == Component
+                && &text[pair[0].span.range()] == name
         })
     })
 }

@@ -7,8 +7,9 @@
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::scanner::{Piece, scan};
-use crate::lex::spelling::{closer, decimal, ends_operand, in_name, is_setting};
+use crate::lex::spelling::{decimal, in_name};
 use crate::lex::token::{Token, outside};
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
@@ -22,14 +23,14 @@ enum Node {
 }
 
 impl Node {
-    fn is(&self, symbol: char) -> bool {
-        matches!(self, Self::Leaf(token) if token.symbol == symbol)
+    fn is(&self, kind: TokenKind) -> bool {
+        matches!(self, Self::Leaf(token) if token.kind == kind)
     }
 
     /// Makes another symbol of a leaf.
-    fn set(&mut self, symbol: char) {
+    fn set(&mut self, kind: TokenKind) {
         if let Self::Leaf(token) = self {
-            token.symbol = symbol;
+            token.kind = kind;
         }
     }
 
@@ -52,13 +53,13 @@ pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
 
 /// The symbols of a statement as the grammar knows them; `None` if nothing is left.
 pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallible<Option<Piece>> {
-    let is_setting = is_setting(tokens[0].symbol);
+    let is_setting = tokens[0].kind.is_setting();
     let mut tokens = tokens;
     if !is_setting {
         trim(text, &mut tokens);
         spreadsheet(text, &mut tokens);
     }
-    let series = tokens.iter().filter(|token| matches!(token.symbol, 'Σ' | 'Π'));
+    let series = tokens.iter().filter(|token| matches!(token.kind, BigSum | BigProduct));
     if let Some(token) = series.clone().nth(limits.depth / 4) {
         return Err(Error::new(token.span, ErrorKind::TooDeep { limit: limits.depth / 4 }));
     }
@@ -67,8 +68,8 @@ pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallib
     let mut arranged = arranger.level(&mut tokens, None)?;
     // What was given no meaning by what is around it has none.
     for token in &mut arranged {
-        if matches!(token.symbol, '&' | '⸮' | '␤' | '@' | '÷') {
-            token.symbol = '?';
+        if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
+            token.kind = Unknown;
         }
     }
     if arranged.is_empty() {
@@ -82,7 +83,7 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
     let typed = |token: &Token| &text[token.span.range()];
     while tokens.len() > 1
         && tokens.last().is_some_and(|last| {
-            last.symbol == ',' || last.symbol == ':' || (last.symbol == '?' && typed(last) == ".")
+            last.kind == Comma || last.kind == Colon || (last.kind == Unknown && typed(last) == ".")
         })
     {
         tokens.pop();
@@ -98,9 +99,9 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
         tokens.remove(0);
     }
     if let [label, colon, _, ..] = tokens.as_slice()
-        && label.symbol == 'a'
-        && colon.symbol == ':'
-        && !tokens.iter().any(|token| token.symbol == '⸮')
+        && label.kind == TokenKind::Name
+        && colon.kind == Colon
+        && !tokens.iter().any(|token| token.kind == QuestionMark)
     {
         tokens.drain(..2);
     }
@@ -109,17 +110,17 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
 /// Takes away the sign that a cell begins with, and what only cells have: semicolons in brackets,
 /// `PI()`.
 fn spreadsheet(text: &str, tokens: &mut Vec<Token>) {
-    if tokens.len() < 2 || tokens[0].symbol != '=' {
+    if tokens.len() < 2 || tokens[0].kind != Equals {
         return;
     }
     tokens.remove(0);
-    for token in tokens.iter_mut().filter(|token| token.symbol == ';') {
-        token.symbol = ',';
+    for token in tokens.iter_mut().filter(|token| token.kind == Semicolon) {
+        token.kind = Comma;
     }
     let mut index = 0;
     while index + 2 < tokens.len() {
         let is_pi = text[tokens[index].span.range()].eq_ignore_ascii_case("pi");
-        if is_pi && tokens[index + 1].symbol == '(' && tokens[index + 2].symbol == ')' {
+        if is_pi && tokens[index + 1].kind == OpenParen && tokens[index + 2].kind == CloseParen {
             tokens.drain(index + 1..=index + 2);
         }
         index += 1;
@@ -144,40 +145,40 @@ impl Arranger<'_> {
     /// What was typed for a name; nothing for others.
     fn word(&self, node: &Node) -> &str {
         match node {
-            Node::Leaf(token) if token.symbol == 'a' => self.typed(*token),
+            Node::Leaf(token) if token.kind == TokenKind::Name => self.typed(*token),
             _ => "",
         }
     }
 
     /// What stands up to the bracket that closes `open`, arranged; the bracket is left.
     fn level(&mut self, tokens: &mut Tokens, open: Option<Token>) -> Fallible<Vec<Token>> {
-        let in_pieces = open.is_some_and(|open| open.symbol == '⦃');
-        let in_matrix = open.is_some_and(|open| open.symbol == '⟦');
+        let in_pieces = open.is_some_and(|open| open.kind == OpenChoice);
+        let in_matrix = open.is_some_and(|open| open.kind == OpenMatrix);
         // What commas separate, with the comma behind each.
         let mut segments: Vec<(Vec<Node>, Option<Token>)> = Vec::new();
         let mut segment: Vec<Node> = Vec::new();
         while let Some(mut token) = tokens.peek().copied() {
-            if open.is_some_and(|open| closer(open.symbol) == Some(token.symbol)) {
+            if open.is_some_and(|open| open.kind.closer() == Some(token.kind)) {
                 break;
             }
             tokens.next();
-            if closer(token.symbol).is_some() {
+            if token.kind.closer().is_some() {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
                 // `{\text{for}}` is a word of the text around.
                 // Brackets of a macro may stand in another order.
                 let between = self.text.get(token.span.end..close.span.start).unwrap_or("");
-                if inner.is_empty() && token.symbol == '{' && between.contains(r"\text") {
+                if inner.is_empty() && token.kind == OpenBrace && between.contains(r"\text") {
                     continue;
                 }
                 let group = self.group((token, close), inner, open.is_some(), segment.last());
                 segment.push(group);
                 continue;
             }
-            if token.symbol == '␤' && in_pieces {
-                token.symbol = ',';
+            if token.kind == RowEnd && in_pieces {
+                token.kind = Comma;
             }
-            if token.symbol != ',' && !(in_matrix && token.symbol == '␤') {
+            if token.kind != Comma && !(in_matrix && token.kind == RowEnd) {
                 segment.push(Node::Leaf(token));
                 continue;
             }
@@ -190,7 +191,7 @@ impl Arranger<'_> {
             // A row of pieces may have commas of its own before its end or its condition.
             let is_empty = segment.is_empty() && in_pieces;
             let ends_value = in_pieces
-                && tokens.peek().is_some_and(|next| matches!(next.symbol, '¿' | '␤' | '⦄'));
+                && tokens.peek().is_some_and(|next| matches!(next.kind, If | RowEnd | CloseChoice));
             if !is_empty && !ends_value {
                 segments.push((std::mem::take(&mut segment), Some(token)));
             }
@@ -198,16 +199,18 @@ impl Arranger<'_> {
         segments.push((segment, None));
         if let (true, Some((last, None))) = (segments.len() > 1, segments.last())
             && last.is_empty()
-            && open.is_some_and(|open| matches!(open.symbol, '(' | '[' | '⦃' | '⟦'))
+            && open.is_some_and(|open| {
+                matches!(open.kind, OpenParen | OpenBracket | OpenChoice | OpenMatrix)
+            })
         {
             // A comma behind the last argument.
             segments.pop();
         }
-        if open.is_some_and(|open| open.symbol == '(') {
+        if open.is_some_and(|open| open.kind == OpenParen) {
             // Arguments of numpy and SymPy that leave a value as it is.
             let is_option = |(segment, _): &(Vec<Node>, Option<Token>)| {
                 segment.len() > 2
-                    && segment[1].is('=')
+                    && segment[1].is(Equals)
                     && matches!(self.word(&segment[0]), "axis" | "keepdims" | "evaluate")
             };
             segments.retain(|segment| !is_option(segment));
@@ -231,24 +234,29 @@ impl Arranger<'_> {
         nested: bool,
         before: Option<&Node>,
     ) -> Node {
-        if open.symbol == '⟦' {
+        if open.kind == OpenMatrix {
             let (open, inner, close) = matrix(self.typed(open), (open, close), &inner);
             return Node::Group(open, inner, close);
         }
-        let colon = outside(&inner, ':').is_some();
-        let comma = outside(&inner, ',').is_some();
-        let relation = inner.iter().any(|token| "=≠<≤>≥∧∨¬".contains(token.symbol));
+        let colon = outside(&inner, Colon).is_some();
+        let comma = outside(&inner, Comma).is_some();
+        let relation = inner.iter().any(|token| {
+            matches!(
+                token.kind,
+                Equals | NotEqual | Less | LessEqual | Greater | GreaterEqual | And | Or | Not
+            )
+        });
         let typed = self.typed(open);
         let is_printed = typed == r"\{" || typed == r"\lbrace";
         if is_printed && !colon && !relation && (!comma || is_called(before)) {
-            (open.symbol, close.symbol) = ('(', ')');
-        } else if open.symbol == '{' && colon {
-            (open.symbol, close.symbol) = ('⦃', '⦄');
-        } else if open.symbol == '{'
+            (open.kind, close.kind) = (OpenParen, CloseParen);
+        } else if open.kind == OpenBrace && colon {
+            (open.kind, close.kind) = (OpenChoice, CloseChoice);
+        } else if open.kind == OpenBrace
             && !self.is_setting
             && (comma && (nested || !relation) || nested && holds_lists(&inner))
         {
-            (open.symbol, close.symbol) = ('⟨', '⟩');
+            (open.kind, close.kind) = (OpenList, CloseList);
         }
         Node::Group(open, inner, close)
     }
@@ -266,7 +274,7 @@ impl Arranger<'_> {
             return None;
         };
         let touches = number.span.end == comma.span.start && comma.span.end == next.span.start;
-        let are_numbers = number.symbol == '0' && next.symbol == '0' && touches;
+        let are_numbers = number.kind == Number && next.kind == Number && touches;
         let digits = |token: Token| self.typed(token).bytes().all(|byte| byte.is_ascii_digit());
         let is_whole = are_numbers && digits(*number) && digits(next);
         let separates = match open {
@@ -275,7 +283,7 @@ impl Arranger<'_> {
             Some(open) => {
                 let behind = self.text[..open.span.start].trim_end().chars().next_back();
                 let is_call = behind.is_some_and(|c| in_name(c) || ")]}".contains(c));
-                open.symbol != '(' || is_call || before.len() < 2
+                open.kind != OpenParen || is_call || before.len() < 2
             }
         };
         if !is_whole || separates {
@@ -284,7 +292,7 @@ impl Arranger<'_> {
         let span = number.span.to(next.span);
         let read = decimal(&self.text[span.range()]);
         self.notes.push(Note { span, kind: NoteKind::DecimalComma { read } });
-        Some(Token::new('0', span))
+        Some(Token::new(Number, span))
     }
 
     /// Arranges what stands between two commas onto the end of `out`.
@@ -300,29 +308,31 @@ impl Arranger<'_> {
         for index in 1..nodes.len() {
             // `(a) & (b)` of numpy.
             if let [Node::Group(..), sign, Node::Group(..), ..] = &mut nodes[index - 1..]
-                && sign.is('&')
+                && sign.is(Ampersand)
             {
-                sign.set('∧');
+                sign.set(And);
             }
         }
         if open.is_none() {
             self.condition_behind(&mut nodes, out.is_empty());
         }
-        if let Some(at) = nodes.iter().position(|node| node.is('÷')) {
+        if let Some(at) = nodes.iter().position(|node| node.is(Over)) {
             over(nodes, at, out);
             return Ok(());
         }
         self.infix(&mut nodes);
         self.then(&mut nodes);
-        let is_ternary = nodes.iter().any(|node| node.is('⸮'));
+        let is_ternary = nodes.iter().any(|node| node.is(QuestionMark));
         let is_conditional = nodes.iter().skip(1).any(|node| self.word(node) == "if")
             && nodes.iter().any(|node| self.word(node) == "else");
         if is_ternary || is_conditional {
             // What is set equal to a choice is no part of it.
-            let choice =
-                nodes.iter().position(|node| node.is('⸮') || self.word(node) == "if").unwrap_or(0);
+            let choice = nodes
+                .iter()
+                .position(|node| node.is(QuestionMark) || self.word(node) == "if")
+                .unwrap_or(0);
             let is_equals = |node: &Node| {
-                matches!(node, Node::Leaf(token) if token.symbol == '='
+                matches!(node, Node::Leaf(token) if token.kind == Equals
                     && (is_conditional || !self.typed(*token).starts_with("==")))
             };
             let start = nodes[..choice].iter().rposition(is_equals).map_or(0, |index| index + 1);
@@ -340,7 +350,8 @@ impl Arranger<'_> {
         let Some(at) = nodes.iter().position(is_lead).filter(|at| *at > 0 && is_first) else {
             return;
         };
-        let compares = |node: &Node| "<≤>≥".chars().any(|sign| node.is(sign));
+        let compares =
+            |node: &Node| matches!(node, Node::Leaf(token) if token.kind.is_inequality());
         if !nodes[at + 1..].iter().any(compares) {
             return;
         }
@@ -348,18 +359,18 @@ impl Arranger<'_> {
         flatten(nodes.split_off(at + 1), &mut inner);
         let Some(word) = nodes.pop() else { return };
         let end = inner.last().map_or(word.span().end, |last| last.span.end);
-        let open = Token::new('{', Span::at(word.span().end));
-        nodes.push(Node::Group(open, inner, Token::new('}', Span::at(end))));
+        let open = Token::new(OpenBrace, Span::at(word.span().end));
+        nodes.push(Node::Group(open, inner, Token::new(CloseBrace, Span::at(end))));
     }
 
     /// `a mod b` as `a % b`: behind what is divided or a bar, which may close it, and not before
     /// brackets with arguments of its own.
     fn infix(&self, nodes: &mut [Node]) {
         for index in 1..nodes.len() {
-            let is_call = |next: &Node| matches!(next, Node::Group(_, inner, _) if inner.iter().any(|token| token.symbol == ','));
+            let is_call = |next: &Node| matches!(next, Node::Group(_, inner, _) if inner.iter().any(|token| token.kind == Comma));
             let ends = match &nodes[index - 1] {
                 Node::Leaf(token) => {
-                    ends_operand(token.symbol) || matches!(token.symbol, '|' | '¦')
+                    token.kind.ends_operand() || matches!(token.kind, Bar | CloseBar)
                 }
                 Node::Group(..) => true,
             };
@@ -367,7 +378,7 @@ impl Arranger<'_> {
                 && self.word(&nodes[index]) == "mod"
                 && nodes.get(index + 1).is_some_and(|next| !is_call(next));
             if is_infix {
-                nodes[index].set('٪');
+                nodes[index].set(Remainder);
             }
         }
     }
@@ -380,8 +391,8 @@ impl Arranger<'_> {
         nodes.retain(|node| !matches!(self.word(node), "if" | "end" | "fi"));
         for node in nodes.iter_mut() {
             match self.word(node) {
-                "then" => node.set('⸮'),
-                "else" | "elif" | "elseif" => node.set(':'),
+                "then" => node.set(QuestionMark),
+                "else" | "elif" | "elseif" => node.set(Colon),
                 _ => {}
             }
         }
@@ -389,31 +400,31 @@ impl Arranger<'_> {
 
     /// Words and signs that have a role in brackets only: ranges, generators, the last piece.
     fn words(&self, nodes: &mut [Node]) {
-        if nodes.iter().any(|node| node.is('‥'))
+        if nodes.iter().any(|node| node.is(Dots))
             && let Some(Node::Leaf(equals)) = nodes.get_mut(1)
-            && equals.symbol == '='
+            && equals.kind == Equals
         {
-            equals.symbol = '≔';
+            equals.kind = CountFrom;
         }
         let is_otherwise = |node: &Node| OTHERWISE.contains(&self.word(node));
         if let [first, colon, ..] = nodes
-            && colon.is(':')
+            && colon.is(Colon)
             && is_otherwise(first)
         {
-            first.set('O');
+            first.set(Otherwise);
         }
         for index in 1..nodes.len() {
-            let follows = nodes[index - 1].is('¿');
-            let within = nodes[index - 1].is('∈');
-            let symbol = match self.word(&nodes[index]) {
-                word if follows && OTHERWISE.contains(&word) => 'O',
+            let follows = nodes[index - 1].is(If);
+            let within = nodes[index - 1].is(In);
+            let kind = match self.word(&nodes[index]) {
+                word if follows && OTHERWISE.contains(&word) => Otherwise,
                 // Dropped below: it means nothing behind the sign that separates.
-                "for" | "if" if follows => ' ',
-                "for" => '∀',
-                "range" if within => 'N',
+                "for" | "if" if follows => Blank,
+                "for" => For,
+                "range" if within => RangeCall,
                 _ => continue,
             };
-            nodes[index].set(symbol);
+            nodes[index].set(kind);
         }
     }
 
@@ -425,7 +436,7 @@ impl Arranger<'_> {
             let limit = self.limits.depth / 4;
             return Err(Error::new(span, ErrorKind::TooDeep { limit }));
         }
-        out.push(Token::new('⦃', Span::at(span.start)));
+        out.push(Token::new(OpenChoice, Span::at(span.start)));
         let end = nodes.last().map_or(span.end, |node| node.span().end);
         let mut rest = VecDeque::from(nodes);
         // The parts before, between and after the two signs.
@@ -437,12 +448,12 @@ impl Arranger<'_> {
             let between: Vec<Node> = parts.by_ref().skip(1).take(second - first - 1).collect();
             drop(parts);
             self.part(before, is_ternary, out)?;
-            out.push(Token::new(if is_ternary { ':' } else { '¿' }, sign));
+            out.push(Token::new(if is_ternary { Colon } else { If }, sign));
             self.part(between, is_ternary, out)?;
-            out.push(Token::new(',', joint));
+            out.push(Token::new(Comma, joint));
         }
         flatten(rest.into(), out);
-        out.push(Token::new('⦄', Span::at(end)));
+        out.push(Token::new(CloseChoice, Span::at(end)));
         self.depth -= 1;
         Ok(())
     }
@@ -463,10 +474,10 @@ impl Arranger<'_> {
         is_ternary: bool,
     ) -> Option<(usize, usize)> {
         let opens = |node: &Node| {
-            if is_ternary { node.is('⸮') } else { self.word(node) == "if" }
+            if is_ternary { node.is(QuestionMark) } else { self.word(node) == "if" }
         };
         let closes = |node: &Node| {
-            if is_ternary { node.is(':') } else { self.word(node) == "else" }
+            if is_ternary { node.is(Colon) } else { self.word(node) == "else" }
         };
         let first = nodes.clone().position(opens)?;
         let mut depth = 0_usize;
@@ -486,7 +497,7 @@ impl Arranger<'_> {
 
 /// Whether brackets behind this hold arguments.
 fn is_called(before: Option<&Node>) -> bool {
-    matches!(before, Some(Node::Leaf(token)) if token.symbol == 'a')
+    matches!(before, Some(Node::Leaf(token)) if token.kind == TokenKind::Name)
 }
 
 /// `a \over b` as a fraction.
@@ -497,25 +508,25 @@ fn over(mut nodes: Vec<Node>, at: usize, out: &mut Vec<Token>) {
         let start = part.first().map_or(sign, Node::span).start;
         let end = part.last().map_or(sign, Node::span).end;
         if index == 1 {
-            out.push(Token::new('/', sign));
+            out.push(Token::new(Slash, sign));
         }
-        out.push(Token::new('(', Span::at(start)));
+        out.push(Token::new(OpenParen, Span::at(start)));
         flatten(part, out);
-        out.push(Token::new(')', Span::at(end)));
+        out.push(Token::new(CloseParen, Span::at(end)));
     }
 }
 
 /// Whether brackets hold nothing but one list.
 fn holds_lists(inner: &[Token]) -> bool {
-    let closes = inner.iter().position(|token| token.symbol == '⟩');
-    inner.first().is_some_and(|token| token.symbol == '⟨') && closes == Some(inner.len() - 1)
+    let closes = inner.iter().position(|token| token.kind == CloseList);
+    inner.first().is_some_and(|token| token.kind == OpenList) && closes == Some(inner.len() - 1)
 }
 
 /// All symbols of `nodes`, in order.
 fn flatten(nodes: Vec<Node>, out: &mut Vec<Token>) {
     for node in nodes {
         match node {
-            Node::Leaf(token) if token.symbol == ' ' => {}
+            Node::Leaf(token) if token.kind == Blank => {}
             Node::Leaf(token) => out.push(token),
             Node::Group(open, inner, close) => {
                 out.push(open);

@@ -1,7 +1,7 @@
 //! Bars: which open and which close, and which two are the word or.
 
-use crate::lex::spelling::{begins_operand, closer, ends_operand, is_closer};
 use crate::lex::token::Token;
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 
 /// Bars that may be open at once.
@@ -67,20 +67,20 @@ const UNLIKELY: u32 = 1000;
 /// if there are several such, or none. Two bars side by side between operands, where none is open,
 /// join conditions.
 pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
-    if !tokens.iter().any(|token| matches!(token.symbol, '|' | '❘' | '¦')) {
+    if !tokens.iter().any(|token| matches!(token.kind, Bar | OpenBar | CloseBar)) {
         return Ok(());
     }
     let mut levels = vec![Level::default()];
     for index in 0..tokens.len() {
-        let symbol = tokens[index].symbol;
-        if closer(symbol).is_some() {
+        let kind = tokens[index].kind;
+        if kind.closer().is_some() {
             levels.push(Level::default());
-        } else if is_closer(symbol) {
+        } else if kind.is_closer() {
             pair(tokens, &levels.pop().unwrap_or_default())?;
         } else if let Some(level) = levels.last_mut() {
-            if matches!(symbol, '|' | '❘' | '¦') {
+            if matches!(kind, Bar | OpenBar | CloseBar) {
                 level.places.push(index);
-            } else if "=≠<≤>≥∧∨".contains(symbol) {
+            } else if kind.is_relation() || matches!(kind, And | Or) {
                 level.signs.push(index);
             }
         }
@@ -88,7 +88,7 @@ pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     for level in levels {
         pair(tokens, &level)?;
     }
-    tokens.retain(|token| token.symbol != ' ');
+    tokens.retain(|token| token.kind != Blank);
     Ok(())
 }
 
@@ -130,17 +130,17 @@ fn pair(tokens: &mut [Token], level: &Level) -> Fallible<()> {
         bar -= 1;
         match role {
             Role::Opens => {
-                tokens[places[bar]].symbol = '|';
+                tokens[places[bar]].kind = OpenBar;
                 depth -= 1;
             }
             Role::Closes => {
-                tokens[places[bar]].symbol = '¦';
+                tokens[places[bar]].kind = CloseBar;
                 depth += 1;
             }
             Role::Joins => {
-                tokens[places[bar]].symbol = ' ';
+                tokens[places[bar]].kind = Blank;
                 bar -= 1;
-                tokens[places[bar]].symbol = '∨';
+                tokens[places[bar]].kind = Or;
             }
         }
         role = before;
@@ -158,12 +158,12 @@ fn go_on(
 ) {
     let places = &level.places;
     let index = places[bar];
-    let symbol = |index: usize| tokens.get(index).map_or(' ', |token| token.symbol);
-    let is_bar = |symbol: char| matches!(symbol, '|' | '❘' | '¦');
+    let kind = |index: usize| tokens.get(index).map_or(Blank, |token| token.kind);
+    let is_bar = |kind: TokenKind| matches!(kind, Bar | OpenBar | CloseBar);
     let follows_bar = bar > 0 && places[bar - 1] + 1 == index;
-    let (before, after) = (index.checked_sub(1).map_or(' ', symbol), symbol(index + 1));
-    let ends = if follows_bar { role == Role::Closes } else { ends_operand(before) };
-    let begins = |symbol: char| begins_operand(symbol) || is_bar(symbol) || symbol == '-';
+    let (before, after) = (index.checked_sub(1).map_or(Blank, kind), kind(index + 1));
+    let ends = if follows_bar { role == Role::Closes } else { before.ends_operand() };
+    let begins = |kind: TokenKind| kind.begins_operand() || is_bar(kind) || kind == Minus;
     let mut add = |bars: usize, depth: usize, next: Role, cost: u32| {
         let cost = reading.cost + cost;
         let place = &mut readings[bar + bars][depth][next as usize];
@@ -174,21 +174,21 @@ fn go_on(
         };
         *place = Some(Reading { cost, is_tied, before: role });
     };
-    let typed = tokens[index].symbol;
-    if typed != '¦' && depth < DEPTH && (!ends || begins(after)) {
+    let typed = tokens[index].kind;
+    if typed != CloseBar && depth < DEPTH && (!ends || begins(after)) {
         // Bars directly within bars say nothing more.
         add(1, depth + 1, Role::Opens, (ends || follows_bar).into());
     }
-    if typed != '❘' && depth > 0 && ends {
-        add(1, depth - 1, Role::Closes, (!is_bar(after) && begins_operand(after)).into());
+    if typed != OpenBar && depth > 0 && ends {
+        add(1, depth - 1, Role::Closes, (!is_bar(after) && after.begins_operand()).into());
     }
     let touches = || tokens[index].span.end == tokens[index + 1].span.start;
     let goes_on = || {
         let Some(beyond) = tokens.get(index + 2) else { return false };
         let is_apart = beyond.span.start > tokens[index + 1].span.end;
-        begins(beyond.symbol) && (!is_bar(beyond.symbol) || is_apart)
+        begins(beyond.kind) && (!is_bar(beyond.kind) || is_apart)
     };
-    if typed == '|' && after == '|' && depth == 0 && ends && touches() && goes_on() {
+    if typed == Bar && after == Bar && depth == 0 && ends && touches() && goes_on() {
         add(2, depth, Role::Joins, if level.is_between(bar) { 1 } else { UNLIKELY });
     }
 }
@@ -208,10 +208,10 @@ mod tests {
     fn paired(text: &str) -> String {
         let mut statements = scan(text, &Limits::default()).expect("brackets are paired");
         pair_bars(&mut statements[0]).expect("bars are paired");
-        let shown = |token: &Token| match token.symbol {
-            '|' => '(',
-            '¦' => ')',
-            '∨' => '∨',
+        let shown = |token: &Token| match token.kind {
+            OpenBar => '(',
+            CloseBar => ')',
+            Or => '∨',
             _ => text[token.span.range()].chars().next().expect("a sign"),
         };
         statements[0].iter().map(shown).collect()

@@ -1,8 +1,9 @@
 //! LaTeX environments: pieces of a choice, lines, or the rows of a matrix; and the rows as lists,
 //! which matrices are elsewhere.
 
-use crate::lex::spelling::{is_name, start};
+use crate::lex::spelling::start;
 use crate::lex::token::{Token, closing, is_outside, outside};
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::span::Span;
 
 /// Environments of pieces: `\begin{…}` opens them.
@@ -18,31 +19,31 @@ const BARRED: &[&str] = &["vmatrix", "Vmatrix"];
 const LONGEST: usize = 10_000;
 
 /// `\begin{…}` or `\end{…}`; `last` is the symbol before it in its statement.
-pub(crate) fn environment(rest: &str, begins: bool, last: Option<char>) -> (char, usize) {
+pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> (TokenKind, usize) {
     let open = if begins { r"\begin{".len() } else { r"\end{".len() };
     let Some(length) = start(rest, 60).get(open..).and_then(|name| name.find('}')) else {
-        return ('?', 1);
+        return (Unknown, 1);
     };
     let name = &rest[open..open + length];
     let mut end = open + length + 1;
     let is_matrix = MATRICES.contains(&name) || BARRED.contains(&name);
     if !PIECES.contains(&name) && !is_matrix {
-        return (if begins { '⇥' } else { '⇤' }, end);
+        return (if begins { OpenAlignment } else { CloseAlignment }, end);
     }
     // The columns of an array.
     if let Some(columns) = rest[end..].strip_prefix('{').filter(|_| begins && name == "array") {
         end += columns.find('}').map_or(0, |length| length + 2);
     }
-    let symbol = match (begins, last) {
+    let kind = match (begins, last) {
         // The scanner knows what it has opened.
-        (false, _) => '⟧',
-        (true, _) if is_matrix => '⟦',
+        (false, _) => CloseMatrix,
+        (true, _) if is_matrix => OpenMatrix,
         // An array in brackets or bars is a matrix; one that is all there is has lines.
-        (true, Some('(' | '[' | '|' | '❘')) if name == "array" => '⟦',
-        (true, None) if holds_lines(&rest[end..], name) => '⇥',
-        _ => '⦃',
+        (true, Some(OpenParen | OpenBracket | Bar | OpenBar)) if name == "array" => OpenMatrix,
+        (true, None) if holds_lines(&rest[end..], name) => OpenAlignment,
+        _ => OpenChoice,
     };
-    (symbol, end)
+    (kind, end)
 }
 
 /// Whether an environment whose inside `rest` begins with is a formula in each row: there is
@@ -73,23 +74,23 @@ pub(crate) fn matrix(
     (open, close): (Token, Token),
     inner: &[Token],
 ) -> (Token, Vec<Token>, Token) {
-    let at = |place: Span, symbol: char| Token::new(symbol, place);
-    let rows: Vec<&[Token]> = inner.split(is_outside('␤')).collect();
-    let is_nested = outside(inner, ',').is_some() && rows.len() > 1;
-    let mut all = vec![at(open.span, '⟨')];
+    let at = |place: Span, kind: TokenKind| Token::new(kind, place);
+    let rows: Vec<&[Token]> = inner.split(is_outside(RowEnd)).collect();
+    let is_nested = outside(inner, Comma).is_some() && rows.len() > 1;
+    let mut all = vec![at(open.span, OpenList)];
     for (index, row) in rows.into_iter().enumerate() {
         let begin = row.first().map_or(close.span.start, |first| first.span.start);
         let end = row.last().map_or(begin, |last| last.span.end);
         if index > 0 {
-            all.push(at(Span::at(begin), ','));
+            all.push(at(Span::at(begin), Comma));
         }
-        all.extend(is_nested.then(|| at(Span::at(begin), '⟨')));
+        all.extend(is_nested.then(|| at(Span::at(begin), OpenList)));
         all.extend(row);
-        all.extend(is_nested.then(|| at(Span::at(end), '⟩')));
+        all.extend(is_nested.then(|| at(Span::at(end), CloseList)));
     }
-    all.push(at(close.span, '⟩'));
+    all.push(at(close.span, CloseList));
     let is_barred = BARRED.iter().any(|name| typed.starts_with(&format!(r"\begin{{{name}}}")));
-    let (before, behind) = if is_barred { ('❘', '¦') } else { ('(', ')') };
+    let (before, behind) = if is_barred { (OpenBar, CloseBar) } else { (OpenParen, CloseParen) };
     (at(open.span, before), all, at(close.span, behind))
 }
 
@@ -112,10 +113,10 @@ pub(crate) fn scalar_products(text: &str, tokens: Vec<Token>) -> Vec<Token> {
             continue;
         };
         let (begin, end) = (Span::at(first.span.start), Span::at(column[0].span.start));
-        all.push(Token::new('(', begin));
+        all.push(Token::new(OpenParen, begin));
         all.extend(&rest[..row]);
         all.extend(between);
-        all.extend([Token::new(')', end), Token::new('⊙', end)]);
+        all.extend([Token::new(CloseParen, end), Token::new(DotProduct, end)]);
         let length = closing(column).map_or(1, |close| close + 1);
         all.extend(&column[..length]);
         rest = &column[length..];
@@ -125,37 +126,37 @@ pub(crate) fn scalar_products(text: &str, tokens: Vec<Token>) -> Vec<Token> {
 
 /// Whether a symbol opens a matrix.
 fn begins_matrix(text: &str, token: Token) -> bool {
-    token.symbol == '(' && text[token.span.range()].starts_with(r"\begin{")
+    token.kind == OpenParen && text[token.span.range()].starts_with(r"\begin{")
 }
 
 /// The length of the row that `tokens` begin with, and that with the sign of a transposed one.
 fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let end = closing(tokens).filter(|_| begins_matrix(text, tokens[0]))? + 1;
     match shape(text, &tokens[..end]) {
-        Some('&') => Some((end, end)),
+        Some(Ampersand) => Some((end, end)),
         Some(_) => transposed(text, &tokens[end..]).map(|sign| (end, end + sign)),
         None => None,
     }
 }
 
 /// `&` if the matrix that `tokens` are is a row, `␤` if it is a column.
-fn shape(text: &str, tokens: &[Token]) -> Option<char> {
-    let commas = || tokens.iter().filter(|token| token.symbol == ',');
-    let is_list = tokens.get(2).is_some_and(|first| first.symbol == '⟨');
+fn shape(text: &str, tokens: &[Token]) -> Option<TokenKind> {
+    let commas = || tokens.iter().filter(|token| token.kind == Comma);
+    let is_list = tokens.get(2).is_some_and(|first| first.kind == OpenList);
     let of_columns = commas().any(|comma| &text[comma.span.range()] == "&");
-    (!is_list).then_some(if of_columns { '&' } else { '␤' })
+    (!is_list).then_some(if of_columns { Ampersand } else { RowEnd })
 }
 
 /// The length of `^T`.
 fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
     let is_sign = |token: &Token| matches!(&text[token.span.range()], "T" | r"\top" | r"\intercal");
     match tokens {
-        [caret, sign, ..] if caret.symbol == '^' && is_sign(sign) => Some(2),
+        [caret, sign, ..] if caret.kind == Caret && is_sign(sign) => Some(2),
         [caret, open, sign, close, ..]
-            if caret.symbol == '^'
-                && open.symbol == '{'
+            if caret.kind == Caret
+                && open.kind == OpenBrace
                 && is_sign(sign)
-                && close.symbol == '}' =>
+                && close.kind == CloseBrace =>
         {
             Some(4)
         }
@@ -170,15 +171,15 @@ fn factors(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
         let token = *tokens.get(at)?;
         if begins_matrix(text, token) {
             let length = closing(&tokens[at..])? + 1;
-            if shape(text, &tokens[at..at + length]) == Some('␤') {
+            if shape(text, &tokens[at..at + length]) == Some(RowEnd) {
                 return Some((end, at));
             }
             at += length;
             end = at;
-        } else if is_name(token.symbol) {
+        } else if token.kind.is_name() {
             at += 1;
             end = at;
-        } else if token.symbol == '*' {
+        } else if token.kind == Star {
             at += 1;
         } else {
             return None;

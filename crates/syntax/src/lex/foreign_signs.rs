@@ -1,7 +1,8 @@
 //! Signs of other languages, of markup and of print, that stand for a symbol or for none.
 
-use crate::lex::spelling::{ends_operand, in_name, line_length, plain, prefix, start, symbol};
+use crate::lex::spelling::{in_name, line_length, plain, prefix, start, token_kind};
 use crate::lex::token::Context;
+use crate::lex::token_kind::TokenKind::{self, *};
 
 /// Words in angle brackets around a formula.
 const TAGS: &[&str] = &["math", "i", "em", "b", "span", "p", "code", "var", "br", "nowiki"];
@@ -10,51 +11,56 @@ const TAGS: &[&str] = &["math", "i", "em", "b", "span", "p", "code", "var", "br"
 const DECLARES: &[&str] = &["#declare ", "#local "];
 
 /// The symbol of such a sign that `rest` begins with, and its length.
-pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
+pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)> {
     let first = rest.chars().next()?;
     let length = first.len_utf8();
     match first {
         // A character of markup by name.
         '&' => {
             let end = start(rest, 10).find(';')? + 1;
-            Some((symbol(&rest[..end])?, end))
+            Some((token_kind(&rest[..end])?, end))
         }
         '<' => tag(rest),
         '#' => {
             let word = DECLARES.iter().find(|word| rest.starts_with(**word))?;
-            Some((' ', word.len()))
+            Some((Blank, word.len()))
         }
         // A comment of MATLAB behind a statement, and the remainder of other languages.
-        '%' if context.last.is_none() => Some((' ', line_length(rest))),
-        '%' if context.last.is_some_and(ends_operand) && divides(&rest[1..]) => Some(('٪', 1)),
+        '%' if context.last.is_none() => Some((Blank, line_length(rest))),
+        '%' if context.last.is_some_and(TokenKind::ends_operand) && divides(&rest[1..]) => {
+            Some((Remainder, 1))
+        }
         // Constants of Maxima.
-        '%' if !context.last.is_some_and(ends_operand) || context.touching.is_none() => {
+        '%' if !context.last.is_some_and(TokenKind::ends_operand) || context.touching.is_none() => {
             let word = prefix(&rest[1..], in_name);
-            matches!(&rest[1..=word], "pi" | "e" | "phi").then_some(('a', 1 + word))
+            matches!(&rest[1..=word], "pi" | "e" | "phi").then_some((TokenKind::Name, 1 + word))
         }
         // Coordinates of Houdini.
         '$' => {
             let is_axis =
                 rest[1..].starts_with(['X', 'Y', 'Z']) && prefix(&rest[1..], in_name) == 1;
-            is_axis.then_some((' ', 1))
+            is_axis.then_some((Blank, 1))
         }
-        '@' if rest[1..].trim_start().starts_with('(') => Some(('@', 1)),
-        '@' if rest[1..].starts_with('P') && prefix(&rest[1..], in_name) == 1 => Some(('a', 2)),
+        '@' if rest[1..].trim_start().starts_with('(') => Some((At, 1)),
+        '@' if rest[1..].starts_with('P') && prefix(&rest[1..], in_name) == 1 => {
+            Some((TokenKind::Name, 2))
+        }
         // The product of matrices in Python.
-        '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some(('*', 1)),
+        '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some((Star, 1)),
         '.' => {
             let dots = rest.find(|c| c != '.').unwrap_or(rest.len());
             // A line of MATLAB that goes on below.
             if dots == 3 && rest[3..].trim_start_matches([' ', '\t', '\r']).starts_with('\n') {
-                return Some((' ', 3 + rest[3..].find('\n')? + 1));
+                return Some((Blank, 3 + rest[3..].find('\n')? + 1));
             }
             // Component by component, in MATLAB.
-            let is_number = context.touching == Some('0');
+            let is_number = context.touching == Some(Number);
             if dots == 1 && !is_number && rest[1..].starts_with(['*', '/', '^']) {
-                return Some((' ', 1));
+                return Some((Blank, 1));
             }
             // The product of lists in Mathematica.
-            (context.touching == Some('}') && rest[1..].starts_with('{')).then_some(('⊙', 1))
+            (context.touching == Some(CloseBrace) && rest[1..].starts_with('{'))
+                .then_some((DotProduct, 1))
         }
         // Quotation marks stand around a formula, not in it.
         '"' | '`' | '“' | '”' | '„' => {
@@ -62,18 +68,18 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(char, usize)> {
             let line = next[..line_length(next)].trim();
             let is_end = line.is_empty() || matches!(line, "." | ",");
             // Mathematica marks the precision of a number.
-            let is_mark = first == '`' && context.touching == Some('0');
+            let is_mark = first == '`' && context.touching == Some(Number);
             (context.last.is_none() || context.starts_line || is_end || is_mark)
-                .then_some((' ', length))
+                .then_some((Blank, length))
         }
-        '*' if rest.starts_with("*^") && context.touching == Some('0') => None,
+        '*' if rest.starts_with("*^") && context.touching == Some(Number) => None,
         _ => plain(first).filter(|_| !first.is_alphabetic()).and_then(|meant| {
             let mut buffer = [0; 4];
             if meant.is_ascii_digit() {
                 let digits = |c: char| plain(c).is_some_and(|c| c.is_ascii_digit());
-                return Some(('0', rest.find(|c| !digits(c)).unwrap_or(rest.len())));
+                return Some((Number, rest.find(|c| !digits(c)).unwrap_or(rest.len())));
             }
-            Some((symbol(meant.encode_utf8(&mut buffer))?, length))
+            Some((token_kind(meant.encode_utf8(&mut buffer))?, length))
         }),
     }
 }
@@ -90,7 +96,7 @@ fn divides(rest: &str) -> bool {
 }
 
 /// `<sup>2</sup>`, and what stands around a formula.
-fn tag(rest: &str) -> Option<(char, usize)> {
+fn tag(rest: &str) -> Option<(TokenKind, usize)> {
     let end = start(rest, 80).find('>')?;
     let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);
     let word = &inner[..prefix(inner, in_name)];
@@ -103,12 +109,12 @@ fn tag(rest: &str) -> Option<(char, usize)> {
     }
     if word == "sup" {
         if rest.starts_with("</") {
-            return Some((' ', end + 1));
+            return Some((Blank, end + 1));
         }
         let close = start(&rest[end + 1..], 40).find("</sup>")?;
         // A sum above would need brackets.
         let is_short = rest[end + 1..end + 1 + close].chars().all(in_name);
-        return is_short.then_some(('^', end + 1));
+        return is_short.then_some((Caret, end + 1));
     }
     // `x <b> y` compares: what opens must close.
     let closes = || {
@@ -116,5 +122,5 @@ fn tag(rest: &str) -> Option<(char, usize)> {
         start(&rest[end + 1..], 400).contains(&close)
     };
     let is_tag = rest.starts_with("</") || word == "br" || closes();
-    (TAGS.contains(&word) && is_tag).then_some((' ', end + 1))
+    (TAGS.contains(&word) && is_tag).then_some((Blank, end + 1))
 }

@@ -7,10 +7,10 @@
 use crate::lex::environment::environment;
 use crate::lex::foreign_signs::foreign;
 use crate::lex::spelling::{
-    ends_operand, in_name, is_closer, is_name, line_length, plain_text, prefix, start,
-    superscript_digit, symbol, vulgar,
+    in_name, line_length, plain_text, prefix, start, superscript_digit, token_kind, vulgar,
 };
 use crate::lex::token::Context;
+use crate::lex::token_kind::TokenKind::{self, *};
 
 /// Names of modules, which mean nothing before a dot and a name.
 const MODULES: &[&str] = &[
@@ -29,27 +29,27 @@ pub(crate) const OTHERWISE: &[&str] =
     &["otherwise", "else", "elsewhere", "True", "true", "default"];
 
 /// The symbol that `rest` starts with, and its length; a blank for what has no meaning.
-pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
+pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
     let Some(character) = rest.chars().next() else {
-        return (' ', 0);
+        return (Blank, 0);
     };
     let length = character.len_utf8();
     if let Some(comment) = comment(rest, context) {
-        return (' ', comment);
+        return (Blank, comment);
     }
     if let Some(found) = foreign(rest, context) {
         return found;
     }
     match character {
-        '#' if rest.starts_with("#define ") => ('a', "#define".len()),
+        '#' if rest.starts_with("#define ") => (TokenKind::Name, "#define".len()),
         '#' => match prefix(&rest[1..], |c| c.is_ascii_hexdigit()) {
-            digits @ 1.. if context.is_color => ('#', 1 + digits),
-            _ => (' ', line_length(rest)),
+            digits @ 1.. if context.is_color => (HexColor, 1 + digits),
+            _ => (Blank, line_length(rest)),
         },
-        '0'..='9' if context.is_part => ('1', 1),
-        '1'..='9' if context.last == Some('R') && context.is_radicand => ('1', 1),
-        '.' if rest.starts_with("..") => ('‥', prefix(rest, |c| c == '.')),
-        '…' => ('‥', length),
+        '0'..='9' if context.is_part => (Digit, 1),
+        '1'..='9' if context.last == Some(Root) && context.is_radicand => (Digit, 1),
+        '.' if rest.starts_with("..") => (Dots, prefix(rest, |c| c == '.')),
+        '…' => (Dots, length),
         '.' if context.touching.is_some_and(ends_value) => component(rest, context),
         '0'..='9' | '.' => number(rest),
         '\\' => command(rest, context),
@@ -60,28 +60,34 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
                 .trim_start_matches([' ', '\t', '\r'])
                 .starts_with(['\n', '$', ',', '.', ':', ';', '#']) =>
         {
-            ('?', 1)
+            (Unknown, 1)
         }
-        '&' if !rest.starts_with("&&") => ('&', 1),
+        '&' if !rest.starts_with("&&") => (Ampersand, 1),
         // `5!!` and `!=` are others.
-        '!' if context.last.is_some_and(ends_operand)
-            && context.last != Some('!')
+        '!' if context.last.is_some_and(TokenKind::ends_operand)
+            && context.last != Some(Factorial)
             && !rest[1..].starts_with(['!', '=']) =>
         {
-            ('!', 1)
+            (Factorial, 1)
         }
-        '=' | '!' if rest[1..].starts_with("==") => (if character == '=' { '=' } else { '≠' }, 3),
-        '!' if !rest.starts_with("!=") && !context.last.is_some_and(ends_operand) => ('¬', 1),
-        '∑' | 'Σ' if rest[length..].trim_start().starts_with(['_', '^']) => ('Σ', length),
-        '∏' | 'Π' if rest[length..].trim_start().starts_with(['_', '^']) => ('Π', length),
-        '_' if matches!(context.last, Some('Σ' | 'Π')) => ('_', 1),
-        '_' if matches!(context.last, Some('}' | '0' | 'a')) && rest[1..].starts_with('{') => {
-            ('_', 1)
+        '=' | '!' if rest[1..].starts_with("==") => {
+            (if character == '=' { Equals } else { NotEqual }, 3)
         }
-        _ if vulgar(character).is_some() => ('½', length),
-        'ℯ' => ('a', length),
+        '!' if !rest.starts_with("!=") && !context.last.is_some_and(TokenKind::ends_operand) => {
+            (Not, 1)
+        }
+        '∑' | 'Σ' if rest[length..].trim_start().starts_with(['_', '^']) => (BigSum, length),
+        '∏' | 'Π' if rest[length..].trim_start().starts_with(['_', '^']) => (BigProduct, length),
+        '_' if matches!(context.last, Some(BigSum | BigProduct)) => (Underscore, 1),
+        '_' if matches!(context.last, Some(CloseBrace | Number | TokenKind::Name))
+            && rest[1..].starts_with('{') =>
+        {
+            (Underscore, 1)
+        }
+        _ if vulgar(character).is_some() => (VulgarFraction, length),
+        'ℯ' => (TokenKind::Name, length),
         // Degrees, behind a number.
-        '°' if context.last.is_some_and(ends_operand) => ('a', length),
+        '°' if context.last.is_some_and(TokenKind::ends_operand) => (TokenKind::Name, length),
         _ if character.is_alphabetic() => {
             // A subscript of print ends a name.
             let is_below = |c: char| ('₀'..='₉').contains(&c);
@@ -90,30 +96,30 @@ pub(crate) fn lex(rest: &str, context: Context) -> (char, usize) {
             let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
             // Between conditions these are the words that they are in small letters; before
             // brackets they may be functions.
-            let is_joint = context.last.is_some_and(ends_operand);
+            let is_joint = context.last.is_some_and(TokenKind::ends_operand);
             match &rest[..end] {
-                "AND" if is_joint => return ('∧', end),
-                "OR" if is_joint => return ('∨', end),
-                "NOT" => return ('¬', end),
+                "AND" if is_joint => return (And, end),
+                "OR" if is_joint => return (Or, end),
+                "NOT" => return (Not, end),
                 // A part of a fraction is one letter.
                 word if context.is_part && !word.is_empty() => return name(rest, length),
                 _ => {}
             }
-            module(rest, end).map_or_else(|| name(rest, end), |length| (' ', length))
+            module(rest, end).map_or_else(|| name(rest, end), |length| (Blank, length))
         }
         '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {
             let sign = if matches!(character, '⁻' | '⁺') { length } else { 0 };
             match prefix(&rest[sign..], |c| superscript_digit(c).is_some()) {
-                0 => ('?', length),
-                digits => ('²', sign + digits),
+                0 => (Unknown, length),
+                digits => (Superscript, sign + digits),
             }
         }
         _ => {
             // Some of two characters begin with one that has a meaning of its own.
             let two = rest.char_indices().nth(2).map_or(rest.len(), |(at, _)| at);
             let found =
-                [two, length].into_iter().find_map(|end| Some((symbol(&rest[..end])?, end)));
-            found.unwrap_or(('?', length))
+                [two, length].into_iter().find_map(|end| Some((token_kind(&rest[..end])?, end)));
+            found.unwrap_or((Unknown, length))
         }
     }
 }
@@ -148,28 +154,29 @@ fn comment(rest: &str, context: Context) -> Option<usize> {
 }
 
 /// Whether a component can follow: a vector has a name or stands in brackets.
-fn ends_value(symbol: char) -> bool {
-    matches!(symbol, 'a' | 'x' | 'y' | 'z' | '‧') || is_closer(symbol)
+fn ends_value(kind: TokenKind) -> bool {
+    matches!(kind, TokenKind::Name | Component) || kind.is_axis() || kind.is_closer()
 }
 
 /// `.xz` behind a vector; a method without meaning here.
-fn component(rest: &str, context: Context) -> (char, usize) {
+fn component(rest: &str, context: Context) -> (TokenKind, usize) {
     let word = &rest[1..=prefix(&rest[1..], in_name)];
     if is_component(word) {
-        return ('‧', 1 + word.len());
+        return (Component, 1 + word.len());
     }
     if method(word).is_some() && rest[1 + word.len()..].starts_with('(') {
-        return ('⋄', 1 + word.len());
+        return (Method, 1 + word.len());
     }
     if word == "T" {
-        return (' ', 2);
+        return (Blank, 2);
     }
     if matches!(word, "doit" | "evalf" | "simplify") && rest[1 + word.len()..].starts_with("()") {
-        return (' ', 3 + word.len());
+        return (Blank, 3 + word.len());
     }
     // The end of a sentence, or what has no meaning.
-    let is_name = context.touching.is_some_and(is_name) && word.starts_with(char::is_alphabetic);
-    if is_name { ('?', 1) } else { number(rest) }
+    let is_name =
+        context.touching.is_some_and(TokenKind::is_name) && word.starts_with(char::is_alphabetic);
+    if is_name { (Unknown, 1) } else { number(rest) }
 }
 
 /// The function that a method is, as Rust has them.
@@ -203,7 +210,7 @@ fn module(rest: &str, end: usize) -> Option<usize> {
     (is_member && MODULES.contains(&&rest[..end])).then_some(end + 1)
 }
 
-fn number(rest: &str) -> (char, usize) {
+fn number(rest: &str) -> (TokenKind, usize) {
     let digits = |text: &str| prefix(text, |c| c.is_ascii_digit());
     let mut end = digits(rest);
     let is_range = rest[end..].starts_with("..");
@@ -211,14 +218,14 @@ fn number(rest: &str) -> (char, usize) {
         let count = digits(decimals);
         end += 1 + count;
         if end == 1 {
-            return ('?', 1);
+            return (Unknown, 1);
         }
         // `1.f` and `1.0f` are numbers of C.
         let is_suffix = decimals[..count].bytes().all(|digit| digit == b'0');
         if let (true, Some(after)) = (is_suffix, decimals[count..].strip_prefix('f'))
             && !after.starts_with(in_name)
         {
-            return ('0', end + 1);
+            return (Number, end + 1);
         }
     }
     // `1.5*^-3` is one number of Mathematica, `1.0d0` one of Fortran.
@@ -232,29 +239,30 @@ fn number(rest: &str) -> (char, usize) {
             end = rest.len() - exponent.len() + digits(exponent);
         }
     }
-    ('0', end)
+    (Number, end)
 }
 
 /// A name whose letters end at `end`, with its subscript.
-fn name(rest: &str, end: usize) -> (char, usize) {
-    if let Some(fixed) = symbol(&rest[..end]).or_else(|| symbol(&plain_text(&rest[..end]))) {
+fn name(rest: &str, end: usize) -> (TokenKind, usize) {
+    if let Some(fixed) = token_kind(&rest[..end]).or_else(|| token_kind(&plain_text(&rest[..end])))
+    {
         return (fixed, end);
     }
     // The underscore of a subscript is a letter elsewhere.
     let base = rest[..end].strip_suffix('_').map_or(end, str::len);
     match rest[base..].strip_prefix('_') {
         Some(subscript) if subscript.starts_with('{') => {
-            ('a', base + braced(subscript).map_or(0, |length| 1 + length))
+            (TokenKind::Name, base + braced(subscript).map_or(0, |length| 1 + length))
         }
         // `\log_2` is one name.
         Some(subscript) if base == end && rest.starts_with('\\') => {
-            ('a', base + 1 + prefix(subscript, |c| c.is_ascii_digit()))
+            (TokenKind::Name, base + 1 + prefix(subscript, |c| c.is_ascii_digit()))
         }
-        _ => ('a', end),
+        _ => (TokenKind::Name, end),
     }
 }
 
-fn command(rest: &str, context: Context) -> (char, usize) {
+fn command(rest: &str, context: Context) -> (TokenKind, usize) {
     let end = 1 + prefix(&rest[1..], |c| c.is_ascii_alphabetic());
     if end == 1 {
         return sign(rest);
@@ -263,7 +271,7 @@ fn command(rest: &str, context: Context) -> (char, usize) {
     let after = &rest[end..];
     match word {
         "begin" | "end" => return environment(rest, word == "begin", context.last),
-        "left" | "right" if after.starts_with('.') => return (' ', end + 1),
+        "left" | "right" if after.starts_with('.') => return (Blank, end + 1),
         "text" | "textrm" | "mbox" | "mathrm" | "textnormal" => {
             if let Some(found) = text(after) {
                 return (found.0, end + found.1);
@@ -274,38 +282,44 @@ fn command(rest: &str, context: Context) -> (char, usize) {
             let space = prefix(after, |c| c == ' ');
             let is_bar = |bar: &&&str| after[space..].starts_with(**bar);
             return match bar.iter().find(is_bar) {
-                Some(bar) => (if word == "left" { '❘' } else { '¦' }, end + space + bar.len()),
-                None => (' ', end),
+                Some(bar) => {
+                    (if word == "left" { OpenBar } else { CloseBar }, end + space + bar.len())
+                }
+                None => (Blank, end),
             };
         }
-        "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (' ', end),
+        "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (Blank, end),
         _ if LABELS.contains(&word) && after.starts_with('{') => {
-            return (' ', after.find('}').map_or(rest.len(), |length| end + length + 1));
+            return (Blank, after.find('}').map_or(rest.len(), |length| end + length + 1));
         }
         _ => {}
     }
     match name(rest, end) {
-        ('T', end) => {
+        (Upright, end) => {
             let is_name =
                 rest[end..].starts_with('{') && rest[end + 1..].starts_with(char::is_alphabetic);
-            ('a', end + braced(&rest[end..]).filter(|_| is_name).unwrap_or(0))
+            (TokenKind::Name, end + braced(&rest[end..]).filter(|_| is_name).unwrap_or(0))
         }
         found => found,
     }
 }
 
 /// A command of one character, or a character named as Mathematica does.
-fn sign(rest: &str) -> (char, usize) {
+fn sign(rest: &str) -> (TokenKind, usize) {
     let two = 1 + rest[1..].chars().next().map_or(0, char::len_utf8);
     match &rest[..two] {
-        r"\\" => ('␤', 2 + gap(&rest[2..])),
+        r"\\" => (RowEnd, 2 + gap(&rest[2..])),
         r"\[" => {
             let word = prefix(&rest[2..], |c| c.is_ascii_alphabetic());
-            if word > 0 && rest[2 + word..].starts_with(']') { ('a', word + 3) } else { (' ', 2) }
+            if word > 0 && rest[2 + word..].starts_with(']') {
+                (TokenKind::Name, word + 3)
+            } else {
+                (Blank, 2)
+            }
         }
         // A brace before an environment is its ornament.
-        r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (' ', 2),
-        other => symbol(other).map_or(('?', 1), |symbol| (symbol, two)),
+        r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (Blank, 2),
+        other => token_kind(other).map_or((Unknown, 1), |kind| (kind, two)),
     }
 }
 
@@ -319,18 +333,18 @@ fn gap(rest: &str) -> usize {
 }
 
 /// Words in braces behind `\text`; `None` if they may be a name.
-fn text(rest: &str) -> Option<(char, usize)> {
+fn text(rest: &str) -> Option<(TokenKind, usize)> {
     let inner = rest.strip_prefix('{')?;
     let length = start(inner, 60).find('}')?;
     let words = inner[..length].trim_matches([' ', ',', '.', ';', '~']);
-    let symbol = match words {
-        "and" => '∧',
-        "or" => '∨',
-        _ if LEADS.contains(&words) => ' ',
-        _ if OTHERWISE.contains(&words) => 'O',
+    let kind = match words {
+        "and" => And,
+        "or" => Or,
+        _ if LEADS.contains(&words) => Blank,
+        _ if OTHERWISE.contains(&words) => Otherwise,
         _ => return None,
     };
-    Some((symbol, length + 2))
+    Some((kind, length + 2))
 }
 
 /// The length of a name or a number in braces, if `rest` starts with one.

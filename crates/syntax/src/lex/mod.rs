@@ -11,3 +11,4 @@ pub(crate) mod lexer;
 pub(crate) mod scanner;
 pub(crate) mod spelling;
 pub(crate) mod token;
+pub(crate) mod token_kind;

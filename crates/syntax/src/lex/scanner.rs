@@ -6,11 +6,9 @@
 
 use crate::lex::bars::pair_bars;
 use crate::lex::lexer::lex;
-use crate::lex::spelling::{
-    closer, ends_operand, in_name, is_closer, is_name, is_setting, line_length, prefix, start,
-    symbol,
-};
+use crate::lex::spelling::{in_name, line_length, prefix, start, token_kind};
 use crate::lex::token::{Context, Token};
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::Note;
@@ -34,7 +32,7 @@ impl Piece {
         let mut symbols = String::with_capacity(tokens.len());
         for token in &mut tokens {
             token.at = symbols.len();
-            symbols.push(token.symbol);
+            symbols.push(token.kind.as_char());
         }
         let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
         Ok(Self { tokens, symbols, span, notes })
@@ -74,71 +72,72 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let context = Context {
             is_part,
             is_radicand: last.is_some_and(|token| text[token.span.range()].starts_with('\\')),
-            is_color: matches!(tokens.as_slice(), [Token { symbol: 'c' | 'b', .. }]),
+            is_color: matches!(tokens.as_slice(), [Token { kind: ColorWord | BackgroundWord, .. }]),
             starts_line,
-            touching: last.filter(|token| token.span.end == end).map(|token| token.symbol),
-            last: last.map(|token| token.symbol),
+            touching: last.filter(|token| token.span.end == end).map(|token| token.kind),
+            last: last.map(|token| token.kind),
         };
-        let (mut symbol, length) = lex(rest, context);
+        let (mut kind, length) = lex(rest, context);
         let span = Span::new(end, end + length);
         end = span.end;
-        let within = open.last().map_or(' ', |index| tokens[*index].symbol);
-        let in_rows = matches!(within, '⦃' | '⟦');
-        match symbol {
+        let within = open.last().map_or(Blank, |index| tokens[*index].kind);
+        let in_rows = matches!(within, OpenChoice | OpenMatrix);
+        match kind {
             // What an environment closes is what was opened; outside brackets it had lines.
-            '⟧' if within == '⦃' => symbol = '⦄',
-            '⟧' if open.is_empty() && aligned > 0 => {
-                symbol = '⇤';
+            CloseMatrix if within == OpenChoice => kind = CloseChoice,
+            CloseMatrix if open.is_empty() && aligned > 0 => {
+                kind = CloseAlignment;
                 aligned -= 1;
             }
-            '⇥' => aligned += 1,
-            '⇤' => aligned = aligned.saturating_sub(1),
-            '&' if within == '⦃' => symbol = '¿',
-            '&' if within == '⟦' => symbol = ',',
-            '&' if aligned > 0 => symbol = ' ',
+            OpenAlignment => aligned += 1,
+            CloseAlignment => aligned = aligned.saturating_sub(1),
+            Ampersand if within == OpenChoice => kind = If,
+            Ampersand if within == OpenMatrix => kind = Comma,
+            Ampersand if aligned > 0 => kind = Blank,
             // Windows ends lines with two characters.
-            '\n' if rest.starts_with("\r\n") => symbol = ' ',
+            LineEnd if rest.starts_with("\r\n") => kind = Blank,
             // A line that starts with an operator goes on with the one before.
-            '␤' if !in_rows => symbol = if goes_on(&text[end..]) { ' ' } else { '\n' },
+            RowEnd if !in_rows => kind = if goes_on(&text[end..]) { Blank } else { LineEnd },
             _ => {}
         }
-        if matches!(symbol, ' ' | '⇥' | '⇤') {
+        if matches!(kind, Blank | OpenAlignment | CloseAlignment) {
             continue;
         }
-        starts_line = symbol == '\n';
+        starts_line = kind == LineEnd;
         count += 1;
         if count > limits.symbols {
             return Err(Error::new(span, ErrorKind::TooManySymbols { limit: limits.symbols }));
         }
         let mut first = tokens.len();
         // A line that ends with an operator goes on below.
-        let last = tokens.last().map_or(' ', |token| token.symbol);
+        let last = tokens.last().map_or(Blank, |token| token.kind);
         let goes_on = || {
-            "+-*/^".contains(last) && continues(&text[end..]) || goes_back(&text[end..], &tokens)
+            (last.is_arithmetic() || last == Caret) && continues(&text[end..])
+                || goes_back(&text[end..], &tokens)
         };
-        match symbol {
-            '\n' if !open.is_empty() || goes_on() => continue,
-            '\n' | ';' if open.is_empty() => {
+        match kind {
+            LineEnd if !open.is_empty() || goes_on() => continue,
+            LineEnd | Semicolon if open.is_empty() => {
                 if !tokens.is_empty() {
                     statements.push(std::mem::take(&mut tokens));
                 }
                 continue;
             }
-            _ if closer(symbol).is_some() => {
+            _ if kind.closer().is_some() => {
                 if open.len() >= limits.depth {
                     return Err(Error::new(span, ErrorKind::TooDeep { limit: limits.depth }));
                 }
                 open.push(tokens.len());
             }
-            _ if is_closer(symbol) => {
-                first = close(symbol, span, open.pop().map(|index| (index, tokens[index])))?;
+            _ if kind.is_closer() => {
+                first = close(kind, span, open.pop().map(|index| (index, tokens[index])))?;
             }
             _ => {}
         }
-        let follows_fraction = first > 0 && tokens[first - 1].symbol == 'F';
-        is_part =
-            symbol == 'F' || (matches!(symbol, '1' | '}') || is_name(symbol)) && follows_fraction;
-        tokens.push(Token::new(symbol, span));
+        let follows_fraction = first > 0 && tokens[first - 1].kind == Fraction;
+        is_part = kind == Fraction
+            || (matches!(kind, Digit | CloseBrace) || kind.is_name()) && follows_fraction;
+        tokens.push(Token::new(kind, span));
     }
     if let Some(index) = open.first() {
         return Err(unclosed(text, &tokens[*index..], open.len() == 1));
@@ -151,7 +150,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
 
 /// Whether `//` begins a comment here: not where it may be a division of what is before it.
 fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> bool {
-    let Some(before) = tokens.last().filter(|token| ends_operand(token.symbol)) else {
+    let Some(before) = tokens.last().filter(|token| token.kind.ends_operand()) else {
         return true;
     };
     let place = text.len() - rest.len();
@@ -161,7 +160,7 @@ fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> 
     let line = start(rest, 200);
     let line = line[2..line_length(line)].trim();
     match open {
-        Some(Token { symbol: '(' | '[', .. }) => !line.contains([')', ']']),
+        Some(Token { kind: OpenParen | OpenBracket, .. }) => !line.contains([')', ']']),
         Some(_) => true,
         None => {
             let word = prefix(line, in_name);
@@ -192,7 +191,7 @@ fn continues(rest: &str) -> bool {
     let after = line[name..].trim_start();
     let defines = name > 0 && (after.starts_with('=') || after.starts_with(":="));
     let is_operand = name > 0 || line.starts_with(['(', '[', '{', '\\', '+', '-', '−', '|']);
-    is_operand && !defines && !symbol(&line[..name]).is_some_and(is_setting)
+    is_operand && !defines && !token_kind(&line[..name]).is_some_and(TokenKind::is_setting)
 }
 
 /// Whether a line is the rest of the formula above it, since no other starts as it does: with a
@@ -201,7 +200,7 @@ fn goes_back(rest: &str, above: &[Token]) -> bool {
     let is_relation = |c: char| "=≠<≤>≥≔".contains(c);
     let line = start(&rest[..line_length(rest)], 300);
     let formula = line.trim_start();
-    let has_relation = above.iter().any(|token| is_relation(token.symbol));
+    let has_relation = above.iter().any(|token| token.kind.is_relation());
     // `<p>` is a tag, and no relation.
     let is_tag = formula.starts_with('<')
         && formula[1..].starts_with(|c: char| c == '/' || c.is_alphabetic());
@@ -211,16 +210,16 @@ fn goes_back(rest: &str, above: &[Token]) -> bool {
 }
 
 /// The index of the bracket that `symbol` at `span` closes.
-fn close(symbol: char, span: Span, opened: Option<(usize, Token)>) -> Fallible<usize> {
+fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallible<usize> {
     let Some((index, open)) = opened else {
-        let kind = ErrorKind::Unopened { close: symbol };
+        let kind = ErrorKind::Unopened { close: kind.as_char() };
         return Err(Error::new(span, kind).suggest(span, ""));
     };
-    match closer(open.symbol) {
-        Some(meant) if meant != symbol => {
-            let is_typed = !matches!(meant, '⦄' | '⟧');
-            let kind = ErrorKind::Mismatched { open: open.symbol, close: symbol };
-            let meant = is_typed.then(|| meant.to_string());
+    match open.kind.closer() {
+        Some(meant) if meant != kind => {
+            let is_typed = !matches!(meant, CloseChoice | CloseMatrix);
+            let kind = ErrorKind::Mismatched { open: open.kind.as_char(), close: kind.as_char() };
+            let meant = is_typed.then(|| meant.as_char().to_string());
             Err(Error::new(open.span.to(span), kind).suggest_any(span, meant))
         }
         _ => Ok(index),
@@ -229,15 +228,15 @@ fn close(symbol: char, span: Span, opened: Option<(usize, Token)>) -> Fallible<u
 
 /// The error for a bracket that is never closed, the first of `tokens`.
 fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
-    let Token { symbol, span, .. } = tokens[0];
-    let error = Error::new(span, ErrorKind::Unclosed { open: symbol });
+    let Token { kind, span, .. } = tokens[0];
+    let error = Error::new(span, ErrorKind::Unclosed { open: kind.as_char() });
     // Where one bracket is missing, the end of its line is a fair guess.
     let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
-    let line = tokens.iter().take_while(|token| token.symbol != ';' && token.span.start < line);
-    match (line.last(), closer(symbol)) {
+    let line = tokens.iter().take_while(|token| token.kind != Semicolon && token.span.start < line);
+    match (line.last(), kind.closer()) {
         // What closes an environment has a name.
-        (Some(last), Some(close)) if is_only && !matches!(close, '⦄' | '⟧') => {
-            error.suggest(Span::at(last.span.end), close)
+        (Some(last), Some(close)) if is_only && !matches!(close, CloseChoice | CloseMatrix) => {
+            error.suggest(Span::at(last.span.end), close.as_char())
         }
         _ => error,
     }

@@ -1,25 +1,14 @@
 //! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
-use crate::settings::{SETTINGS, Setting, setting};
+use crate::lex::token_kind::TokenKind;
+use crate::settings::{PRESETS, Setting, setting};
 
-/// Directions that a `view` line can name.
-pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
-
-/// What a `look` line may name.
-pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
-
-/// Color maps that a `color` line can name.
-pub const COLOR_MAPS: [&str; 12] = [
-    "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "spectral", "sinebow", "rainbow",
-    "blues", "greys", "redblue",
-];
-
-/// The symbol of a fixed spelling: the character that the grammar knows it by. A blank only
-/// separates, a line break ends a statement.
+/// The kind of a fixed spelling. A blank only separates, a line break ends a statement.
 ///
 /// This is the only list of the words, operators and LaTeX names of the language, but for
 /// [`SETTINGS`].
-pub(crate) fn symbol(spelling: &str) -> Option<char> {
+pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
+    use TokenKind::*;
     Some(match spelling {
         " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
         | "\u{AD}" | "\u{200A}" | "\u{200B}" | "\u{200C}" | "\u{200D}" | "\u{2002}" | "\u{2003}" | "\u{2060}"
@@ -34,110 +23,73 @@ pub(crate) fn symbol(spelling: &str) -> Option<char> {
         | r"\rm" | r"\it" | r"\hspace" | r"\enspace" | r"\nonumber" | r"\notag" | "&nbsp;"
         | "&thinsp;"
         // These set formulas apart from the text around them.
-        | r"\(" | r"\)" | r"\]" | "$" => ' ',
-        "\n" | "\r" => '\n',
-        ";" => ';',
-        "," => ',',
-        ":" => ':',
-        "?" => '⸮',
+        | r"\(" | r"\)" | r"\]" | "$" => Blank,
+        "\n" | "\r" => LineEnd,
+        ";" => Semicolon,
+        "," => Comma,
+        ":" => Colon,
+        "?" => QuestionMark,
         // Behind a share of an opacity; a formula has no remainder.
-        "%" => '%',
-        "+" => '+',
+        "%" => Percent,
+        "+" => Plus,
         // A dash between values can only be meant as a minus.
-        "-" | "−" | "&minus;" | "–" | "—" | "‒" | "﹣" => '-',
+        "-" | "−" | "&minus;" | "–" | "—" | "‒" | "﹣" => Minus,
         "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times"
-        | "&times;" | "&middot;" | "&sdot;" => '*',
-        "/" | "÷" | "∕" | "⁄" | r"\div" | "&divide;" => '/',
-        "^" | "**" | "ˆ" => '^',
-        "√" | "&radic;" => '√',
-        "∛" => '∛',
-        "=" | "==" | ":=" => '=',
-        "!=" | "≠" | "<>" | r"\ne" | r"\neq" | "&ne;" => '≠',
-        "<" | r"\lt" | "&lt;" => '<',
-        "<=" | "≤" | "⩽" | "≦" | r"\le" | r"\leq" | r"\leqslant" | "&le;" => '≤',
-        ">" | r"\gt" | "&gt;" => '>',
-        ">=" | "≥" | "⩾" | "≧" | r"\ge" | r"\geq" | r"\geqslant" | "&ge;" => '≥',
-        "and" | "&&" | "∧" | r"\land" | r"\wedge" => '∧',
-        "or" | "∨" | r"\lor" | r"\vee" => '∨',
-        "not" | "¬" | r"\lnot" | r"\neg" => '¬',
-        "in" | "∈" | r"\in" => '∈',
-        "(" => '(',
-        ")" => ')',
-        "[" => '[',
-        "]" => ']',
-        "{" | r"\{" | r"\lbrace" => '{',
-        "}" | r"\}" | r"\rbrace" => '}',
-        "⌊" | r"\lfloor" => '⌊',
-        "⌋" | r"\rfloor" => '⌋',
-        "⌈" | r"\lceil" => '⌈',
-        "⌉" | r"\rceil" => '⌉',
-        "|" | "‖" | "∣" | r"\|" | r"\mid" | r"\vert" | r"\Vert" => '|',
-        r"\lvert" | r"\lVert" => '❘',
-        r"\rvert" | r"\rVert" => '¦',
-        r"\over" => '÷',
-        r"\sum" => 'Σ',
-        r"\prod" => 'Π',
-        "&sup2;" | "&sup3;" => '²',
+        | "&times;" | "&middot;" | "&sdot;" => Star,
+        "/" | "÷" | "∕" | "⁄" | r"\div" | "&divide;" => Slash,
+        "^" | "**" | "ˆ" => Caret,
+        "√" | "&radic;" => SquareRoot,
+        "∛" => CubeRoot,
+        "=" | "==" | ":=" => Equals,
+        "!=" | "≠" | "<>" | r"\ne" | r"\neq" | "&ne;" => NotEqual,
+        "<" | r"\lt" | "&lt;" => Less,
+        "<=" | "≤" | "⩽" | "≦" | r"\le" | r"\leq" | r"\leqslant" | "&le;" => LessEqual,
+        ">" | r"\gt" | "&gt;" => Greater,
+        ">=" | "≥" | "⩾" | "≧" | r"\ge" | r"\geq" | r"\geqslant" | "&ge;" => GreaterEqual,
+        "and" | "&&" | "∧" | r"\land" | r"\wedge" => And,
+        "or" | "∨" | r"\lor" | r"\vee" => Or,
+        "not" | "¬" | r"\lnot" | r"\neg" => Not,
+        "in" | "∈" | r"\in" => In,
+        "(" => OpenParen,
+        ")" => CloseParen,
+        "[" => OpenBracket,
+        "]" => CloseBracket,
+        "{" | r"\{" | r"\lbrace" => OpenBrace,
+        "}" | r"\}" | r"\rbrace" => CloseBrace,
+        "⌊" | r"\lfloor" => OpenFloor,
+        "⌋" | r"\rfloor" => CloseFloor,
+        "⌈" | r"\lceil" => OpenCeiling,
+        "⌉" | r"\rceil" => CloseCeiling,
+        "|" | "‖" | "∣" | r"\|" | r"\mid" | r"\vert" | r"\Vert" => Bar,
+        r"\lvert" | r"\lVert" => OpenBar,
+        r"\rvert" | r"\rVert" => CloseBar,
+        r"\over" => Over,
+        r"\sum" => BigSum,
+        r"\prod" => BigProduct,
+        "&sup2;" | "&sup3;" => Superscript,
         // What has no meaning, or none that is known here.
         r"\pm" | r"\mp" | r"\int" | r"\iint" | r"\iiint" | r"\oint" | r"\partial" | r"\nabla"
-        | r"\lim" | "&amp;" => '?',
-        r"\bmod" => '٪',
-        r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => 'F',
-        r"\sqrt" => 'R',
+        | r"\lim" | "&amp;" => Unknown,
+        r"\bmod" => Remainder,
+        r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => Fraction,
+        r"\sqrt" => Root,
         // A name in upright letters follows in braces.
-        r"\operatorname" | r"\mathrm" | r"\mathit" | r"\text" | r"\textrm" | r"\textnormal" => 'T',
-        "x" => 'x',
-        "y" => 'y',
-        "z" => 'z',
-        "auto" => 'u',
-        "eye" | "target" | "up" => 'k',
-        "fov" | "ortho" => 'n',
-        name if PRESETS.contains(&name) => 'p',
-        name if let Some(setting) = setting(name) => setting.symbol,
+        r"\operatorname" | r"\mathrm" | r"\mathit" | r"\text" | r"\textrm" | r"\textnormal" => Upright,
+        "x" => X,
+        "y" => Y,
+        "z" => Z,
+        "auto" => Auto,
+        "eye" | "target" | "up" => VectorKey,
+        "fov" | "ortho" => NumberKey,
+        name if PRESETS.contains(&name) => Preset,
+        name if let Some(setting) = setting(name) => TokenKind::of_setting(setting.kind),
         _ => return None,
     })
-}
-
-/// Whether a symbol is that of a word that begins a line about the picture rather than a formula.
-pub(crate) fn is_setting(symbol: char) -> bool {
-    SETTINGS.iter().any(|setting| setting.symbol == symbol)
 }
 
 /// The setting that a word begins, as it was typed.
 pub(crate) fn typed_setting(word: &str) -> Option<&'static Setting> {
     setting(&plain_text(word))
-}
-
-/// Whether a symbol stands for a name.
-pub(crate) fn is_name(symbol: char) -> bool {
-    symbol.is_ascii_lowercase() || symbol == 'R'
-}
-
-/// Whether a symbol is an operator, a relation or a comma.
-pub(crate) fn is_operator(symbol: char) -> bool {
-    "+-*/^²√∛,=≠<≤>≥∧∨¬∈".contains(symbol)
-}
-
-/// Whether an operand can end with this symbol.
-pub(crate) fn ends_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '1' | '½' | '²' | '‧' | '!') || is_name(symbol) || is_closer(symbol)
-}
-
-/// Whether an operand can begin with this symbol.
-pub(crate) fn begins_operand(symbol: char) -> bool {
-    matches!(symbol, '0' | '½' | 'F' | '√' | '∛' | '¬' | 'Σ' | 'Π')
-        || is_name(symbol)
-        || closer(symbol).is_some()
-}
-
-/// The bracket that closes `open`.
-pub(crate) fn closer(open: char) -> Option<char> {
-    "([{⌊⌈⦃⟨⟦".chars().zip(")]}⌋⌉⦄⟩⟧".chars()).find(|(o, _)| *o == open).map(|(_, close)| close)
-}
-
-/// Whether a symbol is a closing bracket.
-pub(crate) fn is_closer(symbol: char) -> bool {
-    ")]}⌋⌉⦄⟩⟧".contains(symbol)
 }
 
 /// Whether `character` may stand in a name after its first letter.
@@ -167,7 +119,7 @@ pub(crate) fn start(text: &str, most: usize) -> &str {
 pub(crate) fn is_definable(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)
         && text.chars().all(|c| in_name(c) && plain_text(c.encode_utf8(&mut [0; 4])).starts_with(c))
-        && symbol(text).is_none_or(is_name)
+        && token_kind(text).is_none_or(TokenKind::is_name)
 }
 
 /// The value of a superscript digit.
@@ -305,9 +257,6 @@ fn short(text: &str, longest: usize, kept: usize) -> String {
 mod tests {
     use super::*;
 
-    /// Symbols of what has no fixed spelling.
-    const OTHERS: &str = "!01½²#¦⦃⦄⟨⟩‥≔¿∀‧ΣΠ_⊙⋄٪";
-
     #[test]
     fn the_grammar_knows_symbols_only() {
         let grammar = include_str!("../../../../grammar/zeroset.pest");
@@ -320,8 +269,11 @@ mod tests {
             let (Some(only), None) = (characters.next(), characters.next()) else {
                 panic!("`{literal}` is not a symbol");
             };
-            let is_class = OTHERS.contains(only) || only.is_ascii_alphabetic();
-            assert!(is_class || symbol(literal) == Some(only), "`{literal}` stands for another");
+            let kind = TokenKind::of_char(only).expect("a kind has this character");
+            // No other kind is spelled so.
+            assert!(
+                token_kind(literal).is_none_or(|other| other == kind || other == TokenKind::Bar)
+            );
         }
     }
 }

@@ -1,22 +1,20 @@
 //! Symbols of a text, and which of them stand between brackets. What they mean is not known here.
 
-use crate::lex::spelling::{closer, is_closer};
+use crate::lex::token_kind::TokenKind::{self, CloseParen, OpenParen};
 use crate::span::Span;
 
 /// A symbol and where it stands.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Token {
-    /// What the grammar knows it by: see `spelling::symbol`, and the grammar for what has no fixed
-    /// spelling. `?` has no meaning in the language.
-    pub symbol: char,
+    pub kind: TokenKind,
     pub span: Span,
     /// Its offset in [`Piece::symbols`](crate::lex::scanner::Piece::symbols).
     pub at: usize,
 }
 
 impl Token {
-    pub(crate) fn new(symbol: char, span: Span) -> Self {
-        Self { symbol, span, at: 0 }
+    pub(crate) fn new(kind: TokenKind, span: Span) -> Self {
+        Self { kind, span, at: 0 }
     }
 }
 
@@ -33,18 +31,18 @@ pub(crate) struct Context {
     /// Whether nothing stands before it on its line.
     pub starts_line: bool,
     /// The symbol before it, if nothing stands between.
-    pub touching: Option<char>,
+    pub touching: Option<TokenKind>,
     /// The last symbol of its statement.
-    pub last: Option<char>,
+    pub last: Option<TokenKind>,
 }
 
 /// Tells of symbols, asked for one after the other, how many brackets are open behind each.
 fn depth() -> impl FnMut(&Token) -> usize {
     let mut depth = 0_usize;
     move |token| {
-        if closer(token.symbol).is_some() {
+        if token.kind.closer().is_some() {
             depth += 1;
-        } else if is_closer(token.symbol) {
+        } else if token.kind.is_closer() {
             depth = depth.saturating_sub(1);
         }
         depth
@@ -52,25 +50,25 @@ fn depth() -> impl FnMut(&Token) -> usize {
 }
 
 /// Tells of symbols, asked for one after the other, which are `sign` outside brackets.
-pub(crate) fn is_outside(sign: char) -> impl FnMut(&Token) -> bool {
+pub(crate) fn is_outside(sign: TokenKind) -> impl FnMut(&Token) -> bool {
     let mut depth = depth();
-    move |token| depth(token) == 0 && token.symbol == sign
+    move |token| depth(token) == 0 && token.kind == sign
 }
 
 /// The first place of `sign` outside brackets.
-pub(crate) fn outside(tokens: &[Token], sign: char) -> Option<usize> {
+pub(crate) fn outside(tokens: &[Token], sign: TokenKind) -> Option<usize> {
     tokens.iter().position(is_outside(sign))
 }
 
 /// The parts between `sign`, outside brackets; empty ones are left out.
-pub(crate) fn split(tokens: &[Token], sign: char) -> Vec<Vec<Token>> {
+pub(crate) fn split(tokens: &[Token], sign: TokenKind) -> Vec<Vec<Token>> {
     let parts = tokens.split(is_outside(sign)).filter(|part| !part.is_empty());
     parts.map(<[Token]>::to_vec).collect()
 }
 
 /// Where the bracket is closed that `tokens` begin with.
 pub(crate) fn closing(tokens: &[Token]) -> Option<usize> {
-    closer(tokens.first()?.symbol)?;
+    tokens.first()?.kind.closer()?;
     let mut depth = depth();
     tokens.iter().position(|token| depth(token) == 0)
 }
@@ -90,8 +88,8 @@ pub(crate) fn span_of(tokens: &[Token]) -> Option<Span> {
 pub(crate) fn in_brackets(tokens: &[Token]) -> Vec<Token> {
     let start = tokens.first().map_or(0, |first| first.span.start);
     let end = tokens.last().map_or(0, |last| last.span.end);
-    let mut all = vec![Token::new('(', Span::at(start))];
+    let mut all = vec![Token::new(OpenParen, Span::at(start))];
     all.extend(tokens);
-    all.push(Token::new(')', Span::at(end)));
+    all.push(Token::new(CloseParen, Span::at(end)));
     all
 }

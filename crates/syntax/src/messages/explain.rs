@@ -1,7 +1,7 @@
 //! Why something is an error and what to do about it, in words.
 
-use crate::lex::spelling::PRESETS;
 use crate::messages::error::{Error, ErrorKind, Suggestion};
+use crate::settings::PRESETS;
 use crate::settings::setting;
 
 /// Longest piece of corrected text that is quoted.

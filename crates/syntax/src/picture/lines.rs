@@ -3,17 +3,18 @@
 //!
 //! What they mean for a picture is not decided here.
 
-use crate::grammar::{Pair, Rule, parts};
 use crate::lex::spelling::typed_setting;
+use crate::lex::token_kind::TokenKind;
 use crate::limits::Limits;
 use crate::lower::constant::evaluate;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::picture::paint::{Contours, TypedColor, with_point_names};
 use crate::picture::scene::{DomainLine, SrgbColor, ViewLine};
-use crate::settings::{SETTINGS, SettingKind, bad, setting_word};
+use crate::settings::{SETTINGS, SettingKind, setting, setting_word};
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
+use crate::tree::grammar::{Pair, Rule, parts};
 use crate::tree::scope::{Scope, nearest};
 use crate::tree::statement::Line;
 use rustc_hash::FxHashSet;
@@ -83,7 +84,7 @@ impl Collected {
         // The ranges of a plot have no word; a `domain` line counts more.
         let is_made = first.span.start == first.span.end;
         let setting = typed_setting(&text[first.span.range()])
-            .or_else(|| SETTINGS.iter().find(|setting| setting.symbol == first.symbol))
+            .or_else(|| SETTINGS.iter().find(|row| TokenKind::of_setting(row.kind) == first.kind))
             .ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
         let scope = match setting.kind {
             SettingKind::Color | SettingKind::Contours => {
@@ -127,6 +128,12 @@ impl Collected {
         self.lines.push(SettingLine { word, span, share });
         Ok(())
     }
+}
+
+/// The error for a line that does not hold what its `word` takes.
+pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
+    let hint = setting(word).map_or("", |setting| setting.hint);
+    Error::new(span, ErrorKind::BadSetting { word, hint })
 }
 
 /// What holds for a drawing at `place`: what the last line above it says; but where no drawing is

@@ -2,14 +2,15 @@
 //!
 //! What a value is at a point is not computed here.
 
-use crate::grammar::{Pair, Rule, parts};
-use crate::lex::spelling::COLOR_MAPS;
+use crate::tree::grammar::{Pair, Rule, parts};
+
 use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::lower::lowering::{Binding, Lowering};
 use crate::messages::error::{ErrorKind, Fallible};
+use crate::picture::lines::bad;
 use crate::picture::scene::SrgbColor;
-use crate::settings::bad;
+use crate::settings::COLOR_MAPS;
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;

@@ -1,12 +1,13 @@
 //! `domain`, `view`, `look` and `background` lines and plain colors, as data: what they mean for a
 //! picture is not decided here.
 
-use crate::grammar::{Pair, Rule};
-use crate::lex::spelling::{COLOR_MAPS, LOOKS, PRESETS};
+use crate::tree::grammar::{Pair, Rule};
+
 use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::settings::bad;
+use crate::picture::lines::bad;
+use crate::settings::{COLOR_MAPS, LOOKS, PRESETS};
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;

@@ -1,14 +1,15 @@
 //! Functions and what they are applied to: brackets, or the implicit product up to the next
 //! function.
 
-use crate::grammar::{Pair, Rule};
-use crate::lex::spelling::{is_name, short_formula};
+use crate::lex::spelling::short_formula;
+use crate::lex::token_kind::TokenKind::{Minus, Number};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Function, NamedValue};
 use crate::tree::builder::{Builder, number_only, product_of, quotient_of};
 use crate::tree::delimited::{is_vector, native};
+use crate::tree::grammar::{Pair, Rule};
 use crate::tree::juxtaposition::{Item, Items};
 use crate::tree::print::factor_text;
 use crate::tree::scope::{Callee, is_variadic};
@@ -190,9 +191,9 @@ impl Builder<'_> {
         let next = self.piece.tokens.partition_point(|token| token.span.start < span.end);
         match &self.piece.tokens[next..] {
             [sign, operand, ..]
-                if sign.symbol == '-'
+                if sign.kind == Minus
                     && sign.span.end == operand.span.start
-                    && (operand.symbol == '0' || is_name(operand.symbol))
+                    && (operand.kind == Number || operand.kind.is_name())
                     && operand.span.end - span.end <= 40 =>
             {
                 let argument = &self.text[sign.span.to(operand.span).range()];

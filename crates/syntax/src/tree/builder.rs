@@ -1,10 +1,10 @@
 //! From what the grammar recognised to the syntax tree: everything but rows of factors, which `juxtaposition`
 //! shapes.
 
-use crate::grammar::{Pair, Pairs, Rule};
 use crate::lex::scanner::Piece;
 use crate::lex::spelling::{plain_text, short_formula};
 use crate::lex::token::span_of;
+use crate::lex::token_kind::TokenKind::*;
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{MOST_NOTES, Note, NoteKind};
@@ -12,6 +12,7 @@ use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Chain, Expr, ExprKind, Function, Name, Relation, Sign};
 use crate::tree::diagnose::recognise;
+use crate::tree::grammar::{Pair, Pairs, Rule, first_kind};
 use crate::tree::print::factor_text;
 use crate::tree::scope::{Callee, Scope};
 use rustc_hash::FxHashSet;
@@ -157,9 +158,9 @@ impl<'a> Builder<'a> {
     #[inline(never)]
     fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
         let mut any = Vec::new();
-        for parts in parts.split(|part| part.as_str() == "∨") {
+        for parts in parts.split(|part| first_kind(part) == Some(Or)) {
             let mut all = Vec::new();
-            for parts in parts.split(|part| part.as_str() == "∧") {
+            for parts in parts.split(|part| first_kind(part) == Some(And)) {
                 let expr = match parts {
                     [only] => self.sum(only.clone()),
                     _ => self.negation(parts),
@@ -227,7 +228,7 @@ impl<'a> Builder<'a> {
     /// A product with the signs before it.
     pub(crate) fn term(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let signs = self.signs(pairs);
-        let of_term = |pair: &Pair<'_>| !matches!(pair.as_str(), "+" | "-");
+        let of_term = |pair: &Pair<'_>| !matches!(first_kind(pair), Some(Plus | Minus));
         if signs.is_empty() || pairs.clone().take_while(of_term).any(|pair| is_remainder(&pair)) {
             return self.product(signs, pairs);
         }
@@ -286,11 +287,11 @@ impl<'a> Builder<'a> {
     #[inline(never)]
     fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<Joint> {
         let operator = pairs.peek()?;
-        let (sign, function) = match operator.as_str() {
-            "*" => (Sign::Direct, None),
-            "/" => (Sign::Inverse, None),
-            "⊙" => (Sign::Direct, Some(Function::OfVectors(VectorFunction::Dot))),
-            "٪" => {
+        let (sign, function) = match first_kind(&operator)? {
+            Star => (Sign::Direct, None),
+            Slash => (Sign::Inverse, None),
+            DotProduct => (Sign::Direct, Some(Function::OfVectors(VectorFunction::Dot))),
+            Remainder => {
                 // Nobody takes the word for another remainder.
                 if self.typed(&operator).contains('%') {
                     self.note(self.span(&operator), NoteKind::Remainder);
@@ -442,7 +443,7 @@ pub(crate) fn root_text(radicand: &Expr, index: u32) -> String {
 
 /// Whether this is the operator that takes remainders.
 fn is_remainder(pair: &Pair<'_>) -> bool {
-    pair.as_str() == "٪"
+    first_kind(pair) == Some(Remainder)
 }
 
 /// A sum or a product of one or more operands, several of which must be numbers; the sign of the
@@ -468,18 +469,18 @@ pub(crate) fn quotient_of(parts: impl IntoIterator<Item = Expr>) -> Fallible<Exp
 
 #[inline(never)]
 pub(crate) fn sign(pair: &Pair<'_>) -> Sign {
-    if pair.as_str() == "+" { Sign::Direct } else { Sign::Inverse }
+    if first_kind(pair) == Some(Plus) { Sign::Direct } else { Sign::Inverse }
 }
 
 pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
-    match pair.as_str() {
-        "=" => Relation::Equal,
-        "≠" => Relation::Unequal,
-        "<" => Relation::Less,
-        "≤" => Relation::LessEqual,
-        ">" => Relation::Greater,
-        "≥" => Relation::GreaterEqual,
-        other => unreachable!("the grammar has no relation {other}"),
+    match first_kind(pair) {
+        Some(Equals) => Relation::Equal,
+        Some(NotEqual) => Relation::Unequal,
+        Some(Less) => Relation::Less,
+        Some(LessEqual) => Relation::LessEqual,
+        Some(Greater) => Relation::Greater,
+        Some(GreaterEqual) => Relation::GreaterEqual,
+        other => unreachable!("the grammar has no relation {other:?}"),
     }
 }
 

@@ -1,11 +1,12 @@
 //! What is one factor whatever surrounds it: brackets, braces, bars, fractions, roots, choices.
 
-use crate::grammar::{Pair, Rule};
 use crate::lex::spelling::vulgar;
+use crate::lex::token_kind::TokenKind::{OpenBracket, OpenCeiling, OpenFloor};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Chain, Expr, ExprKind, Function};
 use crate::tree::builder::{Builder, number_only, quotient_of};
+use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::scope::Callee;
 use zeroset_ops::{Op, VectorFunction};
 
@@ -32,7 +33,7 @@ impl Builder<'_> {
         if pair.clone().into_inner().next().is_none() {
             return Err(Error::new(span, ErrorKind::EmptyBrackets));
         }
-        if pair.as_str().starts_with('[') {
+        if first_kind(&pair) == Some(OpenBracket) {
             return self.deeper(span, 1, |b| b.list(pair, span));
         }
         Err(Error::new(span, ErrorKind::Tuple))
@@ -59,9 +60,9 @@ impl Builder<'_> {
 
     #[inline(never)]
     fn enclosed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        let op = match pair.as_str().chars().next() {
-            Some('⌊') => Op::Floor,
-            Some('⌈') => Op::Ceil,
+        let op = match first_kind(&pair) {
+            Some(OpenFloor) => Op::Floor,
+            Some(OpenCeiling) => Op::Ceil,
             _ => Op::Abs,
         };
         let is_double = DOUBLE_BARS.iter().any(|bars| self.typed(&pair).starts_with(bars));

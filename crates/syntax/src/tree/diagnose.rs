@@ -1,12 +1,13 @@
 //! Statements as the grammar recognises them, and what is wrong with one that it refuses, inferred
 //! from where it stopped.
 
-use crate::grammar::{Pair, Rule, Zeroset};
 use crate::lex::scanner::Piece;
-use crate::lex::spelling::{closer, is_closer, is_name, is_operator, short_name, typed_setting};
+use crate::lex::spelling::{short_name, typed_setting};
 use crate::lex::token::{Token, split};
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
+use crate::tree::grammar::{Pair, Rule, Zeroset};
 use pest::Parser as _;
 use pest::error::{ErrorVariant, InputLocation};
 
@@ -46,7 +47,7 @@ fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
     }
     // A character without a meaning is reported before anything else.
     let unknown = |token: &&Token| {
-        matches!(token.symbol, '?' | '%') || (token.symbol == ':' && !inside(piece, token))
+        matches!(token.kind, Unknown | Percent) || (token.kind == Colon && !inside(piece, token))
     };
     if let Some(token) = piece.tokens.iter().find(unknown) {
         return unknown_character(text, token.span);
@@ -56,39 +57,42 @@ fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
     let here = found.map_or(place, |token| token.span);
     let both = if before.is_some() { place.to(here) } else { here };
     let typed = |span: Span| text[span.range()].to_owned();
-    let opens = |symbol| closer(symbol).is_some() || symbol == '|';
-    match (before.map_or(' ', |token| token.symbol), found.map_or(' ', |token| token.symbol)) {
-        (' ', sign) if is_operator(sign) => {
+    let opens = |kind: TokenKind| kind.closer().is_some() || kind == OpenBar;
+    match (before.map_or(Blank, |token| token.kind), found.map_or(Blank, |token| token.kind)) {
+        (Blank, sign) if sign.is_operator() => {
             Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })
         }
-        ('=', '<') | ('<', '=') => foreign(text, both, "<="),
-        ('=', '>') | ('>', '=') => foreign(text, both, ">="),
-        ('=', '=') | ('-', '>') | ('<', '-') => foreign(text, both, "="),
-        ('<', '>') => foreign(text, both, "!="),
-        ('/', '/') => Error::new(both, ErrorKind::IntegerDivision),
-        (sign, ',') if !is_operator(sign) || sign == '²' => comma(text, piece, next),
-        ('∈', _) => Error::new(both, ErrorKind::BadRange),
-        (_, '∈') => Error::new(Span::new(here.start, piece.span.end), ErrorKind::BadRange),
+        (Equals, Less) | (Less, Equals) => foreign(text, both, "<="),
+        (Equals, Greater) | (Greater, Equals) => foreign(text, both, ">="),
+        (Equals, Equals) | (Minus, Greater) | (Less, Minus) => foreign(text, both, "="),
+        (Less, Greater) => foreign(text, both, "!="),
+        (Slash, Slash) => Error::new(both, ErrorKind::IntegerDivision),
+        (sign, Comma) if !sign.is_operator() || sign == Superscript => comma(text, piece, next),
+        (In, _) => Error::new(both, ErrorKind::BadRange),
+        (_, In) => Error::new(Span::new(here.start, piece.span.end), ErrorKind::BadRange),
         _ if let Some(span) = half_fraction(&piece.tokens[..next]) => {
             Error::new(span, ErrorKind::HalfFraction)
         }
         // Outside brackets it would have ended the statement, so arguments are being separated.
-        (_, ';') => {
+        (_, Semicolon) => {
             Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
         }
-        ('}', sign) if "+-*/^".contains(sign) && braces_restrict(&piece.tokens[..next]) => {
+        (CloseBrace, sign)
+            if (sign.is_arithmetic() || sign == Caret)
+                && braces_restrict(&piece.tokens[..next]) =>
+        {
             Error::new(here, ErrorKind::RestrictionInside)
         }
-        (sign, _) if is_operator(sign) => {
+        (sign, _) if sign.is_operator() => {
             Error::new(place, ErrorKind::MissingAfter { sign: typed(place) })
         }
-        (open, sign) if opens(open) && is_operator(sign) => {
+        (open, sign) if opens(open) && sign.is_operator() => {
             Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })
         }
-        (open, close) if opens(open) && is_closer(close) => {
+        (open, close) if opens(open) && close.is_closer() => {
             Error::new(both, ErrorKind::EmptyBrackets)
         }
-        (_, ' ') => Error::new(Span::at(place.end), ErrorKind::Unfinished),
+        (_, Blank) => Error::new(Span::at(place.end), ErrorKind::Unfinished),
         _ if let Some(span) = choice_in_braces(piece, next) => {
             Error::new(span, ErrorKind::PieceWithoutCondition)
         }
@@ -99,15 +103,15 @@ fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
 /// Braces behind a sign, open at `next`: a restriction follows what it restricts.
 fn choice_in_braces(piece: &Piece, next: usize) -> Option<Span> {
     let before = &piece.tokens[..next];
-    let open = before.iter().rposition(|token| token.symbol == '{')?;
+    let open = before.iter().rposition(|token| token.kind == OpenBrace)?;
     let sign = before.get(open.checked_sub(1)?)?;
-    is_operator(sign.symbol).then(|| before[open].span.to(piece.tokens[next].span))
+    sign.kind.is_operator().then(|| before[open].span.to(piece.tokens[next].span))
 }
 
 /// Whether the braces that were closed last hold a comparison.
 fn braces_restrict(before: &[Token]) -> bool {
-    let open = before.iter().rposition(|token| token.symbol == '{').unwrap_or(0);
-    before[open..].iter().any(|token| "=≠<≤>≥".contains(token.symbol))
+    let open = before.iter().rposition(|token| token.kind == OpenBrace).unwrap_or(0);
+    before[open..].iter().any(|token| token.kind.is_relation())
 }
 
 /// Whether a colon is in a choice, where it has a meaning.
@@ -115,7 +119,7 @@ fn inside(piece: &Piece, colon: &Token) -> bool {
     let before = piece.tokens.iter().take_while(|token| token.span.start < colon.span.start);
     let mut depth = 0_i32;
     for token in before {
-        depth += i32::from(token.symbol == '⦃') - i32::from(token.symbol == '⦄');
+        depth += i32::from(token.kind == OpenChoice) - i32::from(token.kind == CloseChoice);
     }
     depth > 0
 }
@@ -133,8 +137,8 @@ fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
     let before = piece.tokens[index - 1].span;
     match piece.tokens.get(index + 1) {
         Some(after)
-            if piece.tokens[index - 1].symbol == '0'
-                && after.symbol == '0'
+            if piece.tokens[index - 1].kind == Number
+                && after.kind == Number
                 && before.end == span.start
                 && span.end == after.span.start =>
         {
@@ -149,16 +153,18 @@ fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
 
 /// What was meant by parts of a statement between commas, the first of which is at `first`.
 fn listed(text: &str, piece: &Piece, first: usize) -> Option<String> {
-    let parts = split(&piece.tokens, ',');
+    let parts = split(&piece.tokens, Comma);
     let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
     let texts: Vec<&str> = parts.iter().map(typed).collect::<Option<_>>()?;
     let (formula, rest) = (*texts.first()?, texts.get(1..).filter(|rest| !rest.is_empty())?);
-    let has = |part: &[Token], signs: &str| part.iter().any(|token| signs.contains(token.symbol));
+    let has = |part: &[Token], is: fn(TokenKind) -> bool| part.iter().any(|token| is(token.kind));
     let is_value = |part: &Vec<Token>| {
-        matches!(part.as_slice(), [name, equals, _, ..] if name.symbol == 'a' && equals.symbol == '=')
-            && !has(part, "<≤>≥")
+        matches!(part.as_slice(), [name, equals, _, ..] if name.kind == TokenKind::Name && equals.kind == Equals)
+            && !has(part, TokenKind::is_inequality)
     };
-    let is_condition = |part: &Vec<Token>| has(part, "<≤>≥") && !has(part, "=");
+    let is_condition = |part: &Vec<Token>| {
+        has(part, TokenKind::is_inequality) && !has(part, |kind| kind == Equals)
+    };
     let all = |is: &dyn Fn(&Vec<Token>) -> bool| parts[1..].iter().all(is);
     // A comma within the first part is another.
     if piece.tokens[..first].len() != parts[0].len() {
@@ -179,20 +185,20 @@ fn listed(text: &str, piece: &Piece, first: usize) -> Option<String> {
 /// The place of `\frac` if its second part is missing right behind `before`.
 fn half_fraction(before: &[Token]) -> Option<Span> {
     if let [.., fraction, part] = before
-        && fraction.symbol == 'F'
-        && is_name(part.symbol)
+        && fraction.kind == Fraction
+        && part.kind.is_name()
     {
         return Some(fraction.span);
     }
     let mut depth = 0_usize;
     for token in before.iter().rev() {
-        match token.symbol {
-            '}' => depth += 1,
-            '{' => depth = depth.checked_sub(1)?,
+        match token.kind {
+            CloseBrace => depth += 1,
+            OpenBrace => depth = depth.checked_sub(1)?,
             _ if depth > 0 => {}
-            'F' => return Some(token.span),
+            Fraction => return Some(token.span),
             // Its first part, as in `\frac1x`.
-            '1' | '0' => {}
+            Digit | Number => {}
             _ => return None,
         }
     }

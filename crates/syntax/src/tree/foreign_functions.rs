@@ -1,11 +1,11 @@
 //! Arithmetic that other systems write as functions, `Plus[a, b]`, and functions that stand for a
 //! formula of ours: `Boole[c]`, `ChebyshevT[n, x]`.
 
-use crate::grammar::Pair;
 use crate::messages::error::{Error, ErrorKind, Fallible, plural};
 use crate::span::Span;
 use crate::tree::ast::{Chain, Expr, ExprKind, Function, Sign};
 use crate::tree::builder::{Builder, chain_of, product_of, quotient_of};
+use crate::tree::grammar::Pair;
 use zeroset_ops::{Op, VectorFunction};
 
 /// What a name stands for before brackets.

@@ -3,9 +3,9 @@
 //! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
 //! `sin 2x cos y` becomes two calls, and `xyz` three factors.
 
-use crate::grammar::{Pair, Pairs, Rule};
 use crate::lex::lexer::method;
 use crate::lex::spelling::{decimal, in_name, plain_name, superscript_digit};
+use crate::lex::token_kind::TokenKind::Slash;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
 use crate::span::Span;
@@ -13,6 +13,7 @@ use crate::tree::ast::{Expr, ExprKind, LETTERS, NamedValue};
 use crate::tree::builder::{Builder, Signs, number_only, root_text};
 use crate::tree::delimited::native;
 use crate::tree::foreign_functions::{Arithmetic, arithmetic};
+use crate::tree::grammar::{Pair, Pairs, Rule};
 use crate::tree::scope::{Callee, Meaning, coordinate, meaning, read_as};
 use crate::tree::special_forms::{Logic, logic};
 use std::collections::VecDeque;
@@ -164,7 +165,7 @@ impl Builder<'_> {
                 // says.
                 let is_exponent = matches!(items.back(), Some(Item::Caret(..)))
                     && !matches!(items.iter().nth_back(1), Some(Item::Function(..)));
-                let is_noted = is_exponent || items.is_empty() && self.follows(span, "/");
+                let is_noted = is_exponent || items.is_empty() && self.follows(span, &[Slash]);
                 let letters: Vec<String> = name.chars().map(String::from).collect();
                 let mut at = span.start;
                 for letter in &letters {

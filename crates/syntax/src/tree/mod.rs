@@ -11,6 +11,7 @@ pub(crate) mod built_statement;
 pub(crate) mod delimited;
 pub(crate) mod diagnose;
 pub(crate) mod foreign_functions;
+pub(crate) mod grammar;
 pub(crate) mod juxtaposition;
 pub(crate) mod print;
 pub(crate) mod scope;

@@ -2,6 +2,7 @@
 
 use crate::lex::spelling::short_formula;
 use crate::lex::token::Token;
+use crate::lex::token_kind::TokenKind::{self, Minus, Plus};
 use crate::messages::note::NoteKind;
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, NamedValue};
@@ -11,10 +12,10 @@ use zeroset_ir::NamedConstant;
 
 impl Builder<'_> {
     /// Whether what stands at `span` follows one of these signs.
-    pub(crate) fn follows(&self, span: Span, signs: &str) -> bool {
+    pub(crate) fn follows(&self, span: Span, signs: &[TokenKind]) -> bool {
         let next = self.piece.tokens.partition_point(|token| token.span.start < span.start);
         let before = next.checked_sub(1).map(|before| self.piece.tokens[before]);
-        before.is_some_and(|token| signs.contains(token.symbol))
+        before.is_some_and(|token| signs.contains(&token.kind))
     }
 
     /// Notes what touches an exponent without being part of it: in `e^2x`, and in `a^xy`, where it
@@ -53,7 +54,7 @@ impl Builder<'_> {
     /// Whether a sum goes on behind a power that a root without brackets covers: `√x²+y²`.
     pub(crate) fn root_goes_on(&self, inner: &Expr) -> bool {
         let next = self.piece.tokens.partition_point(|token| token.span.start < inner.span.end);
-        let is_sign = |token: &Token| matches!(token.symbol, '+' | '-');
+        let is_sign = |token: &Token| matches!(token.kind, Plus | Minus);
         let typed = &self.text[inner.span.range()];
         matches!(inner.kind, ExprKind::Power(..))
             && !(typed.starts_with('(') && typed.ends_with(')'))

@@ -1,12 +1,13 @@
 //! Sums and products over whole numbers, in the spellings of several languages.
 
-use crate::grammar::{Pair, Rule};
 use crate::lex::spelling::{decimal, plain_name};
+use crate::lex::token_kind::TokenKind::BigProduct;
 use crate::lower::choice::MOST_TERMS;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Chain, Expr, ExprKind, Name, Series, Sign};
 use crate::tree::builder::{Builder, number_only, numbers_only};
+use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::special_forms::{sole, tuple};
 
 impl Builder<'_> {
@@ -110,7 +111,7 @@ impl Builder<'_> {
     /// `\sum_{k=1}^{5}` and the term behind it.
     #[inline(never)]
     pub(crate) fn big_series(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        let is_product = pair.as_str().starts_with('Π');
+        let is_product = first_kind(&pair) == Some(BigProduct);
         let (mut from, mut to, mut term) = (None, None, None);
         for part in pair.into_inner() {
             match part.as_rule() {

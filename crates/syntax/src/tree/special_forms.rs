@@ -1,14 +1,15 @@
 //! Forms: what looks like a function and takes more than numbers, in the spellings of several
 //! languages.
 
-use crate::grammar::{Pair, Rule};
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::spelling::plain_name;
+use crate::lex::token_kind::TokenKind::If;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Function, Relation};
 use crate::tree::builder::{Builder, condition_only, joined, product_of};
+use crate::tree::grammar::{Pair, Rule};
 use crate::tree::scope::{Callee, Meaning};
 use zeroset_ops::{Meaning as Stands, SpecialForm, VectorFunction};
 
@@ -271,7 +272,7 @@ impl Builder<'_> {
             let symbols = piece.as_str();
             let mut parts = piece.into_inner();
             let first = parts.next().expect("a piece has a value");
-            let condition_first = !symbols[first.as_str().len()..].starts_with('¿');
+            let condition_first = !symbols[first.as_str().len()..].starts_with(If.as_char());
             match parts.next() {
                 None => {
                     let value = self.expression(first)?;

@@ -1,19 +1,19 @@
 //! Statements: which kind each is, and its trees.
 
 use crate::dialect::program::{Head, Unit, Wrap};
-use crate::grammar::{Pair, Rule};
 use crate::lex::scanner::Piece;
-use crate::lex::spelling::{is_definable, is_name, plain_name};
+use crate::lex::spelling::{is_definable, plain_name};
 use crate::lex::token::Token;
+use crate::lex::token_kind::TokenKind::*;
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::messages::note::{Note, NoteKind};
-use crate::settings::{SETTINGS, Setting};
 use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, ExprKind, Name, NamedValue, Relation, Statement};
 use crate::tree::builder::{Builder, relation};
 use crate::tree::built_statement::{Built, with_parts};
 use crate::tree::diagnose::recognise;
+use crate::tree::grammar::{Pair, Rule};
 use crate::tree::scope::{Meaning, Scope, built_in, coordinate};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
@@ -56,19 +56,24 @@ pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, 
 
 /// What the first symbols of a statement make of it.
 fn rule(piece: &Piece) -> Rule {
-    let mut symbols = piece.symbols.chars();
-    let first = symbols.next();
-    let setting = SETTINGS.iter().find(|setting| Some(setting.symbol) == first);
-    let Some(Setting { rule, .. }) = setting else { return Rule::line };
-    let rule = *rule;
+    let mut kinds = piece.tokens.iter().map(|token| token.kind);
+    let rule = match kinds.next() {
+        Some(DomainWord) => Rule::domain_line,
+        Some(ViewWord) => Rule::view_line,
+        Some(ColorWord) => Rule::color_line,
+        Some(LookWord) => Rule::look_line,
+        Some(BackgroundWord) => Rule::background_line,
+        Some(SettingWord) => Rule::setting_line,
+        _ => return Rule::line,
+    };
+    let in_point = |kind| matches!(kind, Number | Comma | Minus | Plus | CloseParen);
     // `view = 3` and `view(x) = …` are definitions like any other.
-    match symbols.next() {
+    match kinds.next() {
         // A point is made of numbers only.
-        Some('(') if rule == Rule::setting_line && symbols.all(|c| "0,-+)".contains(c)) => rule,
-        Some('(') if rule != Rule::domain_line => Rule::line,
-        Some('*' | '/' | '^' | '²' | ',' | '=' | '≠' | '<' | '≤' | '>' | '≥' | '∧' | '∨' | '∈') => {
-            Rule::line
-        }
+        Some(OpenParen) if rule == Rule::setting_line && kinds.all(in_point) => rule,
+        Some(OpenParen) if rule != Rule::domain_line => Rule::line,
+        Some(Plus | Minus | SquareRoot | CubeRoot | Not) => rule,
+        Some(kind) if kind.is_operator() => Rule::line,
         _ => rule,
     }
 }
@@ -184,7 +189,7 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
 fn numbers(text: &str, lines: &[Line<'_>]) -> FxHashSet<String> {
     let named = lines.iter().filter(|line| {
         line.head.as_ref().is_some_and(|head| head.parameters.is_none())
-            && right_side(&line.unit.piece).all(|token| matches!(token.symbol, '0' | '-'))
+            && right_side(&line.unit.piece).all(|token| matches!(token.kind, Number | Minus))
     });
     let name = |line: &Line<'_>| text[line.head.as_ref()?.name.span.range()].to_owned().into();
     named.filter_map(name).collect()
@@ -192,14 +197,14 @@ fn numbers(text: &str, lines: &[Line<'_>]) -> FxHashSet<String> {
 
 /// What stands behind the sign, but for conditions and ranges.
 fn right_side(piece: &Piece) -> impl Iterator<Item = &Token> {
-    let right = piece.tokens.iter().skip_while(|token| token.symbol != '=').skip(1);
-    right.take_while(|token| !matches!(token.symbol, '{' | '∈'))
+    let right = piece.tokens.iter().skip_while(|token| token.kind != Equals).skip(1);
+    right.take_while(|token| !matches!(token.kind, OpenBrace | In))
 }
 
 /// Whether a right side is a number, or z where a function of x and y is given: no body of a
 /// function of coordinates, which takes the place of an earlier one.
 fn is_value(text: &str, piece: &Piece, parameters: usize, numbers: &FxHashSet<String>) -> bool {
-    right_side(piece).filter(|token| is_name(token.symbol)).all(|token| {
+    right_side(piece).filter(|token| token.kind.is_name()).all(|token| {
         let name = &text[token.span.range()];
         parameters == 2 && name == "z"
             || numbers.contains(name)

@@ -1,6 +1,7 @@
 //! Errors about names that stand for nothing, and what their writer may have meant.
 
-use crate::lex::spelling::{ends_operand, is_name, is_setting, short_name, start, symbol};
+use crate::lex::spelling::{short_name, start, token_kind};
+use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind};
 use crate::settings::SETTINGS;
 use crate::span::Span;
@@ -45,18 +46,20 @@ impl Builder<'_> {
     /// The error where a statement is in words rather than in signs.
     fn in_words(&self) -> Option<Box<Error>> {
         // `domain ball`
-        if self.piece.tokens.first().is_some_and(|first| is_setting(first.symbol)) {
+        if self.piece.tokens.first().is_some_and(|first| first.kind.is_setting()) {
             return None;
         }
         let statement = self.piece.span;
         let text = start(&self.text[statement.range()], LONGEST);
         let mut words = text.split(|c: char| !c.is_alphabetic());
         // `cylinder(r = 1, h = 2)` has names of its arguments only.
-        let is_called = self.piece.tokens.get(1).is_some_and(|next| next.symbol == '(');
-        let has_signs =
-            self.piece.tokens.iter().any(|token| {
-                "+-*/^²<≤>≥".contains(token.symbol) || token.symbol == '=' && !is_called
-            });
+        let is_called = self.piece.tokens.get(1).is_some_and(|next| next.kind == OpenParen);
+        let has_signs = self.piece.tokens.iter().any(|token| {
+            token.kind.is_arithmetic()
+                || token.kind.is_inequality()
+                || matches!(token.kind, Caret | Superscript)
+                || token.kind == Equals && !is_called
+        });
         let found = |word: &str| SOLIDS.iter().find(|(name, _)| word.eq_ignore_ascii_case(name));
         if let Some((_, formula)) = words.clone().find_map(found).filter(|_| !has_signs) {
             return Some(Error::new(statement, ErrorKind::Solid { formula }));
@@ -70,23 +73,24 @@ impl Builder<'_> {
     /// `x = 1 (a plane)`.
     fn remark(&self, place: Span) -> Option<Span> {
         let tokens = &self.piece.tokens;
-        let close = tokens.last().filter(|last| last.symbol == ')')?;
-        let open = tokens.iter().rposition(|token| token.symbol == '(').filter(|at| *at > 0)?;
+        let close = tokens.last().filter(|last| last.kind == CloseParen)?;
+        let open = tokens.iter().rposition(|token| token.kind == OpenParen).filter(|at| *at > 0)?;
         let is_behind =
-            ends_operand(tokens[open - 1].symbol) && tokens[open].span.end <= place.start;
+            tokens[open - 1].kind.ends_operand() && tokens[open].span.end <= place.start;
         let words = &tokens[open + 1..tokens.len() - 1];
         let is_gap = tokens[open - 1].span.end < tokens[open].span.start;
         // One word behind a value may be a factor.
-        let are_words = words.iter().all(|token| is_name(token.symbol))
-            && (words.len() > 1 || tokens[open - 1].symbol == '0');
+        let are_words = words.iter().all(|token| token.kind.is_name())
+            && (words.len() > 1 || tokens[open - 1].kind == Number);
         (is_behind && is_gap && are_words).then(|| tokens[open].span.to(close.span))
     }
 
     /// `f x y z` before an equals sign, which other languages write so.
     fn juxtaposed(&self, span: Span) -> Option<Span> {
         let is_first = self.piece.span.start == span.start;
-        let symbols: String = self.piece.tokens.iter().map(|token| token.symbol).take(5).collect();
-        (is_first && symbols == "axyz=").then(|| span.to(self.piece.tokens[3].span))
+        let kinds = self.piece.tokens.iter().map(|token| token.kind).take(5);
+        (is_first && kinds.eq([TokenKind::Name, X, Y, Z, Equals]))
+            .then(|| span.to(self.piece.tokens[3].span))
     }
 
     /// The error for a name without a meaning.
@@ -119,7 +123,8 @@ impl Builder<'_> {
         if name == "d" && below.is_some_and(|below| below.trim_start().starts_with('d')) {
             return Error::new(span, ErrorKind::Calculus);
         }
-        if symbol(name).is_some_and(is_setting) && span.start > self.piece.span.start {
+        if token_kind(name).is_some_and(TokenKind::is_setting) && span.start > self.piece.span.start
+        {
             let name = name.to_owned();
             let at = Span::at(self.text[..span.start].trim_end().len());
             return Error::new(span, ErrorKind::SettingInLine { name }).suggest(at, ";");

@@ -1,5 +1,7 @@
 //! The grammar, compiled in.
 
+use crate::lex::token_kind::TokenKind;
+
 pub(crate) use rules::{Rule, Zeroset};
 
 /// A recognised part of a statement.
@@ -11,6 +13,11 @@ pub(crate) type Pairs<'i> = pest::iterators::Pairs<'i, Rule>;
 /// What stands behind the word of a line.
 pub(crate) fn parts(line: Pair<'_>) -> Vec<Pair<'_>> {
     line.into_inner().filter(|part| part.as_rule() != Rule::EOI).collect()
+}
+
+/// The kind of the first token of a part.
+pub(crate) fn first_kind(part: &Pair<'_>) -> Option<TokenKind> {
+    part.as_str().chars().next().and_then(TokenKind::of_char)
 }
 
 /// A module of its own, because the generated items carry no documentation.
