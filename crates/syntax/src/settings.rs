@@ -13,7 +13,7 @@ pub const COLOR_MAPS: [&str; 12] = [
 ];
 
 /// A word that begins a line about the picture.
-pub(crate) struct Setting {
+pub(crate) struct SettingRow {
     pub word: &'static str,
     /// What it sets.
     pub kind: SettingKind,
@@ -40,11 +40,11 @@ pub(crate) enum SettingKind {
 }
 
 /// A word with numbers behind it, or with `on` or `off`.
-const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> Setting {
-    Setting { word, kind, hint }
+const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> SettingRow {
+    SettingRow { word, kind, hint }
 }
 
-const COLOR: Setting = Setting {
+const COLOR: SettingRow = SettingRow {
     word: "color",
     kind: SettingKind::Color,
     hint: "write a name of CSS such as `orange`, `#ff8800`, or a color map such as `viridis(z)`; \
@@ -52,26 +52,26 @@ const COLOR: Setting = Setting {
 };
 
 /// Every such word.
-pub(crate) const SETTINGS: &[Setting] = &[
-    Setting {
+pub(crate) const SETTINGS: &[SettingRow] = &[
+    SettingRow {
         word: "domain",
         kind: SettingKind::Domain,
         hint: "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
                `domain x in [-2, 2], y in [-1, 1]` or six numbers",
     },
-    Setting {
+    SettingRow {
         word: "view",
         kind: SettingKind::View,
         hint: "write a side such as `view front`, or `view eye (4, 3, 6) target (0, 0, 0) fov 40`",
     },
     COLOR,
-    Setting { word: "colour", ..COLOR },
-    Setting {
+    SettingRow { word: "colour", ..COLOR },
+    SettingRow {
         word: "look",
         kind: SettingKind::Look,
         hint: "there are `studio`, `flat`, `paper` and `night`",
     },
-    Setting {
+    SettingRow {
         word: "background",
         kind: SettingKind::Background,
         hint: "write a name of CSS such as `orange`, or `#ff8800`",
@@ -96,7 +96,7 @@ pub(crate) const SETTINGS: &[Setting] = &[
 ];
 
 /// The setting that `word` begins.
-pub(crate) fn setting(word: &str) -> Option<&'static Setting> {
+pub(crate) fn setting(word: &str) -> Option<&'static SettingRow> {
     SETTINGS.iter().find(|setting| setting.word == word)
 }
 

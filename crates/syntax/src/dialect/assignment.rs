@@ -2,10 +2,10 @@
 //! below.
 
 use crate::dialect::known_numbers::{number_of, written};
-use crate::dialect::program::{Head, Wrap};
-use crate::dialect::program_reader::{Frame, Reader};
+use crate::dialect::program_reader::{Frame, ProgramReader};
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{Comma, Number, OpenBracket, Slash};
+use crate::tree::raw_statement::{Head, Wrap};
 
 use crate::lex::token::{Token, split};
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -16,7 +16,7 @@ use crate::tree::ast::Name;
 /// The most names that a function sets.
 const MOST_NAMES: usize = 1500;
 
-impl Reader<'_> {
+impl ProgramReader<'_> {
     /// `float a = 1., b = 2.`, its types taken away.
     pub(crate) fn declarations(
         &mut self,
@@ -95,7 +95,7 @@ impl Reader<'_> {
             || self.heads.contains(&name.text);
         let is_inner = frame.is_inner();
         let text = match &frame.function {
-            _ if is_inner => self.fresh(&frame.made_name(&name.text)),
+            _ if is_inner => self.fresh(&frame.inner_name(&name.text)),
             None if again
                 || wrap.is_some()
                 || self.words.has(&value, &name.text)

@@ -12,12 +12,12 @@ const DEEPEST: usize = 40;
 
 /// A statement, or several that one word governs.
 #[derive(Debug)]
-pub(crate) enum Step {
+pub(crate) enum ProgramStep {
     Plain(Vec<Token>),
     If {
         condition: Vec<Token>,
-        yes: Vec<Step>,
-        no: Vec<Step>,
+        yes: Vec<ProgramStep>,
+        no: Vec<ProgramStep>,
     },
     /// What is repeated while a condition holds; `for` has a start, and what is done between two
     /// rounds.
@@ -26,17 +26,17 @@ pub(crate) enum Step {
         start: Vec<Token>,
         condition: Vec<Token>,
         next: Vec<Token>,
-        body: Vec<Step>,
+        body: Vec<ProgramStep>,
     },
     /// What is repeated for each of some values.
     Each {
         name: Token,
         values: Vec<Token>,
-        body: Vec<Step>,
+        body: Vec<ProgramStep>,
     },
 }
 
-impl Step {
+impl ProgramStep {
     /// Whether a statement that begins with `word` is here.
     pub(crate) fn has(steps: &[Self], words: Words<'_>, word: &str) -> bool {
         steps.iter().any(|step| match step {
@@ -109,7 +109,7 @@ impl Words<'_> {
     }
 
     /// The statements of a block in braces.
-    pub(crate) fn block(self, tokens: &[Token], depth: usize) -> Fallible<Vec<Step>> {
+    pub(crate) fn block(self, tokens: &[Token], depth: usize) -> Fallible<Vec<ProgramStep>> {
         let mut steps = Vec::new();
         let mut rest = skip(tokens);
         while !rest.is_empty() {
@@ -123,7 +123,7 @@ impl Words<'_> {
         self,
         tokens: &'t [Token],
         depth: usize,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Fallible<&'t [Token]> {
         let tokens = skip(tokens);
         let Some(first) = tokens.first().copied() else { return Ok(tokens) };
@@ -141,7 +141,7 @@ impl Words<'_> {
         }
         if !self.governs(tokens) || self.word(first) == "else" {
             let end = outside(tokens, Semicolon).unwrap_or(tokens.len());
-            steps.push(Step::Plain(tokens[..end].to_vec()));
+            steps.push(ProgramStep::Plain(tokens[..end].to_vec()));
             return Ok(&tokens[end..]);
         }
         let Some(end) = closing(&tokens[1..]) else { return Err(self.unread(first)) };
@@ -155,24 +155,24 @@ impl Words<'_> {
                 if next.first().is_some_and(|next| self.word(*next) == "else") {
                     rest = self.step(&next[1..], depth + 1, &mut no)?;
                 }
-                steps.push(Step::If { condition: header.to_vec(), yes: body, no });
+                steps.push(ProgramStep::If { condition: header.to_vec(), yes: body, no });
             }
             "while" => {
                 let (word, condition) = (first, header.to_vec());
                 let (start, next) = (Vec::new(), Vec::new());
-                steps.push(Step::Loop { word, start, condition, next, body });
+                steps.push(ProgramStep::Loop { word, start, condition, next, body });
             }
             _ => {
                 let parts: Vec<Vec<Token>> =
                     header.split(|token| token.kind == Semicolon).map(<[Token]>::to_vec).collect();
                 if let Ok([start, condition, next]) = <[_; 3]>::try_from(parts) {
-                    steps.push(Step::Loop { word: first, start, condition, next, body });
+                    steps.push(ProgramStep::Loop { word: first, start, condition, next, body });
                 } else {
                     // `for (const c of [1, 2])`
                     let of = header.iter().position(|token| self.word(*token) == "of");
                     let Some(of) = of.filter(|of| *of > 0) else { return Err(self.unread(first)) };
                     let values = header[of + 1..].to_vec();
-                    steps.push(Step::Each { name: header[of - 1], values, body });
+                    steps.push(ProgramStep::Each { name: header[of - 1], values, body });
                 }
             }
         }
@@ -196,7 +196,7 @@ impl Words<'_> {
     }
 
     /// The statements of lines that are indented alike.
-    pub(crate) fn lines(self, lines: &[Vec<Token>], depth: usize) -> Fallible<Vec<Step>> {
+    pub(crate) fn lines(self, lines: &[Vec<Token>], depth: usize) -> Fallible<Vec<ProgramStep>> {
         let mut steps = Vec::new();
         let mut index = 0;
         while index < lines.len() {
@@ -211,7 +211,7 @@ impl Words<'_> {
         lines: &[Vec<Token>],
         index: usize,
         depth: usize,
-        steps: &mut Vec<Step>,
+        steps: &mut Vec<ProgramStep>,
     ) -> Fallible<usize> {
         let tokens = &lines[index];
         let first = tokens[0];
@@ -223,7 +223,7 @@ impl Words<'_> {
         }
         let colon = outside(tokens, Colon).filter(|_| self.governs_lines(tokens));
         let Some(colon) = colon else {
-            steps.push(Step::Plain(tokens.clone()));
+            steps.push(ProgramStep::Plain(tokens.clone()));
             return Ok(index + 1);
         };
         let own = self.indent(tokens);
@@ -231,7 +231,7 @@ impl Words<'_> {
         let mut next = index + 1 + inner;
         let body = if colon + 1 < tokens.len() {
             next = index + 1;
-            vec![Step::Plain(tokens[colon + 1..].to_vec())]
+            vec![ProgramStep::Plain(tokens[colon + 1..].to_vec())]
         } else {
             self.lines(&lines[index + 1..next], depth + 1)?
         };
@@ -245,16 +245,22 @@ impl Words<'_> {
                 {
                     next = self.line(lines, next, depth + 1, &mut no)?;
                 }
-                steps.push(Step::If { condition: header, yes: body, no });
+                steps.push(ProgramStep::If { condition: header, yes: body, no });
             }
             "else" => steps.extend(body),
             "while" => {
                 let (start, after) = (Vec::new(), Vec::new());
-                steps.push(Step::Loop { word: first, start, condition: header, next: after, body });
+                steps.push(ProgramStep::Loop {
+                    word: first,
+                    start,
+                    condition: header,
+                    next: after,
+                    body,
+                });
             }
             _ => match header.as_slice() {
                 [name, within, values @ ..] if within.kind == In => {
-                    steps.push(Step::Each { name: *name, values: values.to_vec(), body });
+                    steps.push(ProgramStep::Each { name: *name, values: values.to_vec(), body });
                 }
                 _ => return Err(self.unread(first)),
             },

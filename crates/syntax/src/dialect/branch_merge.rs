@@ -2,31 +2,38 @@
 //! choices that no statement spells out.
 
 use crate::dialect::known_numbers::number_of;
-use crate::dialect::program::Head;
-use crate::dialect::program_reader::{Frame, Reader};
+use crate::dialect::program_reader::{Frame, ProgramReader};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Statement};
-use crate::tree::built_statement::Built;
+use crate::tree::built_statement::BuiltStatement;
+use crate::tree::raw_statement::Head;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 
 use crate::dialect::control_flow::{LEFT, RESULT, more_than};
 
-impl Reader<'_> {
+impl ProgramReader<'_> {
     /// Adds a definition that no statement spells out; what it is called by.
-    pub(crate) fn make(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
+    pub(crate) fn synthesize(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
         let span = frame.function.as_ref().map_or(Span::default(), |head| head.name.span);
-        let (Head { name, parameters }, kind) = self.made_head(name, span, frame);
+        let (Head { name, parameters }, kind) = self.synthesized_head(name, span, frame);
         let body = Expr::new(body, span);
         let definition = Definition { name, parameters, body, range: None };
-        self.program.made.push(Built::made(Statement::Define(definition), span));
+        self.program
+            .synthesized
+            .push(BuiltStatement::synthesized(Statement::Define(definition), span));
         kind
     }
 
     /// The left side of what is made under a name that nothing else has, and how it is called.
-    pub(crate) fn made_head(&mut self, name: &str, span: Span, frame: &Frame) -> (Head, ExprKind) {
-        let text = self.fresh(&frame.made_name(name));
+    pub(crate) fn synthesized_head(
+        &mut self,
+        name: &str,
+        span: Span,
+        frame: &Frame,
+    ) -> (Head, ExprKind) {
+        let text = self.fresh(&frame.inner_name(name));
         self.program.generated.insert(text.clone());
         let (parameters, kind) = frame.call(&text);
         (Head { name: Name { text, span }, parameters }, kind)
@@ -80,7 +87,7 @@ impl Reader<'_> {
         // Nothing left before: 0.
         let piece = (condition.clone(), Expr::new(yes, span));
         let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(no, span))));
-        self.make(name, body, frame)
+        self.synthesize(name, body, frame)
     }
 
     /// Ends a function, or what is outside functions: what it returns, if that was not plain.
@@ -104,7 +111,7 @@ impl Reader<'_> {
             }
             None => Statement::Draw { expr: body, restrictions: Vec::new() },
         };
-        self.program.made.push(Built::made(statement, span));
+        self.program.synthesized.push(BuiltStatement::synthesized(statement, span));
     }
 }
 
@@ -129,7 +136,7 @@ impl Frame {
     }
 
     /// A name for what is made here.
-    pub(crate) fn made_name(&self, name: &str) -> String {
+    pub(crate) fn inner_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
             (None, Some(function)) => format!("{}_{name}", function.name.text),

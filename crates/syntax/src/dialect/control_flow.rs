@@ -4,15 +4,15 @@
 //! What leaves a loop or a function early is a number, 0 as long as nothing has: where it is not
 //! known, what follows is one more branch.
 
-use crate::dialect::blocks::Step;
+use crate::dialect::blocks::ProgramStep;
 use crate::dialect::known_numbers::{count, number_of, written};
-use crate::dialect::program::Wrap;
-use crate::dialect::program_reader::{Frame, Reader, Statements};
+use crate::dialect::program_reader::{Frame, ProgramReader, Statements};
 use crate::lex::token::{Token, closing, span_of, split};
 use crate::lex::token_kind::TokenKind::{Comma, Equals};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Name, Relation};
+use crate::tree::raw_statement::Wrap;
 
 /// The most statements that a program runs.
 pub(crate) const MOST_STEPS: usize = 1000;
@@ -28,22 +28,22 @@ const ROUND: f64 = 1.0;
 const LOOP: f64 = 2.0;
 const FUNCTION: f64 = 3.0;
 
-impl Reader<'_> {
+impl ProgramReader<'_> {
     /// The number that `tokens` are, if that is known.
     pub(crate) fn known(&self, tokens: &[Token], frame: &mut Frame) -> Option<f64> {
         count(self.words, tokens, &mut frame.aliases, &self.constants)
     }
 
     /// Runs the statements of a block.
-    pub(crate) fn run(&mut self, steps: &[Step], frame: &mut Frame) -> Fallible<()> {
+    pub(crate) fn run(&mut self, steps: &[ProgramStep], frame: &mut Frame) -> Fallible<()> {
         for (index, step) in steps.iter().enumerate() {
             if frame.nested > 0 {
                 self.count_step(step.first().map_or(Span::default(), |first| first.span))?;
             }
             match step {
-                Step::Plain(tokens) => self.plain_step(tokens, frame)?,
-                Step::If { condition, yes, no } => self.branch(condition, yes, no, frame)?,
-                Step::Loop { word, start, condition, next, body } => {
+                ProgramStep::Plain(tokens) => self.plain_step(tokens, frame)?,
+                ProgramStep::If { condition, yes, no } => self.branch(condition, yes, no, frame)?,
+                ProgramStep::Loop { word, start, condition, next, body } => {
                     let counted = start.windows(2).filter(|pair| pair[1].kind == Equals);
                     let names = counted.map(|pair| self.words.word(pair[0]).to_owned());
                     frame.whole.extend(names);
@@ -58,7 +58,7 @@ impl Reader<'_> {
                     };
                     self.repeat(&mut begin, body, frame)?;
                 }
-                Step::Each { name, values, body } => {
+                ProgramStep::Each { name, values, body } => {
                     let mut values = self.values(*name, values, frame)?.into_iter();
                     let mut begin = |reader: &mut Self, frame: &mut Frame| {
                         let Some(value) = values.next() else { return Ok(false) };
@@ -144,15 +144,15 @@ impl Reader<'_> {
     fn branch(
         &mut self,
         condition: &[Token],
-        yes: &[Step],
-        no: &[Step],
+        yes: &[ProgramStep],
+        no: &[ProgramStep],
         frame: &mut Frame,
     ) -> Fallible<()> {
         if let Some(holds) = self.known(condition, frame) {
             return self.run(if holds == 0.0 { no } else { yes }, frame);
         }
         let span = condition.first().map_or(Span::default(), |first| first.span);
-        let (head, kind) = self.made_head("if", span, frame);
+        let (head, kind) = self.synthesized_head("if", span, frame);
         self.push(condition.to_vec(), Some(head), Some(Wrap::Flag), &frame.aliases.clone(), false)?;
         let (mut first, mut second) = (frame.inner(), frame.inner());
         self.run(yes, &mut first)?;
@@ -162,17 +162,27 @@ impl Reader<'_> {
     }
 
     /// Runs a loop. Before each round `begin` makes it ready, and tells whether there is one.
-    fn repeat(&mut self, begin: Begin<'_, Self>, body: &[Step], frame: &mut Frame) -> Fallible<()> {
+    fn repeat(
+        &mut self,
+        begin: Begin<'_, Self>,
+        body: &[ProgramStep],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
         frame.nested += 1;
         self.rounds(begin, body, frame)?;
         // What left the loop is over with it.
-        self.stay(LOOP, Step::has(body, self.words, "return"), frame);
+        self.stay(LOOP, ProgramStep::has(body, self.words, "return"), frame);
         frame.nested -= 1;
         Ok(())
     }
 
     /// The rounds of a loop that are left.
-    fn rounds(&mut self, begin: Begin<'_, Self>, body: &[Step], frame: &mut Frame) -> Fallible<()> {
+    fn rounds(
+        &mut self,
+        begin: Begin<'_, Self>,
+        body: &[ProgramStep],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
         while begin(self, frame)? {
             self.run(body, frame)?;
             if let Some(left) = self.end_round(body, frame) {
@@ -228,9 +238,10 @@ impl Reader<'_> {
     }
 
     /// What is left of leaving, once a round is over: nothing of what left only that.
-    fn end_round(&mut self, body: &[Step], frame: &mut Frame) -> Option<ExprKind> {
-        if Step::has(body, self.words, "continue") {
-            let others = ["break", "return"].iter().any(|word| Step::has(body, self.words, word));
+    fn end_round(&mut self, body: &[ProgramStep], frame: &mut Frame) -> Option<ExprKind> {
+        if ProgramStep::has(body, self.words, "continue") {
+            let others =
+                ["break", "return"].iter().any(|word| ProgramStep::has(body, self.words, word));
             self.stay(ROUND, others, frame);
         }
         frame.left().cloned()
@@ -246,7 +257,7 @@ impl Reader<'_> {
                 let span = Span::default();
                 let piece = (more_than(left.clone(), level), Expr::new(left, span));
                 let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(zero, span))));
-                self.make(LEFT, body, frame)
+                self.synthesize(LEFT, body, frame)
             }
             _ => zero,
         };

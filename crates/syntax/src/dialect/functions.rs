@@ -1,10 +1,11 @@
 //! Functions of programs, and what governs other statements: where their bodies are, and what they
 //! return.
 
-use crate::dialect::blocks::Step;
+use crate::dialect::blocks::ProgramStep;
 use crate::dialect::control_flow::RESULT;
-use crate::dialect::program::Head;
-use crate::dialect::program_reader::{Frame, Given, Procedure, Reader, Statements};
+use crate::dialect::program_reader::{
+    Frame, Procedure, ProcedureParameter, ProgramReader, Statements,
+};
 use crate::dialect::program_words::{SCENES, Words, size_of};
 use crate::lex::token::{Token, bracketed, closing, split};
 use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, Semicolon};
@@ -13,13 +14,14 @@ use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{ExprKind, Name, NamedValue};
+use crate::tree::raw_statement::Head;
 use crate::tree::scope::coordinate;
 use std::rc::Rc;
 
 /// The most functions on one line.
 const MOST_FUNCTIONS: usize = 300;
 
-impl Reader<'_> {
+impl ProgramReader<'_> {
     /// Functions whose bodies stand in braces, and what follows them on their line.
     pub(crate) fn functions(
         &mut self,
@@ -65,7 +67,7 @@ impl Reader<'_> {
         }
         // In Rust the last expression is the result.
         let tail = steps.last().and_then(|last| match last {
-            Step::Plain(tokens) if self.words.is_value(tokens) => Some(tokens.clone()),
+            ProgramStep::Plain(tokens) if self.words.is_value(tokens) => Some(tokens.clone()),
             _ => None,
         });
         if tail.is_some() {
@@ -98,12 +100,17 @@ impl Reader<'_> {
     }
 
     /// Parameters, and which of them are changed.
-    pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<Given> {
+    pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<ProcedureParameter> {
         let one = |tokens: &Vec<Token>| {
             let (token, size, _) = self.words.parameter(tokens)?;
             let has = |word: &str| self.words.has(tokens, word);
             let is_out = has("out") || has("inout");
-            Some(Given { name: self.words.name(token), size, is_in: !has("out"), is_out })
+            Some(ProcedureParameter {
+                name: self.words.name(token),
+                size,
+                is_in: !has("out"),
+                is_out,
+            })
         };
         parameters.iter().filter_map(one).collect()
     }
@@ -126,9 +133,9 @@ impl Reader<'_> {
         let tokens = self.expanded(tokens, 0)?;
         let mut steps = self.words.block(&tokens, 0)?;
         // A function may leave before its end: what follows is then a branch as well.
-        if Step::has(&steps, self.words, "return") {
+        if ProgramStep::has(&steps, self.words, "return") {
             for more in following.by_ref() {
-                steps.push(Step::Plain(more));
+                steps.push(ProgramStep::Plain(more));
             }
         }
         self.run(&steps, frame)
@@ -186,8 +193,8 @@ impl Reader<'_> {
                 self.plain(tokens, frame, false)?;
             }
         }
-        if let Some(unit) = self.program.units.last_mut() {
-            unit.piece.notes.extend(note);
+        if let Some(raw) = self.program.statements.last_mut() {
+            raw.lexed.notes.extend(note);
         }
         Ok(())
     }

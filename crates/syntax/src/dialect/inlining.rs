@@ -2,7 +2,7 @@
 //! they are called.
 
 use crate::dialect::control_flow::RESULT;
-use crate::dialect::program_reader::{Frame, Macro, Procedure, Reader};
+use crate::dialect::program_reader::{Frame, Macro, Procedure, ProgramReader};
 use crate::lex::token::{Token, closing, in_brackets, split};
 use crate::lex::token_kind::TokenKind::{Comma, Component, OpenParen};
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -13,7 +13,7 @@ use std::rc::Rc;
 /// How deep calls may nest that are written out.
 const DEEPEST: usize = 12;
 
-impl Reader<'_> {
+impl ProgramReader<'_> {
     /// `#define name body` and `#define name(a) body`.
     pub(crate) fn macro_of(&mut self, tokens: &[Token]) {
         let Some(name) = tokens.first().copied() else { return };
@@ -99,7 +99,7 @@ impl Reader<'_> {
             return Err(Error::new(name.span, ErrorKind::TooDeep { limit: DEEPEST }));
         }
         let word = self.words.word(name).to_owned();
-        let prefix = frame.made_name(&word);
+        let prefix = frame.inner_name(&word);
         let mut inner = Frame {
             function: frame.function.clone(),
             nested: 1,
@@ -157,7 +157,7 @@ impl Reader<'_> {
                 let before = frame.meaning(&name.text);
                 let whole = known.unwrap_or(3);
                 let body = with_parts(&letters, &before, whole, &value, name.span);
-                self.make(&name.text, body, frame)
+                self.synthesize(&name.text, body, frame)
             }
         };
         frame.aliases.push(name.text.clone(), kind);

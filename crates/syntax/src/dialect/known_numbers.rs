@@ -17,7 +17,7 @@ pub(crate) fn count(
     aliases: &mut Aliases,
     constants: &FxHashMap<String, f64>,
 ) -> Option<f64> {
-    let mut reader = Count { words, tokens, at: 0, aliases, constants, depth: 0 };
+    let mut reader = ConstantEvaluator { words, tokens, at: 0, aliases, constants, depth: 0 };
     let value = reader.joined()?;
     (reader.at == tokens.len() && value.is_finite()).then_some(value)
 }
@@ -40,7 +40,7 @@ pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
 /// What a condition compares by.
 const RELATIONS: &[TokenKind] = &[Less, LessEqual, Greater, GreaterEqual, Equals, NotEqual];
 
-struct Count<'a> {
+struct ConstantEvaluator<'a> {
     words: Words<'a>,
     tokens: &'a [Token],
     at: usize,
@@ -49,7 +49,7 @@ struct Count<'a> {
     depth: usize,
 }
 
-impl Count<'_> {
+impl ConstantEvaluator<'_> {
     /// The number that a name stands for, if that is known.
     fn get(&self, name: &str) -> Option<f64> {
         match self.aliases.find(name) {

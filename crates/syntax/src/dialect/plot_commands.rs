@@ -60,7 +60,7 @@ pub(crate) struct Plot {
 const AXES: [TokenKind; 3] = [X, Y, Z];
 
 /// A range of a coordinate.
-struct Range {
+struct PlotRange {
     axis: TokenKind,
     low: Vec<Token>,
     high: Vec<Token>,
@@ -157,7 +157,7 @@ impl Words<'_> {
     }
 
     /// The ranges of `{ box { -2, 2 } }` and `{ box { <-2, -2, -1>, <2, 2, 1> } }`.
-    fn contained(self, tokens: &[Token]) -> Option<Vec<Range>> {
+    fn contained(self, tokens: &[Token]) -> Option<Vec<PlotRange>> {
         let (inner, _) = bracketed(tokens)?;
         let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
         let mut ends = split(ends, Comma);
@@ -171,7 +171,7 @@ impl Words<'_> {
         let half = ends.len() / 2;
         let range = |(index, axis): (usize, TokenKind)| {
             let index = index.min(half - 1);
-            Range { axis, low: ends[index].clone(), high: ends[index + half].clone() }
+            PlotRange { axis, low: ends[index].clone(), high: ends[index + half].clone() }
         };
         Some(AXES.into_iter().enumerate().map(range).collect())
     }
@@ -207,7 +207,7 @@ impl Words<'_> {
     }
 
     /// The ranges among arguments: `{x, -2, 2}`, `x = -2..2`, `x, -2, 2`, `[-2 2 -1 1]`.
-    fn ranges(self, arguments: &[Vec<Token>]) -> Vec<Range> {
+    fn ranges(self, arguments: &[Vec<Token>]) -> Vec<PlotRange> {
         let axis = |part: &[Token]| match part {
             [only] if only.kind.is_axis() => Some(only.kind),
             _ => None,
@@ -220,7 +220,7 @@ impl Words<'_> {
                 let parts = split(inner, Comma);
                 if let Ok([name, low, high]) = <[_; 3]>::try_from(parts) {
                     let axis = axis(&name);
-                    ranges.extend(axis.map(|axis| Range { axis, low, high }));
+                    ranges.extend(axis.map(|axis| PlotRange { axis, low, high }));
                 } else if let Some(numbers) = self.numbers(inner) {
                     ranges.extend(in_order(&numbers));
                 }
@@ -229,13 +229,13 @@ impl Words<'_> {
                 && let (Some(axis), Some(dots)) = (axis(&[*name]), outside(ends, Dots))
             {
                 let (low, high) = (ends[..dots].to_vec(), ends[dots + 1..].to_vec());
-                ranges.push(Range { axis, low, high });
+                ranges.push(PlotRange { axis, low, high });
             }
         }
         for parts in arguments.windows(3).skip(1) {
             if let Some(axis) = axis(&parts[0]) {
                 let (low, high) = (parts[1].clone(), parts[2].clone());
-                ranges.push(Range { axis, low, high });
+                ranges.push(PlotRange { axis, low, high });
             }
         }
         ranges.retain(|range| !range.low.is_empty() && !range.high.is_empty());
@@ -261,7 +261,7 @@ impl Words<'_> {
     }
 
     /// Ranges as a `domain` line, and a note that says so.
-    fn domain(self, ranges: &[Range], place: Span) -> (Option<Vec<Token>>, Option<Note>) {
+    fn domain(self, ranges: &[PlotRange], place: Span) -> (Option<Vec<Token>>, Option<Note>) {
         let Some(first) = ranges.first() else { return (None, None) };
         let typed = |tokens: &[Token]| span_of(tokens).map_or("", |span| &self.text[span.range()]);
         let at = Span::at(first.low[0].span.start);
@@ -284,7 +284,7 @@ impl Words<'_> {
         }
         let sign = |kind: TokenKind, at: usize| Token::new(kind, Span::at(at));
         let mut tokens = vec![Token::new(DomainWord, at)];
-        for (index, Range { axis, low, high }) in ranges.iter().enumerate() {
+        for (index, PlotRange { axis, low, high }) in ranges.iter().enumerate() {
             let (start, end) = (low[0].span.start, high[high.len() - 1].span.end);
             if index > 0 {
                 tokens.push(sign(Comma, start));
@@ -301,8 +301,8 @@ impl Words<'_> {
 }
 
 /// Pairs of numbers as the ranges of x, y and z; one pair for all three.
-fn in_order(numbers: &[Vec<Token>]) -> Vec<Range> {
-    let pair = |axis, at: usize| Range {
+fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
+    let pair = |axis, at: usize| PlotRange {
         axis,
         low: numbers[at % numbers.len()].clone(),
         high: numbers[(at + 1) % numbers.len()].clone(),

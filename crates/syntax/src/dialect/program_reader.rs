@@ -1,12 +1,13 @@
 //! The statements of a program, one after the other: what each sets, and what is left as it stands.
 
-use crate::dialect::blocks::Step;
+use crate::dialect::blocks::ProgramStep;
 use crate::dialect::plot_commands::Plot;
-use crate::dialect::program::{Head, Program, Unit, Wrap};
+use crate::dialect::program::PastedProgram;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::lex::arrangement::arrange;
 use crate::lex::scanner::scan;
 use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
+use crate::tree::raw_statement::{Head, RawStatement, Wrap};
 
 use crate::lex::token::{Token, closing};
 use crate::limits::Limits;
@@ -14,7 +15,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
-use crate::tree::built_statement::Built;
+use crate::tree::built_statement::BuiltStatement;
 use crate::tree::scope::coordinate;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::Cell;
@@ -42,12 +43,12 @@ pub(crate) struct Frame {
 
 /// A function that changes what it is given, or returns nothing.
 pub(crate) struct Procedure {
-    pub parameters: Vec<Given>,
-    pub body: Vec<Step>,
+    pub parameters: Vec<ProcedureParameter>,
+    pub body: Vec<ProgramStep>,
 }
 
 /// A parameter.
-pub(crate) struct Given {
+pub(crate) struct ProcedureParameter {
     pub name: Name,
     pub size: usize,
     /// Whether it has a value when the function begins.
@@ -62,7 +63,7 @@ pub(crate) struct Macro {
     pub body: Vec<Token>,
 }
 
-pub(crate) struct Reader<'a> {
+pub(crate) struct ProgramReader<'a> {
     pub words: Words<'a>,
     pub limits: &'a Limits,
     /// Names that the text uses, or that were made.
@@ -79,13 +80,13 @@ pub(crate) struct Reader<'a> {
     pub steps: usize,
     /// How many symbols macros were written out to.
     pub written: Cell<usize>,
-    pub program: Program,
+    pub program: PastedProgram,
 }
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
 /// Reads `text` as statements.
-pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
+pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     let mut statements = scan(text, limits)?;
     let words = Words { text };
     words.join_bodies(&mut statements);
@@ -95,7 +96,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
         .map(|token| &text[token.span.range()])
         .collect::<FxHashSet<_>>();
     let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
-    let mut reader = Reader {
+    let mut reader = ProgramReader {
         words,
         limits,
         taken: taken.into_iter().map(str::to_owned).collect(),
@@ -106,7 +107,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
         constants: FxHashMap::default(),
         steps: 0,
         written: Cell::new(0),
-        program: Program { in_steps, ..Program::default() },
+        program: PastedProgram { in_steps, ..PastedProgram::default() },
     };
     let mut top = Frame::default();
     let mut statements = statements.into_iter();
@@ -117,7 +118,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<Program> {
     Ok(reader.program)
 }
 
-impl Reader<'_> {
+impl ProgramReader<'_> {
     /// One statement, which may be a function with the statements after it.
     pub(crate) fn statement(
         &mut self,
@@ -187,7 +188,7 @@ impl Reader<'_> {
                 let value = NamedValue::Defined("surface".to_owned());
                 let expr = Expr::new(ExprKind::Name(value), first.span);
                 let statement = Statement::Draw { expr, restrictions: Vec::new() };
-                self.program.made.push(Built::made(statement, first.span));
+                self.program.synthesized.push(BuiltStatement::synthesized(statement, first.span));
                 return Ok(());
             }
             "let" if tokens.get(1).is_some_and(|token| token.kind == OpenParen) => {
@@ -269,10 +270,10 @@ impl Reader<'_> {
             let name = self.words.word(*token).to_owned();
             return Err(Error::new(token.span, ErrorKind::OutParameter { name }));
         }
-        if let Some(piece) = arrange(self.words.text, tokens, self.limits)? {
+        if let Some(lexed) = arrange(self.words.text, tokens, self.limits)? {
             let aliases = aliases.clone();
             self.heads.extend(head.iter().map(|head| head.name.text.clone()));
-            self.program.units.push(Unit { piece, head, aliases, wrap, is_height });
+            self.program.statements.push(RawStatement { lexed, head, aliases, wrap, is_height });
         }
         Ok(())
     }

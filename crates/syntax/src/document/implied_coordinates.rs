@@ -4,7 +4,6 @@
 //! Which system they are of is decided by the names that stand together, and a note tells the
 //! definitions that were taken. Where a text defines a name, it means that.
 
-use crate::dialect::program::Wrap;
 use crate::lex::arrangement::statements;
 use crate::lex::spelling::plain_name;
 use crate::lex::token_kind::TokenKind::{self, Component, X, Y, Z};
@@ -13,14 +12,15 @@ use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
 use crate::tree::builder::Builder;
-use crate::tree::built_statement::Built;
+use crate::tree::built_statement::BuiltStatement;
 use crate::tree::grammar::Rule;
+use crate::tree::raw_statement::Wrap;
 use crate::tree::scope::{Scope, canonical};
-use crate::tree::statement::Line;
+use crate::tree::statement::ParsedStatement;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// A name with its definition.
-type Given = (&'static str, &'static str);
+type ImpliedDefinition = (&'static str, &'static str);
 
 const CYLINDER: &str = "sqrt(x^2 + y^2)";
 const SPHERE: &str = "sqrt(x^2 + y^2 + z^2)";
@@ -31,17 +31,17 @@ type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
 
 /// Where the four names, x, y, z and the names of a point are used: not where they are defined, or
 /// parameters, or stand for something that a program has set.
-fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
+fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     let mut uses = Uses::default();
     for (index, line) in lines.iter().enumerate() {
-        let unit = line.unit;
-        let own = line.head.as_ref().filter(|_| unit.head.is_none()).map(|head| head.name.span);
+        let raw = line.raw;
+        let own = line.head.as_ref().filter(|_| raw.head.is_none()).map(|head| head.name.span);
         let parameters = line.head.iter().filter_map(|head| head.parameters.as_ref()).flatten();
         let hidden: Vec<&str> = parameters
             .map(|name| name.text.as_str())
-            .chain(unit.aliases.iter().map(|(name, _)| name))
+            .chain(raw.aliases.iter().map(|(name, _)| name))
             .collect();
-        for token in &line.unit.piece.tokens {
+        for token in &line.raw.lexed.tokens {
             let name = match token.kind {
                 X => Some("x"),
                 Y => Some("y"),
@@ -60,14 +60,14 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
                 uses.entry(name).or_default().push((index, token.span));
             }
         }
-        let before = match &unit.wrap {
+        let before = match &raw.wrap {
             Some(Wrap::Write { before, .. }) => Some(before),
             _ => None,
         };
         if let Some(ExprKind::Name(NamedValue::Defined(name))) = before
             && let Some(point) = ["p", "pos"].into_iter().find(|point| point == name)
         {
-            uses.entry(point).or_default().push((index, line.unit.piece.span));
+            uses.entry(point).or_default().push((index, line.raw.lexed.span));
         }
     }
     uses
@@ -75,7 +75,7 @@ fn uses(text: &str, lines: &[Line<'_>], scope: &Scope) -> Uses {
 
 /// Makes `r = 1 + cos(theta)` an equation: a left side that is one of the names and equal to
 /// another that has no definition, and that nothing else uses.
-pub(crate) fn settle(text: &str, lines: &mut [Line<'_>], scope: &Scope) {
+pub(crate) fn settle(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
     let defined: FxHashSet<String> = lines
         .iter()
         .filter_map(|line| line.head.as_ref())
@@ -87,7 +87,7 @@ pub(crate) fn settle(text: &str, lines: &mut [Line<'_>], scope: &Scope) {
         let Some(head) = line.head.as_ref().filter(|head| head.parameters.is_none()) else {
             continue;
         };
-        let Some(own) = canonical(&head.name.text).filter(|_| line.unit.head.is_none()) else {
+        let Some(own) = canonical(&head.name.text).filter(|_| line.raw.head.is_none()) else {
             continue;
         };
         // Uses are in the order of their lines.
@@ -115,18 +115,18 @@ pub(crate) fn settle(text: &str, lines: &mut [Line<'_>], scope: &Scope) {
 /// The definitions that are implied, with notes that tell them.
 pub(crate) fn implied(
     text: &str,
-    lines: &[Line<'_>],
+    lines: &[ParsedStatement<'_>],
     scope: &mut Scope,
     is_program: bool,
     limits: &Limits,
-) -> (Vec<Built>, Vec<Note>) {
+) -> (Vec<BuiltStatement>, Vec<Note>) {
     let uses = uses(text, lines, scope);
     let place = |name: &str| {
         let free = uses.get(name).filter(|_| !scope.is_defined(name));
         free.and_then(|all| all.iter().map(|(_, span)| *span).min())
     };
     let mut notes = Vec::new();
-    let mut given: Vec<Given> = Vec::new();
+    let mut given: Vec<ImpliedDefinition> = Vec::new();
     for name in ["p", "pos"] {
         let is_vector = is_program || has_components(text, lines, name);
         if let (Some(span), true) = (place(name), is_vector) {
@@ -168,7 +168,10 @@ pub(crate) fn implied(
 }
 
 /// The system that names are of (r, rho, theta, phi), and its definitions.
-fn system([r, rho, theta, phi]: [bool; 4], with_z: bool) -> Option<(&'static str, Vec<Given>)> {
+fn system(
+    [r, rho, theta, phi]: [bool; 4],
+    with_z: bool,
+) -> Option<(&'static str, Vec<ImpliedDefinition>)> {
     let cylindrical = "cylindrical coordinates";
     let spherical = "spherical coordinates";
     Some(match (r, rho, theta, phi) {
@@ -194,9 +197,9 @@ fn system([r, rho, theta, phi]: [bool; 4], with_z: bool) -> Option<(&'static str
 }
 
 /// Whether components of `name` are taken.
-fn has_components(text: &str, lines: &[Line<'_>], name: &str) -> bool {
+fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool {
     lines.iter().any(|line| {
-        line.unit.piece.tokens.windows(2).any(|pair| {
+        line.raw.lexed.tokens.windows(2).any(|pair| {
             pair[0].kind == TokenKind::Name
                 && pair[1].kind == Component
                 && &text[pair[0].span.range()] == name
@@ -205,13 +208,17 @@ fn has_components(text: &str, lines: &[Line<'_>], name: &str) -> bool {
 }
 
 /// The statement that defines a name.
-fn define((name, body): Given, scope: &Scope, limits: &Limits) -> Option<Built> {
-    let pieces = statements(body, limits).ok()?;
-    let mut builder = Builder::new(body, pieces.first()?, scope, &[], limits);
+fn define(
+    (name, body): ImpliedDefinition,
+    scope: &Scope,
+    limits: &Limits,
+) -> Option<BuiltStatement> {
+    let statements = statements(body, limits).ok()?;
+    let mut builder = Builder::new(body, statements.first()?, scope, &[], limits);
     let body = builder.only_expression().ok()?;
     let span = Span::default();
     let name = Name { text: name.to_owned(), span };
     let definition = Definition { name, parameters: None, body, range: None };
     let used = builder.used;
-    Some(Built { statement: Statement::Define(definition), span, notes: Vec::new(), used })
+    Some(BuiltStatement { statement: Statement::Define(definition), span, notes: Vec::new(), used })
 }

@@ -1,17 +1,19 @@
 //! What is drawn where a text only defines.
 
-use crate::dialect::program::Program;
+use crate::dialect::program::PastedProgram;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
-use crate::tree::built_statement::Built;
+use crate::tree::built_statement::BuiltStatement;
 use crate::tree::statement::is_plain_number;
 use zeroset_ir::Axis;
 
 /// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
 /// height.
-pub(crate) fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible<(Built, Note)> {
+pub(crate) fn implied_drawing(
+    definitions: &[(&Definition, &BuiltStatement)],
+) -> Fallible<(BuiltStatement, Note)> {
     for (definition, built) in definitions.iter().rev() {
         let parameters: Vec<&str> =
             definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
@@ -41,7 +43,10 @@ pub(crate) fn implied_drawing(definitions: &[(&Definition, &Built)]) -> Fallible
 
 /// What a program draws that returns nothing: its last function of a point of space, or the last
 /// number that it sets.
-pub(crate) fn drawn_by_program(program: &Program, built: &[Built]) -> Option<(Built, Note)> {
+pub(crate) fn drawn_by_program(
+    program: &PastedProgram,
+    built: &[BuiltStatement],
+) -> Option<(BuiltStatement, Note)> {
     if built.iter().any(|built| matches!(built.statement, Statement::Draw { .. })) {
         return None;
     }
@@ -61,8 +66,8 @@ pub(crate) fn drawn_by_program(program: &Program, built: &[Built]) -> Option<(Bu
 }
 
 /// What is drawn that the text does not spell out, and the note that says so at `place`.
-fn drawn(expr: Expr, span: Span, place: Span) -> (Built, Note) {
+fn drawn(expr: Expr, span: Span, place: Span) -> (BuiltStatement, Note) {
     let kind = NoteKind::DrawsFunction { drawn: expr.to_string() };
     let statement = Statement::Draw { expr, restrictions: Vec::new() };
-    (Built::made(statement, span), Note { span: place, kind })
+    (BuiltStatement::synthesized(statement, span), Note { span: place, kind })
 }

@@ -1,16 +1,16 @@
 //! Which names are parameters, sliders and time, and what values they have.
 
-use crate::document::reading::{Parameter, ParameterKind, Reader};
+use crate::document::reading::{DocumentReader, Parameter, ParameterKind};
 use crate::lex::spelling::is_definable;
 use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range, evaluate_text};
-use crate::lower::lowering::Binding;
+use crate::lower::lowering::NameBinding;
 use crate::messages::error::{Error, ErrorKind, Fallible, Origin};
 use crate::messages::note::{Note, NoteKind};
 use crate::picture::scene::ConstantRange;
 use crate::span::Span;
 use crate::tree::ast::Definition;
-use crate::tree::built_statement::Built;
+use crate::tree::built_statement::BuiltStatement;
 use crate::tree::scope::{coordinate, nearest};
 use crate::tree::statement::is_plain_number;
 use crate::tree::whole_numbers::counting;
@@ -18,11 +18,11 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 
-impl<'a> Reader<'a> {
+impl<'a> DocumentReader<'a> {
     /// The values of the overrides, by name; errors are kept.
     pub(crate) fn overrides(
         &mut self,
-        definitions: &[(&Definition, &Built)],
+        definitions: &[(&Definition, &BuiltStatement)],
         used: &FxHashSet<&str>,
     ) -> FxHashMap<&'a str, Constant> {
         let mut values = FxHashMap::default();
@@ -44,11 +44,11 @@ impl<'a> Reader<'a> {
     /// depends on it by more than what is drawn; errors are kept.
     pub(crate) fn parameters<'d>(
         &mut self,
-        definitions: &[(&'d Definition, &Built)],
+        definitions: &[(&'d Definition, &BuiltStatement)],
         overrides: &FxHashMap<&'d str, Constant>,
-        drawings: &[&Built],
+        drawings: &[&BuiltStatement],
         is_timed: bool,
-    ) -> (FxHashMap<&'d str, Binding<'d>>, Vec<Parameter>)
+    ) -> (FxHashMap<&'d str, NameBinding<'d>>, Vec<Parameter>)
     where
         'a: 'd,
     {
@@ -60,7 +60,7 @@ impl<'a> Reader<'a> {
             let kind = if name == "t" { ParameterKind::Time } else { ParameterKind::Slider };
             let name = name.to_owned();
             parameters.push(Parameter { name, number, value, range, kind, span });
-            Binding::Parameter(number)
+            NameBinding::Parameter(number)
         };
         let counting = counting(definitions, drawings);
         let mut time_set = false;
@@ -78,14 +78,14 @@ impl<'a> Reader<'a> {
                     let span = low.span.to(high.span);
                     self.errors.push(*Error::new(span, ErrorKind::RangeOutsideDefinition));
                 }
-                names.insert(name, Binding::Definition(definition));
+                names.insert(name, NameBinding::Definition(definition));
                 continue;
             }
             if counting.contains(name) && !is_time && definition.range.is_none() {
                 let limits = &self.options.limits;
                 let value = given.map_or_else(|| evaluate(&definition.body, limits), Ok);
                 let Some(value) = self.kept(value) else { continue };
-                names.insert(name, Binding::Number(value));
+                names.insert(name, NameBinding::Number(value));
                 let kind = NoteKind::CountsTerms { name: name.to_owned() };
                 self.notes.push(Note { span: definition.name.span, kind });
                 continue;
@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
                 && !names.contains_key(name)
             {
                 let binding = if counting.contains(name) {
-                    Binding::Number(value.clone())
+                    NameBinding::Number(value.clone())
                 } else {
                     add(name, value.clone(), None, None)
                 };
@@ -135,7 +135,7 @@ impl<'a> Reader<'a> {
 fn override_value(
     name: &str,
     value: &str,
-    definitions: &[(&Definition, &Built)],
+    definitions: &[(&Definition, &BuiltStatement)],
     used: &FxHashSet<&str>,
     limits: &Limits,
 ) -> Fallible<Constant> {

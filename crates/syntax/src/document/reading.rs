@@ -11,15 +11,15 @@ use crate::lower::constant::near_integers;
 use crate::lower::lowering::Lowering;
 use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MOST};
 use crate::messages::note::{MOST_NOTES, Note, NoteKind};
-use crate::picture::lines::{Collected, PictureLines, SettingLine, placed};
+use crate::picture::lines::{CollectedLines, PictureLines, SettingLine, placed};
 use crate::picture::paint::{Contours, PointValues, SurfaceColor};
 use crate::picture::scene::{DomainLine, SrgbColor, ViewLine};
 use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, Name, Statement};
-use crate::tree::built_statement::Built;
+use crate::tree::built_statement::BuiltStatement;
 use crate::tree::grammar::Rule;
 use crate::tree::print::Drawing;
-use crate::tree::scope::{Meaning, Scope};
+use crate::tree::scope::{NameMeaning, Scope};
 use crate::tree::statement::{build, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Constant, Graph, NodeId};
@@ -137,7 +137,7 @@ impl Document {
 /// What is wrong with the text or with an override: at least one error, at most one for
 /// each statement.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
-    Reader::new(text, options).read()
+    DocumentReader::new(text, options).read()
 }
 
 /// Reads a document from bytes that should be UTF-8.
@@ -161,43 +161,43 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 /// `domain`, `view` and `color` lines are checked by the grammar only.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
-    let mut reader = Reader::new(text, &options);
+    let mut reader = DocumentReader::new(text, &options);
     let (built, _) = reader.statements()?;
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
 /// What is known of a text while it is read.
-pub(crate) struct Reader<'a> {
+pub(crate) struct DocumentReader<'a> {
     text: &'a str,
     pub options: &'a Options<'a>,
     pub(crate) notes: Vec<Note>,
     pub errors: Vec<Error>,
-    settings: Collected,
+    settings: CollectedLines,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> DocumentReader<'a> {
     fn new(text: &'a str, options: &'a Options<'a>) -> Self {
         Self {
             text,
             options,
             notes: Vec::new(),
             errors: Vec::new(),
-            settings: Collected::default(),
+            settings: CollectedLines::default(),
         }
     }
 
     /// The trees of all statements and the names they see; what is said of the picture goes to
     /// the settings.
-    fn statements(&mut self) -> Result<(Vec<Built>, Scope), Errors> {
+    fn statements(&mut self) -> Result<(Vec<BuiltStatement>, Scope), Errors> {
         let program = program(self.text, &self.options.limits)?;
-        let mut lines = lines(self.text, &program.units)?;
+        let mut lines = lines(self.text, &program.statements)?;
         let mut scope = Scope::default();
         for (name, _) in self.options.overrides {
             scope.define(name, None);
         }
         implied_coordinates::settle(self.text, &mut lines, &scope);
         settle_heads(self.text, &mut lines, &mut scope, &mut self.notes);
-        for made in &program.made {
+        for made in &program.synthesized {
             if let Statement::Define(Definition { name, parameters, .. }) = &made.statement {
                 scope.define(&name.text, parameters.as_ref().map(Vec::len));
             }
@@ -222,9 +222,12 @@ impl<'a> Reader<'a> {
                 break;
             }
         }
-        for made in &program.made {
+        for made in &program.synthesized {
             let is_unknown = |name: &&String| {
-                !matches!(scope.meaning(name, &[]), Meaning::Value(_) | Meaning::Function(_))
+                !matches!(
+                    scope.meaning(name, &[]),
+                    NameMeaning::Value(_) | NameMeaning::Function(_)
+                )
             };
             if let Some(name) = made.used.iter().filter(is_unknown).min() {
                 let kind = ErrorKind::UnknownName { name: short_name(name), letter: None };
@@ -233,7 +236,7 @@ impl<'a> Reader<'a> {
             }
         }
         self.check()?;
-        built.extend(program.made.iter().cloned());
+        built.extend(program.synthesized.iter().cloned());
         let mut built = needed(built, &program.generated);
         if let Some((drawn, note)) = drawn_by_program(&program, &built) {
             built.push(drawn);
@@ -257,8 +260,8 @@ impl<'a> Reader<'a> {
 
     fn read(mut self) -> Result<Document, Errors> {
         let (built, scope) = self.statements()?;
-        let mut definitions: Vec<(&Definition, &Built)> = Vec::new();
-        let mut drawings: Vec<&Built> = Vec::new();
+        let mut definitions: Vec<(&Definition, &BuiltStatement)> = Vec::new();
+        let mut drawings: Vec<&BuiltStatement> = Vec::new();
         for one in &built {
             self.notes.extend(one.notes.iter().cloned());
             match &one.statement {
@@ -352,7 +355,7 @@ impl<'a> Reader<'a> {
 /// Gives surfaces what lines say that hold for them.
 fn style<'a>(
     surfaces: &mut [Surface],
-    settings: &'a Collected,
+    settings: &'a CollectedLines,
     values: &PointValues<'a>,
 ) -> Fallible<()> {
     let last = surfaces.last().map_or(0, |surface| surface.span.start);
@@ -370,8 +373,8 @@ fn style<'a>(
 }
 
 /// What is used of what a program's branches and loops have made, and everything else.
-fn needed(built: Vec<Built>, generated: &FxHashSet<String>) -> Vec<Built> {
-    let name = |built: &Built| match &built.statement {
+fn needed(built: Vec<BuiltStatement>, generated: &FxHashSet<String>) -> Vec<BuiltStatement> {
+    let name = |built: &BuiltStatement| match &built.statement {
         Statement::Define(definition) if generated.contains(&definition.name.text) => {
             Some(definition.name.text.clone())
         }
@@ -429,7 +432,7 @@ fn unused_note(definition: &Definition, scope: &Scope) -> Note {
 }
 
 /// The surface that a statement draws.
-fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a Built) -> Fallible<Surface> {
+fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallible<Surface> {
     let Statement::Draw { expr, restrictions } = &built.statement else {
         return Err(Error::new(built.span, ErrorKind::Empty));
     };

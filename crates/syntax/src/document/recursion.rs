@@ -2,11 +2,11 @@
 
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::tree::ast::Definition;
-use crate::tree::built_statement::Built;
+use crate::tree::built_statement::BuiltStatement;
 use rustc_hash::FxHashMap;
 
 /// Fails if definitions use one another in a circle.
-pub(crate) fn no_recursion(definitions: &[(&Definition, &Built)]) -> Fallible<()> {
+pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fallible<()> {
     const NEW: u8 = 0;
     const OPEN: u8 = 1;
     const DONE: u8 = 2;

@@ -6,7 +6,7 @@
 
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
-use crate::lex::scanner::{Piece, scan};
+use crate::lex::scanner::{LexedStatement, scan};
 use crate::lex::spelling::{decimal, in_name};
 use crate::lex::token::{Token, outside};
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -17,12 +17,12 @@ use crate::span::Span;
 use std::collections::VecDeque;
 
 /// A symbol, or a pair of brackets with what is in it, arranged.
-enum Node {
+enum TokenTree {
     Leaf(Token),
     Group(Token, Vec<Token>, Token),
 }
 
-impl Node {
+impl TokenTree {
     fn is(&self, kind: TokenKind) -> bool {
         matches!(self, Self::Leaf(token) if token.kind == kind)
     }
@@ -43,7 +43,7 @@ impl Node {
 }
 
 /// The statements of a text that is no program.
-pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
+pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<LexedStatement>> {
     let mut pieces = Vec::new();
     for tokens in scan(text, limits)? {
         pieces.extend(arrange(text, tokens, limits)?);
@@ -52,7 +52,11 @@ pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<Piece>> {
 }
 
 /// The symbols of a statement as the grammar knows them; `None` if nothing is left.
-pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallible<Option<Piece>> {
+pub(crate) fn arrange(
+    text: &str,
+    tokens: Vec<Token>,
+    limits: &Limits,
+) -> Fallible<Option<LexedStatement>> {
     let is_setting = tokens[0].kind.is_setting();
     let mut tokens = tokens;
     if !is_setting {
@@ -75,7 +79,7 @@ pub(crate) fn arrange(text: &str, tokens: Vec<Token>, limits: &Limits) -> Fallib
     if arranged.is_empty() {
         return Ok(None);
     }
-    Piece::new(scalar_products(text, arranged), arranger.notes).map(Some)
+    LexedStatement::new(scalar_products(text, arranged), arranger.notes).map(Some)
 }
 
 /// Takes away a label, and what ends a sentence.
@@ -143,9 +147,9 @@ impl Arranger<'_> {
     }
 
     /// What was typed for a name; nothing for others.
-    fn word(&self, node: &Node) -> &str {
+    fn word(&self, node: &TokenTree) -> &str {
         match node {
-            Node::Leaf(token) if token.kind == TokenKind::Name => self.typed(*token),
+            TokenTree::Leaf(token) if token.kind == TokenKind::Name => self.typed(*token),
             _ => "",
         }
     }
@@ -155,8 +159,8 @@ impl Arranger<'_> {
         let in_pieces = open.is_some_and(|open| open.kind == OpenChoice);
         let in_matrix = open.is_some_and(|open| open.kind == OpenMatrix);
         // What commas separate, with the comma behind each.
-        let mut segments: Vec<(Vec<Node>, Option<Token>)> = Vec::new();
-        let mut segment: Vec<Node> = Vec::new();
+        let mut segments: Vec<(Vec<TokenTree>, Option<Token>)> = Vec::new();
+        let mut segment: Vec<TokenTree> = Vec::new();
         while let Some(mut token) = tokens.peek().copied() {
             if open.is_some_and(|open| open.kind.closer() == Some(token.kind)) {
                 break;
@@ -179,13 +183,13 @@ impl Arranger<'_> {
                 token.kind = Comma;
             }
             if token.kind != Comma && !(in_matrix && token.kind == RowEnd) {
-                segment.push(Node::Leaf(token));
+                segment.push(TokenTree::Leaf(token));
                 continue;
             }
             if let Some(merged) = self.decimal_comma(&segment, token, tokens, open) {
                 segment.pop();
                 tokens.next();
-                segment.push(Node::Leaf(merged));
+                segment.push(TokenTree::Leaf(merged));
                 continue;
             }
             // A row of pieces may have commas of its own before its end or its condition.
@@ -208,7 +212,7 @@ impl Arranger<'_> {
         }
         if open.is_some_and(|open| open.kind == OpenParen) {
             // Arguments of numpy and SymPy that leave a value as it is.
-            let is_option = |(segment, _): &(Vec<Node>, Option<Token>)| {
+            let is_option = |(segment, _): &(Vec<TokenTree>, Option<Token>)| {
                 segment.len() > 2
                     && segment[1].is(Equals)
                     && matches!(self.word(&segment[0]), "axis" | "keepdims" | "evaluate")
@@ -232,11 +236,11 @@ impl Arranger<'_> {
         (mut open, mut close): (Token, Token),
         inner: Vec<Token>,
         nested: bool,
-        before: Option<&Node>,
-    ) -> Node {
+        before: Option<&TokenTree>,
+    ) -> TokenTree {
         if open.kind == OpenMatrix {
             let (open, inner, close) = matrix(self.typed(open), (open, close), &inner);
-            return Node::Group(open, inner, close);
+            return TokenTree::Group(open, inner, close);
         }
         let colon = outside(&inner, Colon).is_some();
         let comma = outside(&inner, Comma).is_some();
@@ -258,19 +262,19 @@ impl Arranger<'_> {
         {
             (open.kind, close.kind) = (OpenList, CloseList);
         }
-        Node::Group(open, inner, close)
+        TokenTree::Group(open, inner, close)
     }
 
     /// `0,5` as one number, where a comma can separate nothing.
     fn decimal_comma(
         &mut self,
-        before: &[Node],
+        before: &[TokenTree],
         comma: Token,
         tokens: &mut Tokens,
         open: Option<Token>,
     ) -> Option<Token> {
         let next = *tokens.peek()?;
-        let Some(Node::Leaf(number)) = before.last() else {
+        let Some(TokenTree::Leaf(number)) = before.last() else {
             return None;
         };
         let touches = number.span.end == comma.span.start && comma.span.end == next.span.start;
@@ -298,7 +302,7 @@ impl Arranger<'_> {
     /// Arranges what stands between two commas onto the end of `out`.
     fn segment(
         &mut self,
-        mut nodes: Vec<Node>,
+        mut nodes: Vec<TokenTree>,
         open: Option<Token>,
         out: &mut Vec<Token>,
     ) -> Fallible<()> {
@@ -307,7 +311,7 @@ impl Arranger<'_> {
         }
         for index in 1..nodes.len() {
             // `(a) & (b)` of numpy.
-            if let [Node::Group(..), sign, Node::Group(..), ..] = &mut nodes[index - 1..]
+            if let [TokenTree::Group(..), sign, TokenTree::Group(..), ..] = &mut nodes[index - 1..]
                 && sign.is(Ampersand)
             {
                 sign.set(And);
@@ -331,8 +335,8 @@ impl Arranger<'_> {
                 .iter()
                 .position(|node| node.is(QuestionMark) || self.word(node) == "if")
                 .unwrap_or(0);
-            let is_equals = |node: &Node| {
-                matches!(node, Node::Leaf(token) if token.kind == Equals
+            let is_equals = |node: &TokenTree| {
+                matches!(node, TokenTree::Leaf(token) if token.kind == Equals
                     && (is_conditional || !self.typed(*token).starts_with("==")))
             };
             let start = nodes[..choice].iter().rposition(is_equals).map_or(0, |index| index + 1);
@@ -345,13 +349,13 @@ impl Arranger<'_> {
     }
 
     /// `x + y = z where z > 0` as `x + y = z {z > 0}`.
-    fn condition_behind(&self, nodes: &mut Vec<Node>, is_first: bool) {
-        let is_lead = |node: &Node| matches!(self.word(node), "where" | "when" | "for");
+    fn condition_behind(&self, nodes: &mut Vec<TokenTree>, is_first: bool) {
+        let is_lead = |node: &TokenTree| matches!(self.word(node), "where" | "when" | "for");
         let Some(at) = nodes.iter().position(is_lead).filter(|at| *at > 0 && is_first) else {
             return;
         };
         let compares =
-            |node: &Node| matches!(node, Node::Leaf(token) if token.kind.is_inequality());
+            |node: &TokenTree| matches!(node, TokenTree::Leaf(token) if token.kind.is_inequality());
         if !nodes[at + 1..].iter().any(compares) {
             return;
         }
@@ -360,19 +364,19 @@ impl Arranger<'_> {
         let Some(word) = nodes.pop() else { return };
         let end = inner.last().map_or(word.span().end, |last| last.span.end);
         let open = Token::new(OpenBrace, Span::at(word.span().end));
-        nodes.push(Node::Group(open, inner, Token::new(CloseBrace, Span::at(end))));
+        nodes.push(TokenTree::Group(open, inner, Token::new(CloseBrace, Span::at(end))));
     }
 
     /// `a mod b` as `a % b`: behind what is divided or a bar, which may close it, and not before
     /// brackets with arguments of its own.
-    fn infix(&self, nodes: &mut [Node]) {
+    fn infix(&self, nodes: &mut [TokenTree]) {
         for index in 1..nodes.len() {
-            let is_call = |next: &Node| matches!(next, Node::Group(_, inner, _) if inner.iter().any(|token| token.kind == Comma));
+            let is_call = |next: &TokenTree| matches!(next, TokenTree::Group(_, inner, _) if inner.iter().any(|token| token.kind == Comma));
             let ends = match &nodes[index - 1] {
-                Node::Leaf(token) => {
+                TokenTree::Leaf(token) => {
                     token.kind.ends_operand() || matches!(token.kind, Bar | CloseBar)
                 }
-                Node::Group(..) => true,
+                TokenTree::Group(..) => true,
             };
             let is_infix = ends
                 && self.word(&nodes[index]) == "mod"
@@ -384,7 +388,7 @@ impl Arranger<'_> {
     }
 
     /// `if c then a else b` as `c ? a : b`.
-    fn then(&self, nodes: &mut Vec<Node>) {
+    fn then(&self, nodes: &mut Vec<TokenTree>) {
         if !nodes.iter().any(|node| self.word(node) == "then") {
             return;
         }
@@ -399,14 +403,14 @@ impl Arranger<'_> {
     }
 
     /// Words and signs that have a role in brackets only: ranges, generators, the last piece.
-    fn words(&self, nodes: &mut [Node]) {
+    fn words(&self, nodes: &mut [TokenTree]) {
         if nodes.iter().any(|node| node.is(Dots))
-            && let Some(Node::Leaf(equals)) = nodes.get_mut(1)
+            && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)
             && equals.kind == Equals
         {
             equals.kind = CountFrom;
         }
-        let is_otherwise = |node: &Node| OTHERWISE.contains(&self.word(node));
+        let is_otherwise = |node: &TokenTree| OTHERWISE.contains(&self.word(node));
         if let [first, colon, ..] = nodes
             && colon.is(Colon)
             && is_otherwise(first)
@@ -429,8 +433,13 @@ impl Arranger<'_> {
     }
 
     /// `c ? a : b` or `a if c else b`, as pieces.
-    fn chosen(&mut self, nodes: Vec<Node>, is_ternary: bool, out: &mut Vec<Token>) -> Fallible<()> {
-        let span = nodes.first().map_or(Span::default(), Node::span);
+    fn chosen(
+        &mut self,
+        nodes: Vec<TokenTree>,
+        is_ternary: bool,
+        out: &mut Vec<Token>,
+    ) -> Fallible<()> {
+        let span = nodes.first().map_or(Span::default(), TokenTree::span);
         self.depth += 1;
         if self.depth > self.limits.depth / 4 {
             let limit = self.limits.depth / 4;
@@ -444,8 +453,8 @@ impl Arranger<'_> {
             let joint = rest[second].span();
             let sign = rest[first].span();
             let mut parts = rest.drain(..=second);
-            let before: Vec<Node> = parts.by_ref().take(first).collect();
-            let between: Vec<Node> = parts.by_ref().skip(1).take(second - first - 1).collect();
+            let before: Vec<TokenTree> = parts.by_ref().take(first).collect();
+            let between: Vec<TokenTree> = parts.by_ref().skip(1).take(second - first - 1).collect();
             drop(parts);
             self.part(before, is_ternary, out)?;
             out.push(Token::new(if is_ternary { Colon } else { If }, sign));
@@ -459,7 +468,12 @@ impl Arranger<'_> {
     }
 
     /// A part of a choice, which may be a choice.
-    fn part(&mut self, nodes: Vec<Node>, is_ternary: bool, out: &mut Vec<Token>) -> Fallible<()> {
+    fn part(
+        &mut self,
+        nodes: Vec<TokenTree>,
+        is_ternary: bool,
+        out: &mut Vec<Token>,
+    ) -> Fallible<()> {
         if self.signs(nodes.iter(), is_ternary).is_some() {
             return self.chosen(nodes, is_ternary, out);
         }
@@ -470,13 +484,13 @@ impl Arranger<'_> {
     /// The places of the first sign of a choice and of the one that belongs to it.
     fn signs<'n>(
         &self,
-        nodes: impl Iterator<Item = &'n Node> + Clone,
+        nodes: impl Iterator<Item = &'n TokenTree> + Clone,
         is_ternary: bool,
     ) -> Option<(usize, usize)> {
-        let opens = |node: &Node| {
+        let opens = |node: &TokenTree| {
             if is_ternary { node.is(QuestionMark) } else { self.word(node) == "if" }
         };
-        let closes = |node: &Node| {
+        let closes = |node: &TokenTree| {
             if is_ternary { node.is(Colon) } else { self.word(node) == "else" }
         };
         let first = nodes.clone().position(opens)?;
@@ -496,17 +510,17 @@ impl Arranger<'_> {
 }
 
 /// Whether brackets behind this hold arguments.
-fn is_called(before: Option<&Node>) -> bool {
-    matches!(before, Some(Node::Leaf(token)) if token.kind == TokenKind::Name)
+fn is_called(before: Option<&TokenTree>) -> bool {
+    matches!(before, Some(TokenTree::Leaf(token)) if token.kind == TokenKind::Name)
 }
 
 /// `a \over b` as a fraction.
-fn over(mut nodes: Vec<Node>, at: usize, out: &mut Vec<Token>) {
+fn over(mut nodes: Vec<TokenTree>, at: usize, out: &mut Vec<Token>) {
     let below = nodes.split_off(at + 1);
     let sign = nodes.pop().map_or(Span::default(), |node| node.span());
     for (index, part) in [nodes, below].into_iter().enumerate() {
-        let start = part.first().map_or(sign, Node::span).start;
-        let end = part.last().map_or(sign, Node::span).end;
+        let start = part.first().map_or(sign, TokenTree::span).start;
+        let end = part.last().map_or(sign, TokenTree::span).end;
         if index == 1 {
             out.push(Token::new(Slash, sign));
         }
@@ -523,12 +537,12 @@ fn holds_lists(inner: &[Token]) -> bool {
 }
 
 /// All symbols of `nodes`, in order.
-fn flatten(nodes: Vec<Node>, out: &mut Vec<Token>) {
+fn flatten(nodes: Vec<TokenTree>, out: &mut Vec<Token>) {
     for node in nodes {
         match node {
-            Node::Leaf(token) if token.kind == Blank => {}
-            Node::Leaf(token) => out.push(token),
-            Node::Group(open, inner, close) => {
+            TokenTree::Leaf(token) if token.kind == Blank => {}
+            TokenTree::Leaf(token) => out.push(token),
+            TokenTree::Group(open, inner, close) => {
                 out.push(open);
                 out.extend(inner);
                 out.push(close);

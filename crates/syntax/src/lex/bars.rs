@@ -35,14 +35,14 @@ type Readings = [[Option<Reading>; ROLES.len()]; DEPTH + 1];
 
 /// The bars between which all brackets are closed.
 #[derive(Default)]
-struct Level {
+struct BarLevel {
     /// By their index.
     places: Vec<usize>,
     /// What compares or joins comparisons, by its index.
     signs: Vec<usize>,
 }
 
-impl Level {
+impl BarLevel {
     /// Whether something is compared between a bar and the one before.
     fn compares(&self, bar: usize) -> bool {
         let before = bar.checked_sub(1).map_or(0, |before| self.places[before]);
@@ -70,11 +70,11 @@ pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     if !tokens.iter().any(|token| matches!(token.kind, Bar | OpenBar | CloseBar)) {
         return Ok(());
     }
-    let mut levels = vec![Level::default()];
+    let mut levels = vec![BarLevel::default()];
     for index in 0..tokens.len() {
         let kind = tokens[index].kind;
         if kind.closer().is_some() {
-            levels.push(Level::default());
+            levels.push(BarLevel::default());
         } else if kind.is_closer() {
             pair(tokens, &levels.pop().unwrap_or_default())?;
         } else if let Some(level) = levels.last_mut() {
@@ -92,7 +92,7 @@ pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     Ok(())
 }
 
-fn pair(tokens: &mut [Token], level: &Level) -> Fallible<()> {
+fn pair(tokens: &mut [Token], level: &BarLevel) -> Fallible<()> {
     let places = &level.places;
     let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return Ok(()) };
     let mut readings: Vec<Readings> = vec![[[None; ROLES.len()]; DEPTH + 1]; places.len() + 1];
@@ -151,7 +151,7 @@ fn pair(tokens: &mut [Token], level: &Level) -> Fallible<()> {
 /// Adds the readings that go on from one of the bars before `bar`.
 fn go_on(
     tokens: &[Token],
-    level: &Level,
+    level: &BarLevel,
     bar: usize,
     (depth, role, reading): (usize, Role, Reading),
     readings: &mut [Readings],

@@ -16,7 +16,7 @@ use crate::span::Span;
 
 /// One statement.
 #[derive(Clone, Debug)]
-pub(crate) struct Piece {
+pub(crate) struct LexedStatement {
     /// Never empty.
     pub tokens: Vec<Token>,
     /// The symbols of all tokens: what the grammar reads.
@@ -26,7 +26,7 @@ pub(crate) struct Piece {
     pub notes: Vec<Note>,
 }
 
-impl Piece {
+impl LexedStatement {
     pub(crate) fn new(mut tokens: Vec<Token>, notes: Vec<Note>) -> Fallible<Self> {
         pair_bars(&mut tokens)?;
         let mut symbols = String::with_capacity(tokens.len());

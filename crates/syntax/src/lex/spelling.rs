@@ -1,7 +1,7 @@
 //! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
 use crate::lex::token_kind::TokenKind;
-use crate::settings::{PRESETS, Setting, setting};
+use crate::settings::{PRESETS, SettingRow, setting};
 
 /// The kind of a fixed spelling. A blank only separates, a line break ends a statement.
 ///
@@ -88,7 +88,7 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
 }
 
 /// The setting that a word begins, as it was typed.
-pub(crate) fn typed_setting(word: &str) -> Option<&'static Setting> {
+pub(crate) fn typed_setting(word: &str) -> Option<&'static SettingRow> {
     setting(&plain_text(word))
 }
 

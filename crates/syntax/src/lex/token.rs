@@ -8,7 +8,7 @@ use crate::span::Span;
 pub(crate) struct Token {
     pub kind: TokenKind,
     pub span: Span,
-    /// Its offset in [`Piece::symbols`](crate::lex::scanner::Piece::symbols).
+    /// Its offset in [`LexedStatement::symbols`](crate::lex::scanner::LexedStatement::symbols).
     pub at: usize,
 }
 

@@ -7,16 +7,14 @@
 
 use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
-use crate::lower::value::Value;
+use crate::lower::value::LoweredValue;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Function, Relation, Series};
-use crate::tree::scope::forms;
+use crate::tree::scope::signatures;
+use crate::tree::series::MOST_TERMS;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
-
-/// The most terms of a sum, factors of a product and repetitions of a function.
-pub(crate) const MOST_TERMS: i64 = 1000;
 
 /// The most steps of arithmetic by which a whole number is found.
 const MOST_STEPS: usize = 256;
@@ -31,9 +29,9 @@ impl<'a> Lowering<'a> {
         pieces: &'a [(Expr, Expr)],
         otherwise: Option<&'a Expr>,
         locals: &Locals<'a>,
-    ) -> Fallible<Value> {
+    ) -> Fallible<LoweredValue> {
         if let Some(argument) = as_sinc(pieces, otherwise)
-            && let Some(sinc) = forms("sinc", false).function(1)
+            && let Some(sinc) = signatures("sinc", false).function(1)
         {
             let argument = self.value_of(argument, locals)?;
             return self.call(&sinc, vec![argument], pieces[0].0.span);
@@ -42,7 +40,7 @@ impl<'a> Lowering<'a> {
         let mut values = self.values_of(exprs, locals)?;
         let mut rest = otherwise.and_then(|_| values.pop());
         for ((condition, place), value) in pieces.iter().zip(values).rev() {
-            let operands: Vec<Value> = std::iter::once(value).chain(rest).collect();
+            let operands: Vec<LoweredValue> = std::iter::once(value).chain(rest).collect();
             rest = Some(self.by_component(&operands, place.span, |all, parts| match parts {
                 [yes, no] => all.choose(condition, false, *yes, *no, locals),
                 only => all.only_where(only[0], condition, locals),
@@ -177,7 +175,7 @@ impl<'a> Lowering<'a> {
         series: &'a Series,
         span: Span,
         locals: &Locals<'a>,
-    ) -> Fallible<Value> {
+    ) -> Fallible<LoweredValue> {
         let low = self.whole(&series.low, locals)?;
         let high = self.whole(&series.high, locals)?;
         let step = series.step.as_ref();
@@ -195,7 +193,7 @@ impl<'a> Lowering<'a> {
         let mut k = low;
         while k <= high {
             let mut inner = locals.to_vec();
-            inner.push((series.index.text.as_str(), Value::Number(self.graph.integer(k))));
+            inner.push((series.index.text.as_str(), LoweredValue::Number(self.graph.integer(k))));
             let term = self.value_of(&series.body, &inner)?;
             all = Some(match all {
                 None => term,
@@ -204,19 +202,19 @@ impl<'a> Lowering<'a> {
             k += step;
         }
         let empty = i64::from(series.is_product);
-        Ok(all.unwrap_or_else(|| Value::Number(self.graph.integer(empty))))
+        Ok(all.unwrap_or_else(|| LoweredValue::Number(self.graph.integer(empty))))
     }
 
     /// A function applied as often as the first argument says, to the second; what follows stays.
     pub(crate) fn iterate(
         &mut self,
         function: &Function,
-        mut arguments: Vec<Value>,
+        mut arguments: Vec<LoweredValue>,
         span: Span,
-    ) -> Fallible<Value> {
+    ) -> Fallible<LoweredValue> {
         let count = match arguments.remove(0) {
-            Value::Number(node) => integer_of(&self.graph, node, &mut { MOST_STEPS }),
-            Value::Vector(_) | Value::Matrix(_) => None,
+            LoweredValue::Number(node) => integer_of(&self.graph, node, &mut { MOST_STEPS }),
+            LoweredValue::Vector(_) | LoweredValue::Matrix(_) => None,
         };
         let Some(count) = count.filter(|count| *count >= 0) else {
             return Err(Error::new(span, ErrorKind::RangeNotWhole));

@@ -30,12 +30,12 @@ pub fn constant(text: &str) -> Result<Constant, Errors> {
 
 /// The value of a constant expression given as text.
 pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
-    let pieces = statements(text, limits)?;
-    match pieces.as_slice() {
+    let statements = statements(text, limits)?;
+    match statements.as_slice() {
         [] => Err(Error::new(Span::at(text.len()), ErrorKind::Empty)),
-        [piece] => {
+        [lexed] => {
             // Nobody would see a note on how a value was read.
-            if let Some(note) = piece.notes.first()
+            if let Some(note) = lexed.notes.first()
                 && let NoteKind::DecimalComma { read } = &note.kind
             {
                 let found = text[note.span.range()].to_owned();
@@ -43,7 +43,7 @@ pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
                 return Err(error.suggest(note.span, read.clone()));
             }
             let scope = Scope::default();
-            let expr = Builder::new(text, piece, &scope, &[], limits).only_expression()?;
+            let expr = Builder::new(text, lexed, &scope, &[], limits).only_expression()?;
             evaluate(&expr, limits)
         }
         [_, second, ..] => {

@@ -6,7 +6,7 @@
 
 use crate::limits::Limits;
 use crate::lower::prelude;
-use crate::lower::value::{Value, component, numbers, vector};
+use crate::lower::value::{LoweredValue, component, numbers, vector};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::Note;
 use crate::span::Span;
@@ -30,7 +30,7 @@ const SEGMENT: usize = 1 << 21;
 
 /// What a defined name lowers to.
 #[derive(Clone, Debug)]
-pub(crate) enum Binding<'a> {
+pub(crate) enum NameBinding<'a> {
     /// The parameter with this number.
     Parameter(u32),
     /// A number that does not change.
@@ -40,19 +40,19 @@ pub(crate) enum Binding<'a> {
 }
 
 /// Values by the names of a function's parameters.
-pub(crate) type Locals<'a> = [(&'a str, Value)];
+pub(crate) type Locals<'a> = [(&'a str, LoweredValue)];
 
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
     /// What was noticed on the way.
     pub notes: Vec<Note>,
-    names: FxHashMap<&'a str, Binding<'a>>,
+    names: FxHashMap<&'a str, NameBinding<'a>>,
     time: Option<u32>,
     is_constant: bool,
     limits: &'a Limits,
-    expanded: FxHashMap<(Function, Vec<Value>), Value>,
-    values: FxHashMap<&'a str, Value>,
+    expanded: FxHashMap<(Function, Vec<LoweredValue>), LoweredValue>,
+    values: FxHashMap<&'a str, LoweredValue>,
     levels: usize,
     visits: usize,
     /// Per node, as far as has been asked, whether it is defined everywhere.
@@ -61,7 +61,7 @@ pub(crate) struct Lowering<'a> {
 
 impl<'a> Lowering<'a> {
     pub(crate) fn new(
-        names: FxHashMap<&'a str, Binding<'a>>,
+        names: FxHashMap<&'a str, NameBinding<'a>>,
         time: Option<u32>,
         limits: &'a Limits,
     ) -> Self {
@@ -145,15 +145,19 @@ impl<'a> Lowering<'a> {
     /// The node of an expression that must be a number.
     pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
         match self.value_of(expr, locals)? {
-            Value::Number(node) => Ok(node),
-            Value::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
-            Value::Matrix(_) => Err(Error::new(expr.span, ErrorKind::MatrixValue)),
+            LoweredValue::Number(node) => Ok(node),
+            LoweredValue::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+            LoweredValue::Matrix(_) => Err(Error::new(expr.span, ErrorKind::MatrixValue)),
         }
     }
 
     /// The value of an expression: a number or a vector.
     #[inline(never)]
-    pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
+    pub(crate) fn value_of(
+        &mut self,
+        expr: &'a Expr,
+        locals: &Locals<'a>,
+    ) -> Fallible<LoweredValue> {
         self.enter(expr.span)?;
         self.levels += 1;
         let node = match stacker::remaining_stack() {
@@ -165,13 +169,17 @@ impl<'a> Lowering<'a> {
     }
 
     #[inline(never)]
-    fn lower_on_more_stack(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
+    fn lower_on_more_stack(
+        &mut self,
+        expr: &'a Expr,
+        locals: &Locals<'a>,
+    ) -> Fallible<LoweredValue> {
         stacker::grow(SEGMENT, || self.lower(expr, locals))
     }
 
     /// Each kind in a function by itself, so that what nests in one does not take the stack of all.
     #[inline(never)]
-    fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
+    fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<LoweredValue> {
         match &expr.kind {
             ExprKind::Number(text) => Ok(self.decimal(text)),
             ExprKind::Name(value) => self.named(value, expr.span, locals),
@@ -201,13 +209,13 @@ impl<'a> Lowering<'a> {
     }
 
     #[inline(never)]
-    fn decimal(&mut self, text: &str) -> Value {
+    fn decimal(&mut self, text: &str) -> LoweredValue {
         let constant = Constant::decimal(text).expect("the grammar lets only decimals through");
-        Value::Number(self.graph.constant(constant))
+        LoweredValue::Number(self.graph.constant(constant))
     }
 
     #[inline(never)]
-    fn negated(&mut self, inner: &'a Expr, locals: &Locals<'a>) -> Fallible<Value> {
+    fn negated(&mut self, inner: &'a Expr, locals: &Locals<'a>) -> Fallible<LoweredValue> {
         let value = self.value_of(inner, locals)?;
         self.by_component(&[value], inner.span, |all, parts| Ok(all.opposite(parts[0])))
     }
@@ -217,7 +225,7 @@ impl<'a> Lowering<'a> {
         &mut self,
         exprs: impl Iterator<Item = &'a Expr>,
         locals: &Locals<'a>,
-    ) -> Fallible<Vec<Value>> {
+    ) -> Fallible<Vec<LoweredValue>> {
         exprs.map(|expr| self.value_of(expr, locals)).collect()
     }
 
@@ -229,7 +237,7 @@ impl<'a> Lowering<'a> {
         first: &'a Expr,
         rest: &'a [(Sign, Expr)],
         locals: &Locals<'a>,
-    ) -> Fallible<Value> {
+    ) -> Fallible<LoweredValue> {
         let mut all = self.value_of(first, locals)?;
         for (sign, next) in rest {
             let op = kind.op(*sign);
@@ -251,20 +259,25 @@ impl<'a> Lowering<'a> {
     }
 
     #[inline(never)]
-    fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<Value> {
+    fn named(
+        &mut self,
+        value: &NamedValue,
+        span: Span,
+        locals: &Locals<'a>,
+    ) -> Fallible<LoweredValue> {
         let varies = || {
             let name = value.name().to_owned();
             Error::new(span, ErrorKind::NotConstant { name })
         };
         match value {
             NamedValue::Coordinate(_) | NamedValue::Time if self.is_constant => Err(varies()),
-            NamedValue::Coordinate(axis) => Ok(Value::Number(self.graph.variable(*axis))),
-            NamedValue::Time => Ok(Value::Number(match self.time {
+            NamedValue::Coordinate(axis) => Ok(LoweredValue::Number(self.graph.variable(*axis))),
+            NamedValue::Time => Ok(LoweredValue::Number(match self.time {
                 Some(number) => self.graph.parameter(number),
                 None => self.graph.integer(0),
             })),
             NamedValue::Constant(constant) => {
-                Ok(Value::Number(self.graph.constant(Constant::Named(*constant))))
+                Ok(LoweredValue::Number(self.graph.constant(Constant::Named(*constant))))
             }
             NamedValue::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);
@@ -276,13 +289,13 @@ impl<'a> Lowering<'a> {
                 }
                 let (name, binding) = self.names.get_key_value(name.as_str()).ok_or_else(varies)?;
                 let (name, definition) = match binding {
-                    Binding::Parameter(number) => {
-                        return Ok(Value::Number(self.graph.parameter(*number)));
+                    NameBinding::Parameter(number) => {
+                        return Ok(LoweredValue::Number(self.graph.parameter(*number)));
                     }
-                    Binding::Number(value) => {
-                        return Ok(Value::Number(self.graph.constant(value.clone())));
+                    NameBinding::Number(value) => {
+                        return Ok(LoweredValue::Number(self.graph.constant(value.clone())));
                     }
-                    Binding::Definition(definition) => (*name, *definition),
+                    NameBinding::Definition(definition) => (*name, *definition),
                 };
                 let is_typed = definition.name.span != Span::default();
                 let value = self.value_of(&definition.body, &[]);
@@ -298,9 +311,9 @@ impl<'a> Lowering<'a> {
     pub(crate) fn call(
         &mut self,
         function: &Function,
-        mut arguments: Vec<Value>,
+        mut arguments: Vec<LoweredValue>,
         span: Span,
-    ) -> Fallible<Value> {
+    ) -> Fallible<LoweredValue> {
         match function {
             Function::Native(op) if op.arity() < arguments.len() => {
                 let first = arguments.remove(0);
@@ -309,16 +322,16 @@ impl<'a> Lowering<'a> {
                     .try_fold(first, |all, next| self.native(*op, &[all, next], span))
             }
             Function::Native(op) if op.arity() > arguments.len() => {
-                Ok(Value::Number(self.fold(*op, arguments[0].parts())))
+                Ok(LoweredValue::Number(self.fold(*op, arguments[0].parts())))
             }
             Function::Native(op) => self.native(*op, &arguments, span),
             Function::Length => {
                 let nodes = numbers(&arguments, span)?;
-                Ok(Value::Number(self.length(&nodes)))
+                Ok(LoweredValue::Number(self.length(&nodes)))
             }
             Function::Root => {
                 let nodes = numbers(&arguments, span)?;
-                self.root(nodes[0], nodes[1], span).map(Value::Number)
+                self.root(nodes[0], nodes[1], span).map(LoweredValue::Number)
             }
             Function::Vector(size) => vector(usize::from(*size), &arguments, span),
             Function::Matrix(size) => self.matrix(usize::from(*size), &arguments, span),
@@ -326,16 +339,17 @@ impl<'a> Lowering<'a> {
             Function::Iterate(function) => self.iterate(function, arguments, span),
             Function::Composed(index)
                 if zeroset_ops::COMPOSED[*index].name == "hypot"
-                    && matches!(arguments.as_slice(), [Value::Vector(_)]) =>
+                    && matches!(arguments.as_slice(), [LoweredValue::Vector(_)]) =>
             {
-                Ok(Value::Number(self.length(arguments[0].parts())))
+                Ok(LoweredValue::Number(self.length(arguments[0].parts())))
             }
             Function::Composed(index) => {
                 let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
                 self.expand(function, arguments, names, prelude::body(*index), span)
             }
             Function::Defined(name) => {
-                let Some(Binding::Definition(definition)) = self.names.get(name.as_str()) else {
+                let Some(NameBinding::Definition(definition)) = self.names.get(name.as_str())
+                else {
                     let name = name.clone();
                     return Err(Error::new(span, ErrorKind::NotConstant { name }));
                 };
@@ -351,16 +365,16 @@ impl<'a> Lowering<'a> {
     fn expand(
         &mut self,
         function: &Function,
-        arguments: Vec<Value>,
+        arguments: Vec<LoweredValue>,
         names: impl Iterator<Item = &'a str>,
         body: &'a Expr,
         span: Span,
-    ) -> Fallible<Value> {
+    ) -> Fallible<LoweredValue> {
         let key = (function.clone(), arguments);
         if let Some(value) = self.expanded.get(&key) {
             return Ok(value.clone());
         }
-        let locals: Vec<(&str, Value)> = names.zip(key.1.iter().cloned()).collect();
+        let locals: Vec<(&str, LoweredValue)> = names.zip(key.1.iter().cloned()).collect();
         let (is_typed, noted) = (!matches!(function, Function::Composed(_)), self.notes.len());
         let value = self.value_of(body, &locals);
         let value = value.map_err(|error| at_use(error, span, is_typed))?;

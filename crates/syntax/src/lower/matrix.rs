@@ -5,7 +5,7 @@
 //! so is a vector times a matrix, which is what `p.xz *= m` means there.
 
 use crate::lower::lowering::Lowering;
-use crate::lower::value::Value;
+use crate::lower::value::LoweredValue;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use zeroset_ir::NodeId;
@@ -16,16 +16,16 @@ impl Lowering<'_> {
     pub(crate) fn matrix(
         &mut self,
         size: usize,
-        arguments: &[Value],
+        arguments: &[LoweredValue],
         span: Span,
-    ) -> Fallible<Value> {
-        let source: Vec<NodeId> = arguments.iter().flat_map(Value::parts).copied().collect();
-        if !matches!(arguments, [Value::Number(_) | Value::Matrix(_)]) {
+    ) -> Fallible<LoweredValue> {
+        let source: Vec<NodeId> = arguments.iter().flat_map(LoweredValue::parts).copied().collect();
+        if !matches!(arguments, [LoweredValue::Number(_) | LoweredValue::Matrix(_)]) {
             let given = source.len();
             if given != size * size {
                 return Err(Error::new(span, ErrorKind::MatrixSize { size, given }));
             }
-            return Ok(Value::Matrix(source));
+            return Ok(LoweredValue::Matrix(source));
         }
         let (zero, one) = (self.graph.integer(0), self.graph.integer(1));
         let known = if source.len() == 1 { 0 } else { source.len().isqrt() };
@@ -38,16 +38,16 @@ impl Lowering<'_> {
                 (false, false) => zero,
             }
         };
-        Ok(Value::Matrix((0..size * size).map(element).collect()))
+        Ok(LoweredValue::Matrix((0..size * size).map(element).collect()))
     }
 
     /// An operation of which an operand is a matrix.
     pub(crate) fn of_matrices(
         &mut self,
         op: Op,
-        operands: &[Value],
+        operands: &[LoweredValue],
         span: Span,
-    ) -> Fallible<Value> {
+    ) -> Fallible<LoweredValue> {
         if op == Op::Mul
             && let [left, right] = operands
             && let Some(product) = self.product(left, right)
@@ -55,11 +55,11 @@ impl Lowering<'_> {
             return Ok(product);
         }
         let is_by_element = match operands {
-            [Value::Matrix(a), Value::Matrix(b)] => {
+            [LoweredValue::Matrix(a), LoweredValue::Matrix(b)] => {
                 matches!(op, Op::Add | Op::Sub) && a.len() == b.len()
             }
-            [Value::Matrix(_), Value::Number(_)] => matches!(op, Op::Mul | Op::Div),
-            [Value::Number(_), Value::Matrix(_)] => op == Op::Mul,
+            [LoweredValue::Matrix(_), LoweredValue::Number(_)] => matches!(op, Op::Mul | Op::Div),
+            [LoweredValue::Number(_), LoweredValue::Matrix(_)] => op == Op::Mul,
             _ => false,
         };
         if !is_by_element {
@@ -70,10 +70,13 @@ impl Lowering<'_> {
 
     /// The product of two matrices, or of a matrix and a vector; `None` where the sizes differ, and
     /// for other values.
-    fn product(&mut self, left: &Value, right: &Value) -> Option<Value> {
+    fn product(&mut self, left: &LoweredValue, right: &LoweredValue) -> Option<LoweredValue> {
         let n = match (left, right) {
-            (Value::Matrix(a), Value::Matrix(b)) if a.len() == b.len() => a.len().isqrt(),
-            (Value::Matrix(m), Value::Vector(v)) | (Value::Vector(v), Value::Matrix(m))
+            (LoweredValue::Matrix(a), LoweredValue::Matrix(b)) if a.len() == b.len() => {
+                a.len().isqrt()
+            }
+            (LoweredValue::Matrix(m), LoweredValue::Vector(v))
+            | (LoweredValue::Vector(v), LoweredValue::Matrix(m))
                 if m.len().isqrt() == v.len() =>
             {
                 v.len()
@@ -81,14 +84,18 @@ impl Lowering<'_> {
             _ => return None,
         };
         let rows = match left {
-            Value::Matrix(nodes) => Self::transposed(nodes),
+            LoweredValue::Matrix(nodes) => Self::transposed(nodes),
             _ => left.parts().to_vec(),
         };
         let mut nodes = Vec::new();
         for column in right.parts().chunks(n) {
             nodes.extend(rows.chunks(n).map(|row| self.products(row, column)));
         }
-        Some(if nodes.len() == n { Value::Vector(nodes) } else { Value::Matrix(nodes) })
+        Some(if nodes.len() == n {
+            LoweredValue::Vector(nodes)
+        } else {
+            LoweredValue::Matrix(nodes)
+        })
     }
 
     /// The sum of products of what stands at the same place.

@@ -15,9 +15,9 @@ static BODIES: LazyLock<Vec<Expr>> = LazyLock::new(|| {
     let bodies = COMPOSED.iter().map(|composed| {
         let name = |text: &&str| Name { text: (*text).to_owned(), span: Span::default() };
         let locals: Vec<Name> = composed.parameters.iter().map(name).collect();
-        let pieces = statements(composed.body, &limits).unwrap_or_default();
-        let body = pieces.first().map(|piece| {
-            Builder::new(composed.body, piece, &scope, &locals, &limits).only_expression()
+        let statements = statements(composed.body, &limits).unwrap_or_default();
+        let body = statements.first().map(|lexed| {
+            Builder::new(composed.body, lexed, &scope, &locals, &limits).only_expression()
         });
         let body = body.and_then(Result::ok);
         body.unwrap_or_else(|| panic!("the body of `{}` must parse", composed.name))

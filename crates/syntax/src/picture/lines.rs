@@ -16,7 +16,7 @@ use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
 use crate::tree::grammar::{Pair, Rule, parts};
 use crate::tree::scope::{Scope, nearest};
-use crate::tree::statement::Line;
+use crate::tree::statement::ParsedStatement;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Constant;
 
@@ -51,7 +51,7 @@ pub struct SettingLine {
 
 /// What the lines of a text say, before names have values.
 #[derive(Default)]
-pub(crate) struct Collected {
+pub(crate) struct CollectedLines {
     pub domain: Option<DomainLine>,
     pub view: Option<ViewLine>,
     pub look: Option<&'static str>,
@@ -70,17 +70,17 @@ pub(crate) struct Collected {
     pub used: FxHashSet<String>,
 }
 
-impl Collected {
+impl CollectedLines {
     /// Reads one line.
     pub fn read(
         &mut self,
         text: &str,
-        line: Line<'_>,
+        line: ParsedStatement<'_>,
         scope: &Scope,
         limits: &Limits,
     ) -> Fallible<()> {
-        let span = line.unit.piece.span;
-        let first = line.unit.piece.tokens[0];
+        let span = line.raw.lexed.span;
+        let first = line.raw.lexed.tokens[0];
         // The ranges of a plot have no word; a `domain` line counts more.
         let is_made = first.span.start == first.span.end;
         let setting = typed_setting(&text[first.span.range()])
@@ -92,7 +92,7 @@ impl Collected {
             }
             _ => scope,
         };
-        let mut builder = Builder::new(text, &line.unit.piece, scope, &[], limits);
+        let mut builder = Builder::new(text, &line.raw.lexed, scope, &[], limits);
         let (pair, at, word) = (line.pair, span.start, setting.word);
         let mut share = None;
         match setting.kind {
@@ -169,7 +169,7 @@ impl Builder<'_> {
             let number = self.value(part)?;
             numbers.push(evaluate(&number, self.limits)?);
         }
-        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad(word, self.piece.span))
+        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad(word, self.lexed.span))
     }
 
     /// The values that stand in a line that begins with `word`.
@@ -200,7 +200,7 @@ impl Builder<'_> {
                     }
                 }
             }
-            _ => Err(bad(word, self.piece.span)),
+            _ => Err(bad(word, self.lexed.span)),
         }
     }
 

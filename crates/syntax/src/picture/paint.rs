@@ -6,7 +6,7 @@ use crate::tree::grammar::{Pair, Rule, parts};
 
 use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
-use crate::lower::lowering::{Binding, Lowering};
+use crate::lower::lowering::{Lowering, NameBinding};
 use crate::messages::error::{ErrorKind, Fallible};
 use crate::picture::lines::bad;
 use crate::picture::scene::SrgbColor;
@@ -14,7 +14,7 @@ use crate::settings::COLOR_MAPS;
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
-use crate::tree::scope::{Meaning, Scope};
+use crate::tree::scope::{NameMeaning, Scope};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 
@@ -71,7 +71,7 @@ pub(crate) type TypedColor = Option<SurfaceColor<Expr>>;
 pub(crate) fn with_point_names(scope: &Scope) -> Scope {
     let mut scope = scope.clone();
     for name in POINT_NAMES {
-        if matches!(scope.meaning(name, &[]), Meaning::Unknown | Meaning::Product) {
+        if matches!(scope.meaning(name, &[]), NameMeaning::Unknown | NameMeaning::Product) {
             scope.define(name, None);
         }
     }
@@ -80,7 +80,7 @@ pub(crate) fn with_point_names(scope: &Scope) -> Scope {
 
 /// Brings values of points to graphs.
 pub(crate) struct PointValues<'a> {
-    pub names: FxHashMap<&'a str, Binding<'a>>,
+    pub names: FxHashMap<&'a str, NameBinding<'a>>,
     pub time: Option<u32>,
     pub limits: &'a Limits,
 }
@@ -88,13 +88,13 @@ pub(crate) struct PointValues<'a> {
 impl<'a> PointValues<'a> {
     /// With the point's own names as parameters from `first` on.
     pub fn new(
-        mut names: FxHashMap<&'a str, Binding<'a>>,
+        mut names: FxHashMap<&'a str, NameBinding<'a>>,
         first: u32,
         time: Option<u32>,
         limits: &'a Limits,
     ) -> Self {
         for (number, name) in (first..).zip(POINT_NAMES) {
-            names.entry(name).or_insert(Binding::Parameter(number));
+            names.entry(name).or_insert(NameBinding::Parameter(number));
         }
         Self { names, time, limits }
     }
@@ -139,7 +139,7 @@ impl Builder<'_> {
                 _ => {}
             }
         }
-        let color = color.ok_or_else(|| bad("color", self.piece.span))?;
+        let color = color.ok_or_else(|| bad("color", self.lexed.span))?;
         Ok((color, opacity))
     }
 
@@ -178,7 +178,7 @@ impl Builder<'_> {
             }
             [] | [_] => None,
             [_, other] => Some(step(self.limits, other)?),
-            _ => return Err(bad("contours", self.piece.span)),
+            _ => return Err(bad("contours", self.lexed.span)),
         };
         Ok(Contours { value: values.into_iter().next(), step })
     }

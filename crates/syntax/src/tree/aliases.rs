@@ -6,9 +6,9 @@ use std::rc::Rc;
 
 /// Names and what they stand for, the last of a name counting.
 #[derive(Clone, Default)]
-pub(crate) struct Aliases(Option<Rc<Entry>>);
+pub(crate) struct Aliases(Option<Rc<AliasEntry>>);
 
-struct Entry {
+struct AliasEntry {
     name: String,
     kind: ExprKind,
     before: Aliases,
@@ -26,7 +26,7 @@ impl Aliases {
     pub(crate) fn push(&mut self, name: String, kind: ExprKind) {
         let before = std::mem::take(self);
         let count = before.len() + 1;
-        self.0 = Some(Rc::new(Entry { name, kind, before, count }));
+        self.0 = Some(Rc::new(AliasEntry { name, kind, before, count }));
     }
 
     /// Names and what they stand for, the last given first.

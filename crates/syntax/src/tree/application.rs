@@ -10,7 +10,7 @@ use crate::tree::ast::{Expr, ExprKind, Function, NamedValue};
 use crate::tree::builder::{Builder, number_only, product_of, quotient_of};
 use crate::tree::delimited::{is_vector, native};
 use crate::tree::grammar::{Pair, Rule};
-use crate::tree::juxtaposition::{Item, Items};
+use crate::tree::juxtaposition::{FactorItem, FactorItems};
 use crate::tree::print::factor_text;
 use crate::tree::scope::{Callee, is_variadic};
 use zeroset_ir::NamedConstant;
@@ -23,11 +23,11 @@ impl Builder<'_> {
         &mut self,
         callee: &Callee,
         span: Span,
-        items: &mut Items<'_>,
+        items: &mut FactorItems<'_>,
     ) -> Fallible<Expr> {
         let mut callee = callee.clone();
         let mut exponent = None;
-        if let Some(Item::Caret(..) | Item::Superscript(_)) = items.front() {
+        if let Some(FactorItem::Caret(..) | FactorItem::Superscript(_)) = items.front() {
             let power = self.function_exponent(items)?;
             if is_minus_one(&power) {
                 callee = self.inverse(&callee, span.to(power.span))?;
@@ -36,7 +36,7 @@ impl Builder<'_> {
             }
         }
         let brackets = match items.front() {
-            Some(Item::Group(pair) | Item::Closed(pair))
+            Some(FactorItem::Group(pair) | FactorItem::Closed(pair))
                 if matches!(pair.as_rule(), Rule::group | Rule::braces) =>
             {
                 Some(pair.clone())
@@ -71,9 +71,9 @@ impl Builder<'_> {
         callee: &mut Callee,
         span: Span,
         mut arguments: Vec<Expr>,
-        items: &mut Items<'_>,
+        items: &mut FactorItems<'_>,
     ) -> Fallible<Vec<Expr>> {
-        let Some(Item::Group(radicand) | Item::Closed(radicand)) = items.front() else {
+        let Some(FactorItem::Group(radicand) | FactorItem::Closed(radicand)) = items.front() else {
             return Ok(arguments);
         };
         let is_group = radicand.as_rule() == Rule::group;
@@ -114,10 +114,10 @@ impl Builder<'_> {
 
     /// The exponent between a function and its argument, `sin^2 x`.
     #[inline(never)]
-    fn function_exponent(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
+    fn function_exponent(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let signs = match items.pop_front() {
-            Some(Item::Superscript(number)) => return Ok(number),
-            Some(Item::Caret(signs, _)) => signs,
+            Some(FactorItem::Superscript(number)) => return Ok(number),
+            Some(FactorItem::Caret(signs, _)) => signs,
             _ => Vec::new(),
         };
         let exponent = self.power(items)?;
@@ -148,9 +148,9 @@ impl Builder<'_> {
         &mut self,
         callee: &Callee,
         span: Span,
-        items: &mut Items<'_>,
+        items: &mut FactorItems<'_>,
     ) -> Fallible<Expr> {
-        let forms = self.scope.forms(callee);
+        let forms = self.scope.signatures(callee);
         if items.is_empty() || forms.function(1).is_none() {
             let name = callee.name().to_owned();
             let kind = ErrorKind::NeedsArgument { name, count: forms.least() };
@@ -158,7 +158,7 @@ impl Builder<'_> {
         }
         let mut factors = Vec::new();
         while !items.is_empty() {
-            if let (Some(Item::Function(..)), false) = (items.front(), factors.is_empty()) {
+            if let (Some(FactorItem::Function(..)), false) = (items.front(), factors.is_empty()) {
                 break;
             }
             self.factor(items, &mut factors)?;
@@ -188,8 +188,8 @@ impl Builder<'_> {
 
     /// `sin -x` is a difference; if that fails, brackets are what was meant.
     fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
-        let next = self.piece.tokens.partition_point(|token| token.span.start < span.end);
-        match &self.piece.tokens[next..] {
+        let next = self.lexed.tokens.partition_point(|token| token.span.start < span.end);
+        match &self.lexed.tokens[next..] {
             [sign, operand, ..]
                 if sign.kind == Minus
                     && sign.span.end == operand.span.start
@@ -212,7 +212,7 @@ impl Builder<'_> {
         arguments: Vec<Expr>,
         place: Span,
     ) -> Fallible<Expr> {
-        let forms = self.scope.forms(callee);
+        let forms = self.scope.signatures(callee);
         let mut arguments = arguments;
         self.note_form(callee, span);
         let typed = &self.text[span.range()];
@@ -311,7 +311,7 @@ impl Builder<'_> {
     ) -> Box<Error> {
         let kind = ErrorKind::WrongCount {
             name: callee.name().to_owned(),
-            expected: self.scope.forms(callee).to_string(),
+            expected: self.scope.signatures(callee).to_string(),
             given,
             usage: usage(callee),
         };

@@ -1,7 +1,7 @@
 //! From what the grammar recognised to the syntax tree: everything but rows of factors, which `juxtaposition`
 //! shapes.
 
-use crate::lex::scanner::Piece;
+use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{plain_text, short_formula};
 use crate::lex::token::span_of;
 use crate::lex::token_kind::TokenKind::*;
@@ -22,7 +22,7 @@ use zeroset_ops::VectorFunction;
 pub(crate) struct Builder<'a> {
     /// The whole text.
     pub text: &'a str,
-    pub piece: &'a Piece,
+    pub lexed: &'a LexedStatement,
     pub scope: &'a Scope,
     /// Parameters of the function being defined.
     pub locals: Vec<Name>,
@@ -43,15 +43,15 @@ pub(crate) type Signs = Vec<(Sign, Span)>;
 impl<'a> Builder<'a> {
     pub(crate) fn new(
         text: &'a str,
-        piece: &'a Piece,
+        lexed: &'a LexedStatement,
         scope: &'a Scope,
         locals: &'a [Name],
         limits: &'a Limits,
     ) -> Self {
-        let (notes, used) = (piece.notes.clone(), FxHashSet::default());
+        let (notes, used) = (lexed.notes.clone(), FxHashSet::default());
         let (locals, aliases) = (locals.to_vec(), Aliases::default());
         let parameters = locals.len();
-        Self { text, piece, scope, locals, aliases, limits, depth: 0, parameters, notes, used }
+        Self { text, lexed, scope, locals, aliases, limits, depth: 0, parameters, notes, used }
     }
 
     /// What `name` was made into, if anything; the last that it was made into.
@@ -68,8 +68,8 @@ impl<'a> Builder<'a> {
 
     pub(crate) fn span(&self, pair: &Pair<'_>) -> Span {
         let (start, end) = (pair.as_span().start(), pair.as_span().end());
-        let tokens = &self.piece.tokens[self.piece.index(start)..self.piece.index(end)];
-        span_of(tokens).unwrap_or(Span::at(self.piece.span.end))
+        let tokens = &self.lexed.tokens[self.lexed.index(start)..self.lexed.index(end)];
+        span_of(tokens).unwrap_or(Span::at(self.lexed.span.end))
     }
 
     /// What was typed for `pair`.
@@ -118,7 +118,7 @@ impl<'a> Builder<'a> {
 
     /// The number that the whole statement is.
     pub(crate) fn only_expression(&mut self) -> Fallible<Expr> {
-        let statement = recognise(self.text, self.piece, Rule::constant)?;
+        let statement = recognise(self.text, self.lexed, Rule::constant)?;
         self.value(statement.into_inner().next().expect("a constant is an expression"))
     }
 
@@ -296,7 +296,7 @@ impl<'a> Builder<'a> {
                 if self.typed(&operator).contains('%') {
                     self.note(self.span(&operator), NoteKind::Remainder);
                 }
-                let remainder = self.scope.forms(&Callee::BuiltIn("mod".to_owned()));
+                let remainder = self.scope.signatures(&Callee::BuiltIn("mod".to_owned()));
                 (Sign::Direct, remainder.function(2))
             }
             _ => return None,

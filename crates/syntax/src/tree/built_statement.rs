@@ -8,16 +8,16 @@ use rustc_hash::FxHashSet;
 
 /// A statement with its trees, what was noticed while building them, and the names that it uses.
 #[derive(Clone)]
-pub(crate) struct Built {
+pub(crate) struct BuiltStatement {
     pub statement: Statement,
     pub span: Span,
     pub notes: Vec<Note>,
     pub used: FxHashSet<String>,
 }
 
-impl Built {
+impl BuiltStatement {
     /// A statement that the text does not spell out.
-    pub(crate) fn made(statement: Statement, span: Span) -> Self {
+    pub(crate) fn synthesized(statement: Statement, span: Span) -> Self {
         let parts = statement.expressions().into_iter().flat_map(Expr::all_parts);
         let used = parts.filter_map(|part| part.kind.defined()).map(str::to_owned).collect();
         Self { statement, span, notes: Vec::new(), used }

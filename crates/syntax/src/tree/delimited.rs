@@ -83,7 +83,7 @@ impl Builder<'_> {
 
     #[inline(never)]
     fn length_of(&self, vector: Expr, span: Span) -> Expr {
-        let length = self.scope.forms(&Callee::BuiltIn("length".to_owned()));
+        let length = self.scope.signatures(&Callee::BuiltIn("length".to_owned()));
         let length = length.function(1).expect("a function of one value");
         Expr::new(ExprKind::Call(length, vec![vector]), span)
     }

@@ -1,7 +1,7 @@
 //! Statements as the grammar recognises them, and what is wrong with one that it refuses, inferred
 //! from where it stopped.
 
-use crate::lex::scanner::Piece;
+use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{short_name, typed_setting};
 use crate::lex::token::{Token, split};
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -15,23 +15,27 @@ use pest::error::{ErrorVariant, InputLocation};
 const LONGEST: usize = 60;
 
 /// Recognises a statement of `text`.
-pub(crate) fn recognise<'i>(text: &str, piece: &'i Piece, rule: Rule) -> Fallible<Pair<'i>> {
-    let mut pairs = Zeroset::parse(rule, &piece.symbols).map_err(|refusal| {
+pub(crate) fn recognise<'i>(
+    text: &str,
+    lexed: &'i LexedStatement,
+    rule: Rule,
+) -> Fallible<Pair<'i>> {
+    let mut pairs = Zeroset::parse(rule, &lexed.symbols).map_err(|refusal| {
         // Where a thread has little of its stack left, pest stops.
         if matches!(&refusal.variant, ErrorVariant::CustomError { .. }) {
-            return Error::new(piece.span, ErrorKind::NoStack);
+            return Error::new(lexed.span, ErrorKind::NoStack);
         }
         let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = refusal.location;
-        diagnose(text, piece, rule, piece.index(at))
+        diagnose(text, lexed, rule, lexed.index(at))
     })?;
     Ok(pairs.next().expect("a statement is one pair"))
 }
 
-/// The error behind the grammar's refusal of `piece`; `next` is the index of the token at which it
+/// The error behind the grammar's refusal of `lexed`; `next` is the index of the token at which it
 /// stopped.
-fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
-    let found = piece.tokens.get(next);
-    let word = piece.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
+fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<Error> {
+    let found = lexed.tokens.get(next);
+    let word = lexed.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
     let setting = match rule {
         Rule::domain_line => Some(ErrorKind::BadDomain),
         Rule::view_line => Some(ErrorKind::BadView),
@@ -43,17 +47,17 @@ fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
         _ => None,
     };
     if let Some(kind) = setting {
-        return Error::new(found.map_or(piece.span, |token| token.span), kind);
+        return Error::new(found.map_or(lexed.span, |token| token.span), kind);
     }
     // A character without a meaning is reported before anything else.
     let unknown = |token: &&Token| {
-        matches!(token.kind, Unknown | Percent) || (token.kind == Colon && !inside(piece, token))
+        matches!(token.kind, Unknown | Percent) || (token.kind == Colon && !inside(lexed, token))
     };
-    if let Some(token) = piece.tokens.iter().find(unknown) {
+    if let Some(token) = lexed.tokens.iter().find(unknown) {
         return unknown_character(text, token.span);
     }
-    let before = next.checked_sub(1).map(|index| piece.tokens[index]);
-    let place = before.map_or(piece.span, |token| token.span);
+    let before = next.checked_sub(1).map(|index| lexed.tokens[index]);
+    let place = before.map_or(lexed.span, |token| token.span);
     let here = found.map_or(place, |token| token.span);
     let both = if before.is_some() { place.to(here) } else { here };
     let typed = |span: Span| text[span.range()].to_owned();
@@ -67,10 +71,10 @@ fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
         (Equals, Equals) | (Minus, Greater) | (Less, Minus) => foreign(text, both, "="),
         (Less, Greater) => foreign(text, both, "!="),
         (Slash, Slash) => Error::new(both, ErrorKind::IntegerDivision),
-        (sign, Comma) if !sign.is_operator() || sign == Superscript => comma(text, piece, next),
+        (sign, Comma) if !sign.is_operator() || sign == Superscript => comma(text, lexed, next),
         (In, _) => Error::new(both, ErrorKind::BadRange),
-        (_, In) => Error::new(Span::new(here.start, piece.span.end), ErrorKind::BadRange),
-        _ if let Some(span) = half_fraction(&piece.tokens[..next]) => {
+        (_, In) => Error::new(Span::new(here.start, lexed.span.end), ErrorKind::BadRange),
+        _ if let Some(span) = half_fraction(&lexed.tokens[..next]) => {
             Error::new(span, ErrorKind::HalfFraction)
         }
         // Outside brackets it would have ended the statement, so arguments are being separated.
@@ -79,7 +83,7 @@ fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
         }
         (CloseBrace, sign)
             if (sign.is_arithmetic() || sign == Caret)
-                && braces_restrict(&piece.tokens[..next]) =>
+                && braces_restrict(&lexed.tokens[..next]) =>
         {
             Error::new(here, ErrorKind::RestrictionInside)
         }
@@ -93,7 +97,7 @@ fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
             Error::new(both, ErrorKind::EmptyBrackets)
         }
         (_, Blank) => Error::new(Span::at(place.end), ErrorKind::Unfinished),
-        _ if let Some(span) = choice_in_braces(piece, next) => {
+        _ if let Some(span) = choice_in_braces(lexed, next) => {
             Error::new(span, ErrorKind::PieceWithoutCondition)
         }
         _ => Error::new(here, ErrorKind::Unexpected { found: short_name(&typed(here)) }),
@@ -101,11 +105,11 @@ fn diagnose(text: &str, piece: &Piece, rule: Rule, next: usize) -> Box<Error> {
 }
 
 /// Braces behind a sign, open at `next`: a restriction follows what it restricts.
-fn choice_in_braces(piece: &Piece, next: usize) -> Option<Span> {
-    let before = &piece.tokens[..next];
+fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
+    let before = &lexed.tokens[..next];
     let open = before.iter().rposition(|token| token.kind == OpenBrace)?;
     let sign = before.get(open.checked_sub(1)?)?;
-    sign.kind.is_operator().then(|| before[open].span.to(piece.tokens[next].span))
+    sign.kind.is_operator().then(|| before[open].span.to(lexed.tokens[next].span))
 }
 
 /// Whether the braces that were closed last hold a comparison.
@@ -115,8 +119,8 @@ fn braces_restrict(before: &[Token]) -> bool {
 }
 
 /// Whether a colon is in a choice, where it has a meaning.
-fn inside(piece: &Piece, colon: &Token) -> bool {
-    let before = piece.tokens.iter().take_while(|token| token.span.start < colon.span.start);
+fn inside(lexed: &LexedStatement, colon: &Token) -> bool {
+    let before = lexed.tokens.iter().take_while(|token| token.span.start < colon.span.start);
     let mut depth = 0_i32;
     for token in before {
         depth += i32::from(token.kind == OpenChoice) - i32::from(token.kind == CloseChoice);
@@ -132,12 +136,12 @@ fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
 
 /// A comma outside brackets: directly between two numbers it is a decimal comma. Behind a formula
 /// there may be values, behind an equation what restricts it, and behind a condition others.
-fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
-    let Token { span, .. } = piece.tokens[index];
-    let before = piece.tokens[index - 1].span;
-    match piece.tokens.get(index + 1) {
+fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
+    let Token { span, .. } = lexed.tokens[index];
+    let before = lexed.tokens[index - 1].span;
+    match lexed.tokens.get(index + 1) {
         Some(after)
-            if piece.tokens[index - 1].kind == Number
+            if lexed.tokens[index - 1].kind == Number
                 && after.kind == Number
                 && before.end == span.start
                 && span.end == after.span.start =>
@@ -145,15 +149,15 @@ fn comma(text: &str, piece: &Piece, index: usize) -> Box<Error> {
             Error::new(before.to(after.span), ErrorKind::Comma).suggest(span, ".")
         }
         _ => {
-            let whole = piece.span;
-            Error::new(span, ErrorKind::Comma).suggest_any(whole, listed(text, piece, index))
+            let whole = lexed.span;
+            Error::new(span, ErrorKind::Comma).suggest_any(whole, listed(text, lexed, index))
         }
     }
 }
 
 /// What was meant by parts of a statement between commas, the first of which is at `first`.
-fn listed(text: &str, piece: &Piece, first: usize) -> Option<String> {
-    let parts = split(&piece.tokens, Comma);
+fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
+    let parts = split(&lexed.tokens, Comma);
     let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
     let texts: Vec<&str> = parts.iter().map(typed).collect::<Option<_>>()?;
     let (formula, rest) = (*texts.first()?, texts.get(1..).filter(|rest| !rest.is_empty())?);
@@ -167,7 +171,7 @@ fn listed(text: &str, piece: &Piece, first: usize) -> Option<String> {
     };
     let all = |is: &dyn Fn(&Vec<Token>) -> bool| parts[1..].iter().all(is);
     // A comma within the first part is another.
-    if piece.tokens[..first].len() != parts[0].len() {
+    if lexed.tokens[..first].len() != parts[0].len() {
         return None;
     }
     let meant = if all(&is_value) {

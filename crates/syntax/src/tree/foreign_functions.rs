@@ -10,7 +10,7 @@ use zeroset_ops::{Op, VectorFunction};
 
 /// What a name stands for before brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Arithmetic {
+pub(crate) enum ForeignFunction {
     /// All values joined so, two if they are inverted.
     Chain(Chain, Sign),
     Minus,
@@ -28,40 +28,40 @@ pub(crate) enum Arithmetic {
 const MOST_DEGREE: u32 = 30;
 
 /// The arithmetic that a function called `name` is elsewhere; `square` is whether its brackets are.
-pub(crate) fn arithmetic(name: &str, square: bool) -> Option<Arithmetic> {
+pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFunction> {
     Some(match name {
-        "Plus" => Arithmetic::Chain(Chain::Sum, Sign::Direct),
-        "Times" => Arithmetic::Chain(Chain::Product, Sign::Direct),
-        "Minus" if square => Arithmetic::Minus,
-        "Subtract" if square => Arithmetic::Chain(Chain::Sum, Sign::Inverse),
-        "Divide" | "Rational" => Arithmetic::Chain(Chain::Product, Sign::Inverse),
-        "Total" => Arithmetic::Total,
-        "Boole" => Arithmetic::Boole,
-        "fmod" => Arithmetic::Remainder,
-        "ChebyshevT" | "chebyshevT" | "chebyshevt" | "chebyshev_t" => Arithmetic::Chebyshev,
+        "Plus" => ForeignFunction::Chain(Chain::Sum, Sign::Direct),
+        "Times" => ForeignFunction::Chain(Chain::Product, Sign::Direct),
+        "Minus" if square => ForeignFunction::Minus,
+        "Subtract" if square => ForeignFunction::Chain(Chain::Sum, Sign::Inverse),
+        "Divide" | "Rational" => ForeignFunction::Chain(Chain::Product, Sign::Inverse),
+        "Total" => ForeignFunction::Total,
+        "Boole" => ForeignFunction::Boole,
+        "fmod" => ForeignFunction::Remainder,
+        "ChebyshevT" | "chebyshevT" | "chebyshevt" | "chebyshev_t" => ForeignFunction::Chebyshev,
         _ => return None,
     })
 }
 
 impl Builder<'_> {
     /// Such a function of what stands in its brackets.
-    pub(crate) fn arithmetic(
+    pub(crate) fn foreign_call(
         &mut self,
-        kind: Arithmetic,
+        kind: ForeignFunction,
         span: Span,
         group: Pair<'_>,
     ) -> Fallible<Expr> {
         let place = span.to(self.span(&group));
         let parts: Vec<Pair<'_>> = group.into_inner().collect();
-        if let (Arithmetic::Boole, [only]) = (kind, parts.as_slice()) {
+        if let (ForeignFunction::Boole, [only]) = (kind, parts.as_slice()) {
             return Ok(self.condition_of(only.clone())?.flag(place));
         }
         let count = match kind {
-            Arithmetic::Chain(_, Sign::Direct) => parts.len().max(1),
-            Arithmetic::Minus | Arithmetic::Total | Arithmetic::Boole => 1,
-            Arithmetic::Chain(_, Sign::Inverse) | Arithmetic::Chebyshev | Arithmetic::Remainder => {
-                2
-            }
+            ForeignFunction::Chain(_, Sign::Direct) => parts.len().max(1),
+            ForeignFunction::Minus | ForeignFunction::Total | ForeignFunction::Boole => 1,
+            ForeignFunction::Chain(_, Sign::Inverse)
+            | ForeignFunction::Chebyshev
+            | ForeignFunction::Remainder => 2,
         };
         if parts.len() != count {
             let name = self.text[span.range()].to_owned();
@@ -76,19 +76,19 @@ impl Builder<'_> {
             return Err(Error::new(place, ErrorKind::EmptyBrackets));
         };
         let expr = match kind {
-            Arithmetic::Chain(chain, sign) => {
+            ForeignFunction::Chain(chain, sign) => {
                 let all = std::iter::once(first).chain(values);
                 chain_of(chain, all.map(|value| (sign, value)).collect())?
             }
-            Arithmetic::Minus => first.negated(place),
-            Arithmetic::Total => {
+            ForeignFunction::Minus => first.negated(place),
+            ForeignFunction::Total => {
                 let one = Expr::of_digits("1", place);
                 let function = Function::OfVectors(VectorFunction::Dot);
                 Expr::new(ExprKind::Call(function, vec![first, one]), place)
             }
-            Arithmetic::Boole => first,
-            Arithmetic::Remainder => remainder(first, values.next(), place)?,
-            Arithmetic::Chebyshev => {
+            ForeignFunction::Boole => first,
+            ForeignFunction::Remainder => remainder(first, values.next(), place)?,
+            ForeignFunction::Chebyshev => {
                 let degree = first.whole_number().filter(|degree| *degree <= MOST_DEGREE);
                 let Some(degree) = degree else {
                     return Err(Error::new(first.span, ErrorKind::Degree { limit: MOST_DEGREE }));

@@ -12,21 +12,21 @@ use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, LETTERS, NamedValue};
 use crate::tree::builder::{Builder, Signs, number_only, root_text};
 use crate::tree::delimited::native;
-use crate::tree::foreign_functions::{Arithmetic, arithmetic};
+use crate::tree::foreign_functions::{ForeignFunction, foreign_function};
 use crate::tree::grammar::{Pair, Pairs, Rule};
-use crate::tree::scope::{Callee, Meaning, coordinate, meaning, read_as};
+use crate::tree::scope::{Callee, NameMeaning, coordinate, meaning, read_as};
 use crate::tree::special_forms::{Logic, logic};
 use std::collections::VecDeque;
 use zeroset_ir::NamedConstant;
 use zeroset_ops::{Op, SpecialForm};
 
 /// A piece of a run.
-pub(crate) enum Item<'i> {
+pub(crate) enum FactorItem<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
     /// What is no function, of what stands in the brackets that follow.
-    Word(Word, Span),
+    Special(SpecialCall, Span),
     /// A function behind what it is applied to, with its other arguments.
     Method(String, Span, Pair<'i>),
     /// `.xz` behind a vector.
@@ -47,16 +47,16 @@ pub(crate) enum Item<'i> {
 
 /// What is written like a function and is none.
 #[derive(Clone, Copy)]
-pub(crate) enum Word {
+pub(crate) enum SpecialCall {
     /// What takes more than numbers.
     Form(&'static SpecialForm),
     /// A condition.
     Logic(Logic),
-    Arithmetic(Arithmetic),
+    Foreign(ForeignFunction),
 }
 
 /// What is left of a run.
-pub(crate) type Items<'i> = VecDeque<Item<'i>>;
+pub(crate) type FactorItems<'i> = VecDeque<FactorItem<'i>>;
 
 impl Builder<'_> {
     /// The factors of the run that comes next.
@@ -73,14 +73,14 @@ impl Builder<'_> {
     /// A part of a fraction, or the last number of a sum, that is one name.
     #[inline(never)] // not in the stack frames of nested fractions
     pub(crate) fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        let mut items = Items::new();
+        let mut items = FactorItems::new();
         self.item(pair, &mut items)?;
         self.power(&mut items)
     }
 
     #[inline(never)] // not a part of the recursion, so not of its stack frames
-    fn items<'i>(&mut self, pairs: &mut Pairs<'i>) -> Fallible<Items<'i>> {
-        let mut items = Items::new();
+    fn items<'i>(&mut self, pairs: &mut Pairs<'i>) -> Fallible<FactorItems<'i>> {
+        let mut items = FactorItems::new();
         while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() != Rule::operator) {
             pairs.next();
             self.item(pair, &mut items)?;
@@ -88,83 +88,84 @@ impl Builder<'_> {
         Ok(items)
     }
 
-    fn item<'i>(&mut self, pair: Pair<'i>, items: &mut Items<'i>) -> Fallible<()> {
+    fn item<'i>(&mut self, pair: Pair<'i>, items: &mut FactorItems<'i>) -> Fallible<()> {
         let span = self.span(&pair);
         let typed = self.typed(&pair);
         items.push_back(match pair.as_rule() {
             Rule::name => return self.name(typed, span, items),
-            Rule::number => Item::Leaf(Expr::of_digits(decimal(typed), span)),
+            Rule::number => FactorItem::Leaf(Expr::of_digits(decimal(typed), span)),
             Rule::superscript => {
                 // `&sup2;` has its digit as it is.
                 let digit = |c: char| superscript_digit(c).or(Some(c).filter(char::is_ascii_digit));
                 let digits: String = typed.chars().filter_map(digit).collect();
                 let digits = Expr::of_digits(digits, span);
-                Item::Superscript(if typed.starts_with('⁻') {
+                FactorItem::Superscript(if typed.starts_with('⁻') {
                     digits.negated(span)
                 } else {
                     digits
                 })
             }
-            Rule::caret => Item::Caret(self.signs(&mut pair.into_inner()), span),
-            Rule::factorial => Item::Factorial(span),
-            Rule::radical => Item::Radical(typed.chars().next().unwrap_or('√'), span),
-            Rule::group => Item::Group(pair),
-            Rule::component => Item::Component(letters(typed), span),
+            Rule::caret => FactorItem::Caret(self.signs(&mut pair.into_inner()), span),
+            Rule::factorial => FactorItem::Factorial(span),
+            Rule::radical => FactorItem::Radical(typed.chars().next().unwrap_or('√'), span),
+            Rule::group => FactorItem::Group(pair),
+            Rule::component => FactorItem::Component(letters(typed), span),
             Rule::method => {
                 let word = typed[1..].split(|c| !in_name(c)).next().unwrap_or("");
-                Item::Method(method(word).unwrap_or(word).to_owned(), span, pair)
+                FactorItem::Method(method(word).unwrap_or(word).to_owned(), span, pair)
             }
             Rule::vulgar => {
                 // `2½` is five halves to some and one to others.
-                if let Some(Item::Leaf(before)) = items.back()
+                if let Some(FactorItem::Leaf(before)) = items.back()
                     && before.number().is_some()
                 {
                     return Err(Error::new(before.span.to(span), ErrorKind::NumberAfterNumber));
                 }
-                Item::Closed(pair)
+                FactorItem::Closed(pair)
             }
-            _ => Item::Closed(pair),
+            _ => FactorItem::Closed(pair),
         });
         Ok(())
     }
 
     /// Adds the items that a name stands for: usually one.
-    fn name(&mut self, typed: &str, span: Span, items: &mut Items<'_>) -> Fallible<()> {
+    fn name(&mut self, typed: &str, span: Span, items: &mut FactorItems<'_>) -> Fallible<()> {
         let name = plain_name(typed);
         if let Some(lifted) = self.alias(&name) {
-            items.push_back(Item::Leaf(Expr::new(lifted, span)));
+            items.push_back(FactorItem::Leaf(Expr::new(lifted, span)));
             return Ok(());
         }
         let behind = self.text[span.end..].trim_start_matches(BLANKS);
         let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
         if behind.starts_with(['(', '[']) || behind.starts_with(r"\begin{") {
-            let form = self.scope.form(&name, &self.locals).map(Word::Form);
+            let form = self.scope.form(&name, &self.locals).map(SpecialCall::Form);
             let elsewhere = || {
-                let kind = arithmetic(&name, behind.starts_with('[')).map(Word::Arithmetic);
-                kind.or_else(|| logic(&name).map(Word::Logic))
+                let kind =
+                    foreign_function(&name, behind.starts_with('[')).map(SpecialCall::Foreign);
+                kind.or_else(|| logic(&name).map(SpecialCall::Logic))
             };
             let elsewhere = || elsewhere().filter(|_| !self.scope.is_defined(&name));
             if let Some(word) = form.or_else(elsewhere) {
-                items.push_back(Item::Word(word, span));
+                items.push_back(FactorItem::Special(word, span));
                 return Ok(());
             }
         }
         match self.scope.meaning(&name, &self.locals) {
-            Meaning::Value(value) => items.push_back(self.leaf(value, span)),
-            Meaning::Function(callee) => {
+            NameMeaning::Value(value) => items.push_back(self.leaf(value, span)),
+            NameMeaning::Function(callee) => {
                 if let Callee::Defined(name, _) = &callee {
                     self.used.insert(name.clone());
                 }
                 if let Some(read) = read_as(&name, &callee) {
                     self.note(span, NoteKind::ReadAs { name, read });
                 }
-                items.push_back(Item::Function(callee, span));
+                items.push_back(FactorItem::Function(callee, span));
             }
-            Meaning::Product => {
+            NameMeaning::Product => {
                 // Of an exponent and a divisor only the first letter is one, which a note on these
                 // says.
-                let is_exponent = matches!(items.back(), Some(Item::Caret(..)))
-                    && !matches!(items.iter().nth_back(1), Some(Item::Function(..)));
+                let is_exponent = matches!(items.back(), Some(FactorItem::Caret(..)))
+                    && !matches!(items.iter().nth_back(1), Some(FactorItem::Function(..)));
                 let is_noted = is_exponent || items.is_empty() && self.follows(span, &[Slash]);
                 let letters: Vec<String> = name.chars().map(String::from).collect();
                 let mut at = span.start;
@@ -175,7 +176,7 @@ impl Builder<'_> {
                     let is_plain = typed.len() == name.len();
                     let place = if is_plain { Span::new(at, at + letter.len()) } else { span };
                     at = place.end;
-                    if let Meaning::Value(value) = self.scope.meaning(letter, &self.locals) {
+                    if let NameMeaning::Value(value) = self.scope.meaning(letter, &self.locals) {
                         items.push_back(self.leaf(value, place));
                     }
                 }
@@ -184,9 +185,9 @@ impl Builder<'_> {
                     self.note(span, NoteKind::ProductOfNames { name, product });
                 }
             }
-            Meaning::Unknown => {
+            NameMeaning::Unknown => {
                 if typed == "°" {
-                    items.push_back(Item::Leaf(degree(span)));
+                    items.push_back(FactorItem::Leaf(degree(span)));
                     return Ok(());
                 }
                 // What makes a number of a number.
@@ -196,7 +197,7 @@ impl Builder<'_> {
                 }
                 // `2f` is a number of C#.
                 if typed == "f"
-                    && let Some(Item::Leaf(before)) = items.back()
+                    && let Some(FactorItem::Leaf(before)) = items.back()
                     && before.number().is_some()
                     && before.span.end == span.start
                 {
@@ -221,7 +222,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn leaf(&mut self, value: NamedValue, span: Span) -> Item<'static> {
+    fn leaf(&mut self, value: NamedValue, span: Span) -> FactorItem<'static> {
         match &value {
             NamedValue::Defined(name) => {
                 self.used.insert(name.clone());
@@ -237,13 +238,13 @@ impl Builder<'_> {
             }
             NamedValue::Coordinate(_) | NamedValue::Local(_) => {}
         }
-        Item::Leaf(Expr::new(ExprKind::Name(value), span))
+        FactorItem::Leaf(Expr::new(ExprKind::Name(value), span))
     }
 
     /// Reads one factor with its exponents onto the end of `factors`.
     pub(crate) fn factor(
         &mut self,
-        items: &mut Items<'_>,
+        items: &mut FactorItems<'_>,
         factors: &mut Vec<Expr>,
     ) -> Fallible<()> {
         if let (Some(next), Some(before)) = (items.front(), factors.last()) {
@@ -255,9 +256,9 @@ impl Builder<'_> {
 
     /// Fails where a factor cannot stand behind another without a sign.
     #[inline(never)]
-    fn may_follow(&self, next: &Item<'_>, before: &Expr) -> Fallible<()> {
+    fn may_follow(&self, next: &FactorItem<'_>, before: &Expr) -> Fallible<()> {
         match next {
-            Item::Leaf(next) if next.number().is_some() => {
+            FactorItem::Leaf(next) if next.number().is_some() => {
                 let (kind, sign) = match before.kind {
                     ExprKind::Number(_) => (ErrorKind::NumberAfterNumber, "*"),
                     // It has its exponent already.
@@ -269,7 +270,7 @@ impl Builder<'_> {
             }
             // Braces after a factor look like a restriction; read as a product they would hide a
             // mistake.
-            Item::Closed(pair) if pair.as_rule() == Rule::braces => {
+            FactorItem::Closed(pair) if pair.as_rule() == Rule::braces => {
                 Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
             }
             _ => Ok(()),
@@ -278,15 +279,15 @@ impl Builder<'_> {
 
     /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is
     /// above it.
-    pub(crate) fn power(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
+    pub(crate) fn power(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let base = self.primary(items)?;
         match items.front() {
             Some(
-                Item::Component(..)
-                | Item::Method(..)
-                | Item::Factorial(_)
-                | Item::Caret(..)
-                | Item::Superscript(_),
+                FactorItem::Component(..)
+                | FactorItem::Method(..)
+                | FactorItem::Factorial(_)
+                | FactorItem::Caret(..)
+                | FactorItem::Superscript(_),
             ) => self.behind(base, items),
             _ => Ok(base),
         }
@@ -294,27 +295,27 @@ impl Builder<'_> {
 
     /// What stands behind a factor and belongs to it.
     #[inline(never)] // keeps the stack frames of nested factors without it small
-    fn behind(&mut self, mut base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
-        while let Some(Item::Component(..)) = items.front() {
+    fn behind(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        while let Some(FactorItem::Component(..)) = items.front() {
             base = Self::component(base, items)?;
             self.room(base.span, 1)?;
         }
-        while let Some(Item::Method(..)) = items.front() {
+        while let Some(FactorItem::Method(..)) = items.front() {
             base = self.method(base, items)?;
         }
-        if let Some(Item::Factorial(sign)) = items.front() {
+        if let Some(FactorItem::Factorial(sign)) = items.front() {
             base = self.factorial(base, *sign)?;
             items.pop_front();
         }
         match items.front() {
-            Some(Item::Caret(..) | Item::Superscript(_)) => self.exponents(base, items),
+            Some(FactorItem::Caret(..) | FactorItem::Superscript(_)) => self.exponents(base, items),
             _ => Ok(base),
         }
     }
 
     #[inline(never)]
-    fn component(base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
-        let Some(Item::Component(letters, span)) = items.pop_front() else { return Ok(base) };
+    fn component(base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        let Some(FactorItem::Component(letters, span)) = items.pop_front() else { return Ok(base) };
         let span = base.span.to(span);
         if is_coordinate(&base) {
             let dot = Span::new(span.end - letters.len() - 1, span.end - letters.len());
@@ -326,8 +327,8 @@ impl Builder<'_> {
 
     /// `a.pow(2)` as `pow(a, 2)`.
     #[inline(never)] // keeps its text out of the stack frames of nested factors
-    fn method(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
-        let Some(Item::Method(name, span, pair)) = items.pop_front() else { return Ok(base) };
+    fn method(&mut self, base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        let Some(FactorItem::Method(name, span, pair)) = items.pop_front() else { return Ok(base) };
         let place = self.span(&pair);
         self.room(place, 1)?;
         let mut arguments = vec![base];
@@ -343,24 +344,24 @@ impl Builder<'_> {
     }
 
     #[inline(never)] // keeps the stack frames of nested factors without exponents small
-    fn exponents(&mut self, base: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+    fn exponents(&mut self, base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let mut levels = 0;
         let mut chain: Vec<(Signs, Expr)> = vec![(Signs::new(), base)];
-        while let Some(Item::Caret(..) | Item::Superscript(_)) = items.front() {
+        while let Some(FactorItem::Caret(..) | FactorItem::Superscript(_)) = items.front() {
             levels += 1 + chain.last().map_or(0, |(signs, _)| signs.len());
             chain.push(match items.pop_front() {
-                Some(Item::Caret(signs, span)) => {
+                Some(FactorItem::Caret(signs, span)) => {
                     let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
-                    while let Some(Item::Component(..)) = items.front() {
+                    while let Some(FactorItem::Component(..)) = items.front() {
                         exponent = Self::component(exponent, items)?;
                     }
-                    if let Some(Item::Factorial(sign)) = items.front() {
+                    if let Some(FactorItem::Factorial(sign)) = items.front() {
                         exponent = self.factorial(exponent, *sign)?;
                         items.pop_front();
                     }
                     (signs, exponent)
                 }
-                Some(Item::Superscript(number)) => {
+                Some(FactorItem::Superscript(number)) => {
                     self.room(number.span, levels)?;
                     (Signs::new(), number)
                 }
@@ -404,34 +405,34 @@ impl Builder<'_> {
     }
 
     #[inline(never)]
-    pub(crate) fn primary(&mut self, items: &mut Items<'_>) -> Fallible<Expr> {
+    pub(crate) fn primary(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         match items.pop_front().expect("the grammar ends no run with a sign") {
-            Item::Group(pair) => self.group(pair),
+            FactorItem::Group(pair) => self.group(pair),
             item => self.worded(item, items),
         }
     }
 
     /// What a factor is that does not stand in brackets.
     #[inline(never)] // keeps the stack frames of nested brackets small
-    fn worded(&mut self, item: Item<'_>, items: &mut Items<'_>) -> Fallible<Expr> {
+    fn worded(&mut self, item: FactorItem<'_>, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         match item {
-            Item::Leaf(expr) => self.leaf_factor(expr, items),
-            Item::Function(callee, span) => {
+            FactorItem::Leaf(expr) => self.leaf_factor(expr, items),
+            FactorItem::Function(callee, span) => {
                 self.deeper(span, 1, |b| b.application(&callee, span, items))
             }
-            Item::Word(word, span) => {
+            FactorItem::Special(word, span) => {
                 let group = self.brackets(items, span)?;
                 self.deeper(span, 1, |b| match word {
-                    Word::Form(form) => b.form(form, span, group),
-                    Word::Logic(logic) => b.logic(logic, span, group),
-                    Word::Arithmetic(kind) => b.arithmetic(kind, span, group),
+                    SpecialCall::Form(form) => b.form(form, span, group),
+                    SpecialCall::Logic(logic) => b.logic(logic, span, group),
+                    SpecialCall::Foreign(kind) => b.foreign_call(kind, span, group),
                 })
             }
-            Item::Closed(pair) => {
+            FactorItem::Closed(pair) => {
                 let span = self.span(&pair);
                 self.deeper(span, 1, |b| b.closed(pair, span))
             }
-            Item::Radical(radical, span) => {
+            FactorItem::Radical(radical, span) => {
                 self.deeper(span, 1, |b| b.radical(radical, span, items))
             }
             item => Err(self.misplaced(&item)),
@@ -440,31 +441,38 @@ impl Builder<'_> {
 
     /// The error for what must stand behind a factor.
     #[inline(never)] // keeps the stack frames of nested factors small, as below
-    fn misplaced(&self, item: &Item<'_>) -> Box<Error> {
+    fn misplaced(&self, item: &FactorItem<'_>) -> Box<Error> {
         let (span, sign) = match item {
-            Item::Component(_, span) => {
+            FactorItem::Component(_, span) => {
                 let found = self.text[span.range()].to_owned();
                 return Error::new(*span, ErrorKind::Unexpected { found });
             }
-            Item::Method(name, span, _) => (*span, format!(".{name}")),
-            Item::Factorial(span) => (*span, "!".to_owned()),
-            Item::Caret(_, span) | Item::Superscript(Expr { span, .. }) => (*span, "^".to_owned()),
+            FactorItem::Method(name, span, _) => (*span, format!(".{name}")),
+            FactorItem::Factorial(span) => (*span, "!".to_owned()),
+            FactorItem::Caret(_, span) | FactorItem::Superscript(Expr { span, .. }) => {
+                (*span, "^".to_owned())
+            }
             _ => unreachable!("all others begin a factor"),
         };
         Error::new(span, ErrorKind::MissingBefore { sign })
     }
 
     #[inline(never)]
-    fn radical(&mut self, radical: char, span: Span, items: &mut Items<'_>) -> Fallible<Expr> {
+    fn radical(
+        &mut self,
+        radical: char,
+        span: Span,
+        items: &mut FactorItems<'_>,
+    ) -> Fallible<Expr> {
         let inner = self.power(items)?;
         number_only(&inner)?;
         let place = span.to(inner.span);
         if let Some(
-            Item::Leaf(_)
-            | Item::Group(_)
-            | Item::Function(..)
-            | Item::Word(Word::Form(_), _)
-            | Item::Closed(_),
+            FactorItem::Leaf(_)
+            | FactorItem::Group(_)
+            | FactorItem::Function(..)
+            | FactorItem::Special(SpecialCall::Form(_), _)
+            | FactorItem::Closed(_),
         ) = items.front()
         {
             self.note(place, NoteKind::RadicalScope { radical });
@@ -478,7 +486,7 @@ impl Builder<'_> {
 
     /// A number or a value as a factor.
     #[inline(never)]
-    fn leaf_factor(&mut self, expr: Expr, items: &mut Items<'_>) -> Fallible<Expr> {
+    fn leaf_factor(&mut self, expr: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         if let Some((letter, span)) = self.index(&expr, items.front()) {
             items.pop_front();
             let span = expr.span.to(span);
@@ -489,8 +497,8 @@ impl Builder<'_> {
     }
 
     /// The component that `p[0]` takes of a name: no product, which nobody writes so.
-    fn index(&self, expr: &Expr, next: Option<&Item<'_>>) -> Option<(char, Span)> {
-        let Some(Item::Group(pair)) = next else { return None };
+    fn index(&self, expr: &Expr, next: Option<&FactorItem<'_>>) -> Option<(char, Span)> {
+        let Some(FactorItem::Group(pair)) = next else { return None };
         let is_name = match &expr.kind {
             ExprKind::Name(NamedValue::Local(_) | NamedValue::Defined(_)) => true,
             ExprKind::Call(..) => self.text[expr.span.range()].ends_with(in_name),
@@ -506,8 +514,8 @@ impl Builder<'_> {
     }
 
     /// The brackets behind a form.
-    fn brackets<'i>(&self, items: &mut Items<'i>, span: Span) -> Fallible<Pair<'i>> {
-        if let Some(Item::Group(pair)) = items.pop_front() {
+    fn brackets<'i>(&self, items: &mut FactorItems<'i>, span: Span) -> Fallible<Pair<'i>> {
+        if let Some(FactorItem::Group(pair)) = items.pop_front() {
             return Ok(pair);
         }
         let name = self.text[span.range()].to_owned();
@@ -515,8 +523,8 @@ impl Builder<'_> {
     }
 
     /// A number or a value; brackets after a value multiply, unless they hold several arguments.
-    fn not_a_call(&mut self, expr: Expr, next: Option<&Item<'_>>) -> Fallible<Expr> {
-        if let (ExprKind::Name(value), Some(Item::Group(pair))) = (&expr.kind, next)
+    fn not_a_call(&mut self, expr: Expr, next: Option<&FactorItem<'_>>) -> Fallible<Expr> {
+        if let (ExprKind::Name(value), Some(FactorItem::Group(pair))) = (&expr.kind, next)
             && pair.clone().into_inner().count() != 1
         {
             let name = value.name().to_owned();

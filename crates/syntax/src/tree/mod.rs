@@ -14,6 +14,7 @@ pub(crate) mod foreign_functions;
 pub(crate) mod grammar;
 pub(crate) mod juxtaposition;
 pub(crate) mod print;
+pub(crate) mod raw_statement;
 pub(crate) mod scope;
 pub(crate) mod scope_hints;
 pub(crate) mod series;

@@ -41,9 +41,9 @@ const ELSEWHERE: &[(&str, &str)] = &[
 ];
 
 /// What the language itself has by that name.
-pub(crate) fn built_in(name: &str) -> Meaning {
+pub(crate) fn built_in(name: &str) -> NameMeaning {
     if ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name) {
-        return Meaning::Unknown;
+        return NameMeaning::Unknown;
     }
     Scope::default().meaning(name, &[])
 }
@@ -56,7 +56,7 @@ pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
 
 /// What a name stands for.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Meaning {
+pub(crate) enum NameMeaning {
     /// A number.
     Value(NamedValue),
     /// Something that takes arguments.
@@ -101,26 +101,26 @@ impl Scope {
     }
 
     /// What `name` stands for where `locals` are the parameters of the function being defined.
-    pub(crate) fn meaning(&self, name: &str, locals: &[Name]) -> Meaning {
+    pub(crate) fn meaning(&self, name: &str, locals: &[Name]) -> NameMeaning {
         if let Some(value) = self.value(name, locals) {
-            return Meaning::Value(value);
+            return NameMeaning::Value(value);
         }
         if let Some(Some(count)) = self.defined.get(name) {
-            return Meaning::Function(Callee::Defined(name.to_owned(), *count));
+            return NameMeaning::Function(Callee::Defined(name.to_owned(), *count));
         }
-        if !forms(name, self.internal).is_empty() {
-            return Meaning::Function(Callee::BuiltIn(name.to_owned()));
+        if !signatures(name, self.internal).is_empty() {
+            return NameMeaning::Function(Callee::BuiltIn(name.to_owned()));
         }
         if let Some(base) = name.strip_prefix("log_")
             && base.parse::<u32>().is_ok_and(|base| base >= 2)
         {
-            return Meaning::Function(Callee::Logarithm(base.to_owned()));
+            return NameMeaning::Function(Callee::Logarithm(base.to_owned()));
         }
         let mut buffer = [0; 4];
         if name.len() <= LONGEST_PRODUCT
             && name.chars().all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
         {
-            return Meaning::Product;
+            return NameMeaning::Product;
         }
         if let Some((_, here)) = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name) {
             return self.meaning(here, locals);
@@ -128,19 +128,19 @@ impl Scope {
         let lower = name.to_lowercase();
         if lower != name && lower.len() > 1 {
             if let Some(constant) = named_constant(&lower) {
-                return Meaning::Value(NamedValue::Constant(constant));
+                return NameMeaning::Value(NamedValue::Constant(constant));
             }
-            if !forms(&lower, false).is_empty() {
-                return Meaning::Function(Callee::BuiltIn(lower));
+            if !signatures(&lower, false).is_empty() {
+                return NameMeaning::Function(Callee::BuiltIn(lower));
             }
         }
         // `sqrtf` and others of C.
         if let Some(double) = name.strip_suffix('f').filter(|double| double.len() > 2)
-            && !forms(double, false).is_empty()
+            && !signatures(double, false).is_empty()
         {
-            return Meaning::Function(Callee::BuiltIn(double.to_owned()));
+            return NameMeaning::Function(Callee::BuiltIn(double.to_owned()));
         }
-        Meaning::Unknown
+        NameMeaning::Unknown
     }
 
     fn value(&self, name: &str, locals: &[Name]) -> Option<NamedValue> {
@@ -184,14 +184,14 @@ impl Scope {
     }
 
     /// The ways to call a function.
-    pub(crate) fn forms(&self, callee: &Callee) -> Forms {
+    pub(crate) fn signatures(&self, callee: &Callee) -> Signatures {
         match callee {
             Callee::Defined(name, count) => {
                 let function = Function::Defined(name.clone());
-                Forms(vec![Signature { function, count: *count, or_more: false }])
+                Signatures(vec![Signature { function, count: *count, or_more: false }])
             }
-            Callee::BuiltIn(name) => forms(name, self.internal),
-            Callee::Logarithm(_) => forms("ln", false),
+            Callee::BuiltIn(name) => signatures(name, self.internal),
+            Callee::Logarithm(_) => signatures("ln", false),
         }
     }
 
@@ -258,9 +258,9 @@ struct Signature {
 }
 
 /// The ways to call a function, by number of arguments.
-pub(crate) struct Forms(Vec<Signature>);
+pub(crate) struct Signatures(Vec<Signature>);
 
-impl Forms {
+impl Signatures {
     fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -278,7 +278,7 @@ impl Forms {
     }
 }
 
-impl std::fmt::Display for Forms {
+impl std::fmt::Display for Signatures {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.0.iter().any(|form| form.or_more) {
             return write!(f, "{} or more arguments", self.least());
@@ -298,7 +298,7 @@ pub(crate) fn is_variadic(op: Op) -> bool {
 }
 
 /// The ways to call the function of the language called `name`; none if there is no such function.
-pub(crate) fn forms(name: &str, internal: bool) -> Forms {
+pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
     let form = |function, count| Signature { function, count, or_more: false };
     let own = TABLE
         .iter()
@@ -320,7 +320,7 @@ pub(crate) fn forms(name: &str, internal: bool) -> Forms {
         forms.push(form(Function::Root, 2));
     }
     forms.sort_by_key(|form| form.count);
-    Forms(forms)
+    Signatures(forms)
 }
 
 /// The coordinate that `name` spells.

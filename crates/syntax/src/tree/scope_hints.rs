@@ -13,8 +13,8 @@ use zeroset_ir::NamedConstant;
 impl Builder<'_> {
     /// Whether what stands at `span` follows one of these signs.
     pub(crate) fn follows(&self, span: Span, signs: &[TokenKind]) -> bool {
-        let next = self.piece.tokens.partition_point(|token| token.span.start < span.start);
-        let before = next.checked_sub(1).map(|before| self.piece.tokens[before]);
+        let next = self.lexed.tokens.partition_point(|token| token.span.start < span.start);
+        let before = next.checked_sub(1).map(|before| self.lexed.tokens[before]);
         before.is_some_and(|token| signs.contains(&token.kind))
     }
 
@@ -31,7 +31,7 @@ impl Builder<'_> {
                 && begins(exponent, |c| c.is_alphanumeric() || "-−".contains(c))
                 && begins(&pair[1], char::is_alphabetic);
             let cuts = |token: &Token| token.span.start < place && place < token.span.end;
-            let is_cut = self.piece.tokens.iter().any(cuts);
+            let is_cut = self.lexed.tokens.iter().any(cuts);
             if !touches || !is_cut && !is_base(base) {
                 continue;
             }
@@ -53,12 +53,12 @@ impl Builder<'_> {
 
     /// Whether a sum goes on behind a power that a root without brackets covers: `√x²+y²`.
     pub(crate) fn root_goes_on(&self, inner: &Expr) -> bool {
-        let next = self.piece.tokens.partition_point(|token| token.span.start < inner.span.end);
+        let next = self.lexed.tokens.partition_point(|token| token.span.start < inner.span.end);
         let is_sign = |token: &Token| matches!(token.kind, Plus | Minus);
         let typed = &self.text[inner.span.range()];
         matches!(inner.kind, ExprKind::Power(..))
             && !(typed.starts_with('(') && typed.ends_with(')'))
-            && self.piece.tokens.get(next).is_some_and(is_sign)
+            && self.lexed.tokens.get(next).is_some_and(is_sign)
     }
 }
 

@@ -2,13 +2,15 @@
 
 use crate::lex::spelling::{decimal, plain_name};
 use crate::lex::token_kind::TokenKind::BigProduct;
-use crate::lower::choice::MOST_TERMS;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Chain, Expr, ExprKind, Name, Series, Sign};
 use crate::tree::builder::{Builder, number_only, numbers_only};
 use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::special_forms::{sole, tuple};
+
+/// The most terms of a sum, factors of a product and repetitions of a function.
+pub(crate) const MOST_TERMS: i64 = 1000;
 
 impl Builder<'_> {
     /// A sum or a product in brackets.

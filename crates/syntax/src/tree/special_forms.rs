@@ -10,7 +10,7 @@ use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Function, Relation};
 use crate::tree::builder::{Builder, condition_only, joined, product_of};
 use crate::tree::grammar::{Pair, Rule};
-use crate::tree::scope::{Callee, Meaning};
+use crate::tree::scope::{Callee, NameMeaning};
 use zeroset_ops::{Meaning as Stands, SpecialForm, VectorFunction};
 
 /// A condition that is written as a function.
@@ -347,14 +347,14 @@ impl Builder<'_> {
         }
         let (typed, at) = (self.typed(&name), self.span(&name));
         let text = plain_name(typed);
-        let Meaning::Function(callee) = self.scope.meaning(&text, &self.locals) else {
+        let NameMeaning::Function(callee) = self.scope.meaning(&text, &self.locals) else {
             return Err(self.unknown_function(&text, at));
         };
         if let Callee::Defined(name, _) = &callee {
             self.used.insert(name.clone());
         }
         let count = arguments.len() - 1;
-        let Some(function) = self.scope.forms(&callee).function(count) else {
+        let Some(function) = self.scope.signatures(&callee).function(count) else {
             return Err(self.wrong_count(&callee, at, place, count));
         };
         self.note_form(&callee, at);

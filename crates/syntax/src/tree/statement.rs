@@ -1,7 +1,6 @@
 //! Statements: which kind each is, and its trees.
 
-use crate::dialect::program::{Head, Unit, Wrap};
-use crate::lex::scanner::Piece;
+use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{is_definable, plain_name};
 use crate::lex::token::Token;
 use crate::lex::token_kind::TokenKind::*;
@@ -11,10 +10,11 @@ use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, ExprKind, Name, NamedValue, Relation, Statement};
 use crate::tree::builder::{Builder, relation};
-use crate::tree::built_statement::{Built, with_parts};
+use crate::tree::built_statement::{BuiltStatement, with_parts};
 use crate::tree::diagnose::recognise;
 use crate::tree::grammar::{Pair, Rule};
-use crate::tree::scope::{Meaning, Scope, built_in, coordinate};
+use crate::tree::raw_statement::{Head, RawStatement, Wrap};
+use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::Meaning as Stands;
@@ -23,27 +23,30 @@ use zeroset_ops::Meaning as Stands;
 const MOST_PARAMETERS: usize = 64;
 
 /// A statement that the grammar has recognised.
-pub(crate) struct Line<'i> {
-    pub unit: &'i Unit,
+pub(crate) struct ParsedStatement<'i> {
+    pub raw: &'i RawStatement,
     /// Its rule tells what the statement is.
     pub pair: Pair<'i>,
     pub head: Option<Head>,
 }
 
 /// Recognises each statement of `text`.
-pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, Errors> {
-    if units.is_empty() {
+pub(crate) fn lines<'i>(
+    text: &str,
+    statements: &'i [RawStatement],
+) -> Result<Vec<ParsedStatement<'i>>, Errors> {
+    if statements.is_empty() {
         return Err(Error::new(Span::at(text.len()), ErrorKind::Empty).into());
     }
     let mut lines = Vec::new();
     let mut errors = Vec::new();
-    for unit in units {
-        let piece = &unit.piece;
-        let rule = if unit.head.is_some() { Rule::line } else { rule(piece) };
-        match recognise(text, piece, rule) {
+    for raw in statements {
+        let lexed = &raw.lexed;
+        let rule = if raw.head.is_some() { Rule::line } else { rule(lexed) };
+        match recognise(text, lexed, rule) {
             Ok(pair) => {
-                let head = unit.head.clone().or_else(|| head(text, piece, &pair));
-                lines.push(Line { unit, pair, head });
+                let head = raw.head.clone().or_else(|| head(text, lexed, &pair));
+                lines.push(ParsedStatement { raw, pair, head });
             }
             Err(error) => errors.push(*error),
         }
@@ -55,8 +58,8 @@ pub(crate) fn lines<'i>(text: &str, units: &'i [Unit]) -> Result<Vec<Line<'i>>, 
 }
 
 /// What the first symbols of a statement make of it.
-fn rule(piece: &Piece) -> Rule {
-    let mut kinds = piece.tokens.iter().map(|token| token.kind);
+fn rule(lexed: &LexedStatement) -> Rule {
+    let mut kinds = lexed.tokens.iter().map(|token| token.kind);
     let rule = match kinds.next() {
         Some(DomainWord) => Rule::domain_line,
         Some(ViewWord) => Rule::view_line,
@@ -86,8 +89,8 @@ fn only(pair: Pair<'_>, rule: Rule) -> Option<Pair<'_>> {
 }
 
 /// The left side of a statement, if it has the form of a definition; `==` states and never defines.
-fn head(text: &str, piece: &Piece, line: &Pair<'_>) -> Option<Head> {
-    let typed = |pair: &Pair<'_>| piece.tokens[piece.index(pair.as_span().start())].span;
+fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
+    let typed = |pair: &Pair<'_>| lexed.tokens[lexed.index(pair.as_span().start())].span;
     let name = |pair: Pair<'_>| {
         let span = typed(&pair);
         let is_name = pair.as_rule() == Rule::name;
@@ -120,12 +123,12 @@ fn head(text: &str, piece: &Piece, line: &Pair<'_>) -> Option<Head> {
 /// Decides for every line with a head whether it defines; those that do not lose their head.
 pub(crate) fn settle_heads(
     text: &str,
-    lines: &mut [Line<'_>],
+    lines: &mut [ParsedStatement<'_>],
     scope: &mut Scope,
     notes: &mut Vec<Note>,
 ) {
     for line in lines.iter_mut() {
-        if line.unit.head.is_some() {
+        if line.raw.head.is_some() {
             continue;
         }
         if line.head.as_ref().is_some_and(|head| !may_define(head) || is_miscounted(head)) {
@@ -136,18 +139,18 @@ pub(crate) fn settle_heads(
     // Whether `hypot(a, b) = 2` draws depends on whether a and b have values, so values come first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
-        if line.unit.head.is_some() || !is_built_in(head) && head.name.text != "t" {
+        if line.raw.head.is_some() || !is_built_in(head) && head.name.text != "t" {
             scope.define(&head.name.text, head.parameters.as_ref().map(Vec::len));
         }
     }
     for line in lines.iter_mut() {
-        let own = line.head.as_ref().filter(|_| line.unit.head.is_none());
+        let own = line.head.as_ref().filter(|_| line.raw.head.is_none());
         let Some(head) = own.filter(|head| is_built_in(head)) else {
             continue;
         };
         let parameters = head.parameters.as_deref().unwrap_or_default();
         let known = |name: &Name| {
-            matches!(scope.meaning(&name.text, &[]), Meaning::Value(_) | Meaning::Product)
+            matches!(scope.meaning(&name.text, &[]), NameMeaning::Value(_) | NameMeaning::Product)
         };
         if parameters.iter().all(known) {
             let name = head.name.text.clone();
@@ -161,7 +164,7 @@ pub(crate) fn settle_heads(
 
 /// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels, and `f(x, y) = z`
 /// below `f(x, y) = x^2` an equation.
-fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
+fn settle_levels(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     let numbers = numbers(text, lines);
     for line in lines.iter_mut() {
@@ -174,8 +177,7 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
             continue;
         }
         let key = (head.name.text.clone(), parameters.count());
-        let is_value =
-            line.unit.head.is_none() && is_value(text, &line.unit.piece, key.1, &numbers);
+        let is_value = line.raw.head.is_none() && is_value(text, &line.raw.lexed, key.1, &numbers);
         if is_value && defined.contains(&key) {
             notes.push(Note { span: head.name.span, kind: NoteKind::LevelOf { name: key.0 } });
             line.head = None;
@@ -186,31 +188,37 @@ fn settle_levels(text: &str, lines: &mut [Line<'_>], notes: &mut Vec<Note>) {
 }
 
 /// The names that are given a number, and nothing else.
-fn numbers(text: &str, lines: &[Line<'_>]) -> FxHashSet<String> {
+fn numbers(text: &str, lines: &[ParsedStatement<'_>]) -> FxHashSet<String> {
     let named = lines.iter().filter(|line| {
         line.head.as_ref().is_some_and(|head| head.parameters.is_none())
-            && right_side(&line.unit.piece).all(|token| matches!(token.kind, Number | Minus))
+            && right_side(&line.raw.lexed).all(|token| matches!(token.kind, Number | Minus))
     });
-    let name = |line: &Line<'_>| text[line.head.as_ref()?.name.span.range()].to_owned().into();
+    let name =
+        |line: &ParsedStatement<'_>| text[line.head.as_ref()?.name.span.range()].to_owned().into();
     named.filter_map(name).collect()
 }
 
 /// What stands behind the sign, but for conditions and ranges.
-fn right_side(piece: &Piece) -> impl Iterator<Item = &Token> {
-    let right = piece.tokens.iter().skip_while(|token| token.kind != Equals).skip(1);
+fn right_side(lexed: &LexedStatement) -> impl Iterator<Item = &Token> {
+    let right = lexed.tokens.iter().skip_while(|token| token.kind != Equals).skip(1);
     right.take_while(|token| !matches!(token.kind, OpenBrace | In))
 }
 
 /// Whether a right side is a number, or z where a function of x and y is given: no body of a
 /// function of coordinates, which takes the place of an earlier one.
-fn is_value(text: &str, piece: &Piece, parameters: usize, numbers: &FxHashSet<String>) -> bool {
-    right_side(piece).filter(|token| token.kind.is_name()).all(|token| {
+fn is_value(
+    text: &str,
+    lexed: &LexedStatement,
+    parameters: usize,
+    numbers: &FxHashSet<String>,
+) -> bool {
+    right_side(lexed).filter(|token| token.kind.is_name()).all(|token| {
         let name = &text[token.span.range()];
         parameters == 2 && name == "z"
             || numbers.contains(name)
             || matches!(
                 built_in(name),
-                Meaning::Function(_) | Meaning::Value(NamedValue::Constant(_))
+                NameMeaning::Function(_) | NameMeaning::Value(NamedValue::Constant(_))
             )
     })
 }
@@ -254,19 +262,24 @@ fn accepts(head: &Head) -> Option<bool> {
         };
     }
     match built_in(&head.name.text) {
-        Meaning::Function(callee) => {
-            Some(Scope::default().forms(&callee).function(count).is_some())
+        NameMeaning::Function(callee) => {
+            Some(Scope::default().signatures(&callee).function(count).is_some())
         }
-        Meaning::Value(_) | Meaning::Product | Meaning::Unknown => None,
+        NameMeaning::Value(_) | NameMeaning::Product | NameMeaning::Unknown => None,
     }
 }
 
 /// Builds the trees of one line.
-pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) -> Fallible<Built> {
+pub(crate) fn build(
+    text: &str,
+    line: ParsedStatement<'_>,
+    scope: &Scope,
+    limits: &Limits,
+) -> Fallible<BuiltStatement> {
     let locals = line.head.as_ref().and_then(|head| head.parameters.as_deref());
     let mut builder =
-        Builder::new(text, &line.unit.piece, scope, locals.unwrap_or_default(), limits);
-    builder.aliases = line.unit.aliases.clone();
+        Builder::new(text, &line.raw.lexed, scope, locals.unwrap_or_default(), limits);
+    builder.aliases = line.raw.aliases.clone();
     let mut parts = line.pair.into_inner();
     let expression = parts.next().expect("a line has an expression");
     let mut range = None;
@@ -296,13 +309,13 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         if let Some(span) = braces {
             let error = Error::new(span, ErrorKind::RestrictedDefinition);
             let bounds = slider_bounds(&head.name, &restrictions);
-            let typed = builder.text[line.unit.piece.span.start..span.start].trim_end();
+            let typed = builder.text[line.raw.lexed.span.start..span.start].trim_end();
             let meant = bounds.map(|(low, high)| format!("{typed} in [{low}, {high}]"));
-            return Err(error.suggest_any(line.unit.piece.span, meant));
+            return Err(error.suggest_any(line.raw.lexed.span, meant));
         }
         let range = range.map(|(ends, _)| ends);
-        Statement::Define(match &line.unit.head {
-            Some(_) => set(&mut builder, head, expression, line.unit.wrap.as_ref())?,
+        Statement::Define(match &line.raw.head {
+            Some(_) => set(&mut builder, head, expression, line.raw.wrap.as_ref())?,
             None => define(&mut builder, head, expression, range)?,
         })
     } else {
@@ -310,7 +323,7 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
             return Err(Error::new(span, ErrorKind::RangeOutsideDefinition));
         }
         let expr = builder.expression(expression)?;
-        let expr = if line.unit.is_height && !expr.is_condition() {
+        let expr = if line.raw.is_height && !expr.is_condition() {
             let z = ExprKind::Name(NamedValue::Coordinate(Axis::Z));
             Expr::new(z, expr.span).equals(expr)
         } else {
@@ -319,7 +332,7 @@ pub(crate) fn build(text: &str, line: Line<'_>, scope: &Scope, limits: &Limits) 
         Statement::Draw { expr, restrictions }
     };
     let Builder { notes, used, .. } = builder;
-    Ok(Built { statement, span: line.unit.piece.span, notes, used })
+    Ok(BuiltStatement { statement, span: line.raw.lexed.span, notes, used })
 }
 
 /// The ends between which `0 < a < 3` in braces lets a value move.
@@ -365,7 +378,7 @@ fn set(
             builder.used.extend(before.defined().map(str::to_owned));
             if let ExprKind::Name(NamedValue::Defined(name)) = before {
                 let meaning = builder.scope.meaning(name, &builder.locals);
-                if !matches!(meaning, Meaning::Value(NamedValue::Defined(_))) {
+                if !matches!(meaning, NameMeaning::Value(NamedValue::Defined(_))) {
                     return Err(builder.unknown(name, name, head.name.span));
                 }
             }
@@ -409,7 +422,7 @@ fn define(
 ) -> Fallible<Definition> {
     let name = &head.name;
     let is_function =
-        head.parameters.is_none() && matches!(built_in(&name.text), Meaning::Function(_));
+        head.parameters.is_none() && matches!(built_in(&name.text), NameMeaning::Function(_));
     // `domain(x) = …` is a domain line with a slip.
     let is_keyword = head.parameters.is_some() && name.text == "domain";
     check_head(head, is_function, is_keyword)?;

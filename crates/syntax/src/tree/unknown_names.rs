@@ -7,7 +7,7 @@ use crate::settings::SETTINGS;
 use crate::span::Span;
 use crate::tree::ast::Name;
 use crate::tree::builder::Builder;
-use crate::tree::scope::{Meaning, Scope, nearest, read_as};
+use crate::tree::scope::{NameMeaning, Scope, nearest, read_as};
 
 /// Longest name, in bytes, whose parts are looked up: a bound keeps hostile names cheap.
 const LONGEST: usize = 64;
@@ -46,15 +46,15 @@ impl Builder<'_> {
     /// The error where a statement is in words rather than in signs.
     fn in_words(&self) -> Option<Box<Error>> {
         // `domain ball`
-        if self.piece.tokens.first().is_some_and(|first| first.kind.is_setting()) {
+        if self.lexed.tokens.first().is_some_and(|first| first.kind.is_setting()) {
             return None;
         }
-        let statement = self.piece.span;
+        let statement = self.lexed.span;
         let text = start(&self.text[statement.range()], LONGEST);
         let mut words = text.split(|c: char| !c.is_alphabetic());
         // `cylinder(r = 1, h = 2)` has names of its arguments only.
-        let is_called = self.piece.tokens.get(1).is_some_and(|next| next.kind == OpenParen);
-        let has_signs = self.piece.tokens.iter().any(|token| {
+        let is_called = self.lexed.tokens.get(1).is_some_and(|next| next.kind == OpenParen);
+        let has_signs = self.lexed.tokens.iter().any(|token| {
             token.kind.is_arithmetic()
                 || token.kind.is_inequality()
                 || matches!(token.kind, Caret | Superscript)
@@ -72,7 +72,7 @@ impl Builder<'_> {
     /// The brackets around `place` if they end the statement and hold words only, as in
     /// `x = 1 (a plane)`.
     fn remark(&self, place: Span) -> Option<Span> {
-        let tokens = &self.piece.tokens;
+        let tokens = &self.lexed.tokens;
         let close = tokens.last().filter(|last| last.kind == CloseParen)?;
         let open = tokens.iter().rposition(|token| token.kind == OpenParen).filter(|at| *at > 0)?;
         let is_behind =
@@ -87,10 +87,10 @@ impl Builder<'_> {
 
     /// `f x y z` before an equals sign, which other languages write so.
     fn juxtaposed(&self, span: Span) -> Option<Span> {
-        let is_first = self.piece.span.start == span.start;
-        let kinds = self.piece.tokens.iter().map(|token| token.kind).take(5);
+        let is_first = self.lexed.span.start == span.start;
+        let kinds = self.lexed.tokens.iter().map(|token| token.kind).take(5);
         (is_first && kinds.eq([TokenKind::Name, X, Y, Z, Equals]))
-            .then(|| span.to(self.piece.tokens[3].span))
+            .then(|| span.to(self.lexed.tokens[3].span))
     }
 
     /// The error for a name without a meaning.
@@ -123,7 +123,7 @@ impl Builder<'_> {
         if name == "d" && below.is_some_and(|below| below.trim_start().starts_with('d')) {
             return Error::new(span, ErrorKind::Calculus);
         }
-        if token_kind(name).is_some_and(TokenKind::is_setting) && span.start > self.piece.span.start
+        if token_kind(name).is_some_and(TokenKind::is_setting) && span.start > self.lexed.span.start
         {
             let name = name.to_owned();
             let at = Span::at(self.text[..span.start].trim_end().len());
@@ -131,7 +131,7 @@ impl Builder<'_> {
         }
         let behind = self.text[span.end..].trim_start_matches([' ', '\t']);
         let begins =
-            span.start == self.piece.span.start && behind.len() < self.text.len() - span.end;
+            span.start == self.lexed.span.start && behind.len() < self.text.len() - span.end;
         if begins && behind.starts_with(|c: char| c.is_alphanumeric() || c == '#') {
             let words = SETTINGS.iter().map(|setting| setting.word);
             if let Some(meant) = nearest(name, words) {
@@ -306,9 +306,9 @@ impl Scope {
         }
         let is_letter = part.chars().nth(1).is_none();
         match self.meaning(part, locals) {
-            Meaning::Value(_) if is_letter => Some(NamePart::Letter),
-            Meaning::Value(_) => Some(NamePart::Value),
-            Meaning::Function(callee) if !is_letter && read_as(part, &callee).is_none() => {
+            NameMeaning::Value(_) if is_letter => Some(NamePart::Letter),
+            NameMeaning::Value(_) => Some(NamePart::Value),
+            NameMeaning::Function(callee) if !is_letter && read_as(part, &callee).is_none() => {
                 Some(NamePart::Function)
             }
             _ => None,
@@ -317,10 +317,10 @@ impl Scope {
 
     /// Whether `name` is a value, or several side by side.
     fn is_product(&self, name: &str, locals: &[Name]) -> bool {
-        matches!(self.meaning(name, locals), Meaning::Value(_) | Meaning::Product)
+        matches!(self.meaning(name, locals), NameMeaning::Value(_) | NameMeaning::Product)
     }
 
     fn is_value(&self, letter: char, locals: &[Name]) -> bool {
-        matches!(self.meaning(letter.encode_utf8(&mut [0; 4]), locals), Meaning::Value(_))
+        matches!(self.meaning(letter.encode_utf8(&mut [0; 4]), locals), NameMeaning::Value(_))
     }
 }

@@ -5,7 +5,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Series};
 use crate::tree::builder::{Builder, number_only};
-use crate::tree::built_statement::Built;
+use crate::tree::built_statement::BuiltStatement;
 use rustc_hash::FxHashSet;
 
 impl Builder<'_> {
@@ -43,8 +43,8 @@ impl Builder<'_> {
 /// The names that say how many terms or repetitions there are, by themselves or through
 /// definitions.
 pub(crate) fn counting<'d>(
-    definitions: &[(&'d Definition, &'d Built)],
-    drawings: &[&'d Built],
+    definitions: &[(&'d Definition, &'d BuiltStatement)],
+    drawings: &[&'d BuiltStatement],
 ) -> FxHashSet<&'d str> {
     let built = drawings.iter().copied().chain(definitions.iter().map(|(_, built)| *built));
     let mut names: FxHashSet<&str> = FxHashSet::default();
