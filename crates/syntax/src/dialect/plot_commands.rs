@@ -11,30 +11,16 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
-/// Commands that plot their first argument.
-const PLOTS: &[&str] = &[
-    "ContourPlot3D",
-    "RegionPlot3D",
-    "ImplicitRegion",
-    "implicit_plot3d",
-    "implicitplot3d",
-    "ImplicitPlot3D",
-    "fimplicit3",
-    "ezimplot3",
-    "isosurface",
-    "implicit",
-    "explicit",
-    "plot_implicit",
-    "Plot3D",
-    "plot3d",
-    "draw3d",
-    "fsurf",
-    "ezsurf",
-    "surf",
-];
-
-/// Those among them of which it is a height.
-const HEIGHTS: &[&str] = &["Plot3D", "plot3d", "explicit", "fsurf", "ezsurf", "surf"];
+/// Whether a command plots its first argument as a height; `None` if it plots nothing.
+fn plots_height(command: &str) -> Option<bool> {
+    match command {
+        "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" => Some(true),
+        "ContourPlot3D" | "RegionPlot3D" | "ImplicitRegion" | "implicit_plot3d"
+        | "implicitplot3d" | "ImplicitPlot3D" | "fimplicit3" | "ezimplot3" | "isosurface"
+        | "implicit" | "plot_implicit" | "draw3d" => Some(false),
+        _ => None,
+    }
+}
 
 /// What those plot that hold another.
 const INNER: &[&str] = &["implicit", "explicit"];
@@ -85,7 +71,7 @@ impl Words<'_> {
 
     /// What the command `word` plots with its brackets.
     fn plot_of(self, word: &str, tokens: &[Token]) -> Fallible<Option<Plot>> {
-        let Some((inner, rest)) = bracketed(tokens).filter(|_| PLOTS.contains(&word)) else {
+        let (Some((inner, rest)), Some(is_height)) = (bracketed(tokens), plots_height(word)) else {
             return Ok(None);
         };
         if !rest.iter().all(|token| matches!(token.kind, Colon | Unknown)) {
@@ -125,7 +111,6 @@ impl Words<'_> {
                 formula.clear();
             }
         }
-        let is_height = HEIGHTS.contains(&word);
         Ok(Some(Plot { formulas, is_height, domain, note }))
     }
 

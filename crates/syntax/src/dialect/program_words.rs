@@ -7,43 +7,6 @@ use crate::messages::error::{Error, ErrorKind};
 use crate::span::Span;
 use crate::tree::ast::Name;
 
-/// Types and what else stands before a name that is declared, but for vectors and matrices.
-const TYPES: &[&str] = &[
-    "float",
-    "int",
-    "double",
-    "half",
-    "real",
-    "bool",
-    "uint",
-    "const",
-    "let",
-    "var",
-    "auto",
-    "static",
-    "inline",
-    "uniform",
-    "varying",
-    "out",
-    "inout",
-    "highp",
-    "mediump",
-    "lowp",
-    "local",
-    "function",
-    "fn",
-    "void",
-    "precise",
-    "long",
-    "unsigned",
-    "in",
-    "poly",
-    "public",
-    "constexpr",
-    "nonlocal",
-    "global",
-];
-
 /// What the types of vectors begin with, of which the number of components is the end.
 const VECTORS: &[&str] = &["vec", "float", "half", "ivec", "uvec", "bvec", "dvec"];
 
@@ -56,14 +19,24 @@ pub(crate) fn is_whole_type(word: &str) -> bool {
     matches!(word, "int" | "uint" | "long" | "unsigned")
 }
 
+/// Whether a word is a type, or stands before a declared name like one.
 pub(crate) fn is_type(word: &str) -> bool {
     let sized =
         |stem: &str, ends: &[&str]| word.strip_prefix(stem).is_some_and(|end| ends.contains(&end));
-    TYPES.contains(&word)
-        || VECTORS.iter().any(|stem| sized(stem, &["2", "3", "4"]))
-        || sized("vec", &["2f", "3f", "4f"])
-        || sized("mat", &["2", "3", "4"])
-        || ["mat", "float"].iter().any(|stem| sized(stem, &["2x2", "3x3", "4x4"]))
+    match word {
+        "float" | "int" | "double" | "half" | "real" | "bool" | "uint" | "const" | "let"
+        | "var" | "auto" | "static" | "inline" | "uniform" | "varying" | "out" | "inout"
+        | "highp" | "mediump" | "lowp" | "local" | "function" | "fn" | "void" | "precise"
+        | "long" | "unsigned" | "in" | "poly" | "public" | "constexpr" | "nonlocal" | "global" => {
+            true
+        }
+        _ => {
+            VECTORS.iter().any(|stem| sized(stem, &["2", "3", "4"]))
+                || sized("vec", &["2f", "3f", "4f"])
+                || sized("mat", &["2", "3", "4"])
+                || ["mat", "float"].iter().any(|stem| sized(stem, &["2x2", "3x3", "4x4"]))
+        }
+    }
 }
 
 /// The number of components of a type.

@@ -35,19 +35,6 @@ const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "res
 /// What makes symbols of names.
 const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
 
-/// What means nothing around a formula.
-const AROUND: &[&str] = &[
-    "Simplify",
-    "FullSimplify",
-    "Evaluate",
-    "N",
-    "Expand",
-    "Factor",
-    "simplify",
-    "expand",
-    "patch",
-];
-
 /// What makes grids of coordinates.
 const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
@@ -89,7 +76,11 @@ impl Words<'_> {
                 let (inner, rest) = bracketed(&tokens[1..])?;
                 return rest.is_empty().then(|| vec![inner.to_vec()]);
             }
-            _ if AROUND.contains(&word) && opens && Self::is_whole_call(tokens) => {
+            // These mean nothing around a formula.
+            "Simplify" | "FullSimplify" | "Evaluate" | "N" | "Expand" | "Factor" | "simplify"
+            | "expand" | "patch"
+                if opens && Self::is_whole_call(tokens) =>
+            {
                 let (inner, _) = bracketed(&tokens[1..])?;
                 return Some(vec![inner.to_vec()]);
             }

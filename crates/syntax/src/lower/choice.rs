@@ -7,7 +7,7 @@
 
 use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
-use crate::lower::value::LoweredValue;
+use crate::lower::value::Tensor;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Function, Relation, Series};
@@ -29,7 +29,7 @@ impl<'a> Lowering<'a> {
         pieces: &'a [(Expr, Expr)],
         otherwise: Option<&'a Expr>,
         locals: &Locals<'a>,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         if let Some(argument) = as_sinc(pieces, otherwise)
             && let Some(sinc) = signatures("sinc", false).function(1)
         {
@@ -40,7 +40,7 @@ impl<'a> Lowering<'a> {
         let mut values = self.values_of(exprs, locals)?;
         let mut rest = otherwise.and_then(|_| values.pop());
         for ((condition, place), value) in pieces.iter().zip(values).rev() {
-            let operands: Vec<LoweredValue> = std::iter::once(value).chain(rest).collect();
+            let operands: Vec<Tensor> = std::iter::once(value).chain(rest).collect();
             rest = Some(self.by_component(&operands, place.span, |all, parts| match parts {
                 [yes, no] => all.choose(condition, false, *yes, *no, locals),
                 only => all.only_where(only[0], condition, locals),
@@ -175,7 +175,7 @@ impl<'a> Lowering<'a> {
         series: &'a Series,
         span: Span,
         locals: &Locals<'a>,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         let low = self.whole(&series.low, locals)?;
         let high = self.whole(&series.high, locals)?;
         let step = series.step.as_ref();
@@ -193,7 +193,7 @@ impl<'a> Lowering<'a> {
         let mut k = low;
         while k <= high {
             let mut inner = locals.to_vec();
-            inner.push((series.index.text.as_str(), LoweredValue::Number(self.graph.integer(k))));
+            inner.push((series.index.text.as_str(), Tensor::Number(self.graph.integer(k))));
             let term = self.value_of(&series.body, &inner)?;
             all = Some(match all {
                 None => term,
@@ -202,19 +202,19 @@ impl<'a> Lowering<'a> {
             k += step;
         }
         let empty = i64::from(series.is_product);
-        Ok(all.unwrap_or_else(|| LoweredValue::Number(self.graph.integer(empty))))
+        Ok(all.unwrap_or_else(|| Tensor::Number(self.graph.integer(empty))))
     }
 
     /// A function applied as often as the first argument says, to the second; what follows stays.
     pub(crate) fn iterate(
         &mut self,
         function: &Function,
-        mut arguments: Vec<LoweredValue>,
+        mut arguments: Vec<Tensor>,
         span: Span,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         let count = match arguments.remove(0) {
-            LoweredValue::Number(node) => integer_of(&self.graph, node, &mut { MOST_STEPS }),
-            LoweredValue::Vector(_) | LoweredValue::Matrix(_) => None,
+            Tensor::Number(node) => integer_of(&self.graph, node, &mut { MOST_STEPS }),
+            Tensor::Vector(_) | Tensor::Matrix(_) => None,
         };
         let Some(count) = count.filter(|count| *count >= 0) else {
             return Err(Error::new(span, ErrorKind::RangeNotWhole));

@@ -6,7 +6,7 @@
 
 use crate::limits::Limits;
 use crate::lower::prelude;
-use crate::lower::value::{LoweredValue, component, numbers, vector};
+use crate::lower::value::{Tensor, component, numbers, vector};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::Note;
 use crate::span::Span;
@@ -40,7 +40,7 @@ pub(crate) enum NameBinding<'a> {
 }
 
 /// Values by the names of a function's parameters.
-pub(crate) type Locals<'a> = [(&'a str, LoweredValue)];
+pub(crate) type Locals<'a> = [(&'a str, Tensor)];
 
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
@@ -51,8 +51,8 @@ pub(crate) struct Lowering<'a> {
     time: Option<u32>,
     is_constant: bool,
     limits: &'a Limits,
-    expanded: FxHashMap<(Function, Vec<LoweredValue>), LoweredValue>,
-    values: FxHashMap<&'a str, LoweredValue>,
+    expanded: FxHashMap<(Function, Vec<Tensor>), Tensor>,
+    values: FxHashMap<&'a str, Tensor>,
     levels: usize,
     visits: usize,
     /// Per node, as far as has been asked, whether it is defined everywhere.
@@ -145,19 +145,15 @@ impl<'a> Lowering<'a> {
     /// The node of an expression that must be a number.
     pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
         match self.value_of(expr, locals)? {
-            LoweredValue::Number(node) => Ok(node),
-            LoweredValue::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
-            LoweredValue::Matrix(_) => Err(Error::new(expr.span, ErrorKind::MatrixValue)),
+            Tensor::Number(node) => Ok(node),
+            Tensor::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+            Tensor::Matrix(_) => Err(Error::new(expr.span, ErrorKind::MatrixValue)),
         }
     }
 
     /// The value of an expression: a number or a vector.
     #[inline(never)]
-    pub(crate) fn value_of(
-        &mut self,
-        expr: &'a Expr,
-        locals: &Locals<'a>,
-    ) -> Fallible<LoweredValue> {
+    pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         self.enter(expr.span)?;
         self.levels += 1;
         let node = match stacker::remaining_stack() {
@@ -169,17 +165,13 @@ impl<'a> Lowering<'a> {
     }
 
     #[inline(never)]
-    fn lower_on_more_stack(
-        &mut self,
-        expr: &'a Expr,
-        locals: &Locals<'a>,
-    ) -> Fallible<LoweredValue> {
+    fn lower_on_more_stack(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         stacker::grow(SEGMENT, || self.lower(expr, locals))
     }
 
     /// Each kind in a function by itself, so that what nests in one does not take the stack of all.
     #[inline(never)]
-    fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<LoweredValue> {
+    fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         match &expr.kind {
             ExprKind::Number(text) => Ok(self.decimal(text)),
             ExprKind::Name(value) => self.named(value, expr.span, locals),
@@ -209,13 +201,13 @@ impl<'a> Lowering<'a> {
     }
 
     #[inline(never)]
-    fn decimal(&mut self, text: &str) -> LoweredValue {
+    fn decimal(&mut self, text: &str) -> Tensor {
         let constant = Constant::decimal(text).expect("the grammar lets only decimals through");
-        LoweredValue::Number(self.graph.constant(constant))
+        Tensor::Number(self.graph.constant(constant))
     }
 
     #[inline(never)]
-    fn negated(&mut self, inner: &'a Expr, locals: &Locals<'a>) -> Fallible<LoweredValue> {
+    fn negated(&mut self, inner: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         let value = self.value_of(inner, locals)?;
         self.by_component(&[value], inner.span, |all, parts| Ok(all.opposite(parts[0])))
     }
@@ -225,7 +217,7 @@ impl<'a> Lowering<'a> {
         &mut self,
         exprs: impl Iterator<Item = &'a Expr>,
         locals: &Locals<'a>,
-    ) -> Fallible<Vec<LoweredValue>> {
+    ) -> Fallible<Vec<Tensor>> {
         exprs.map(|expr| self.value_of(expr, locals)).collect()
     }
 
@@ -237,7 +229,7 @@ impl<'a> Lowering<'a> {
         first: &'a Expr,
         rest: &'a [(Sign, Expr)],
         locals: &Locals<'a>,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         let mut all = self.value_of(first, locals)?;
         for (sign, next) in rest {
             let op = kind.op(*sign);
@@ -259,25 +251,20 @@ impl<'a> Lowering<'a> {
     }
 
     #[inline(never)]
-    fn named(
-        &mut self,
-        value: &NamedValue,
-        span: Span,
-        locals: &Locals<'a>,
-    ) -> Fallible<LoweredValue> {
+    fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<Tensor> {
         let varies = || {
             let name = value.name().to_owned();
             Error::new(span, ErrorKind::NotConstant { name })
         };
         match value {
             NamedValue::Coordinate(_) | NamedValue::Time if self.is_constant => Err(varies()),
-            NamedValue::Coordinate(axis) => Ok(LoweredValue::Number(self.graph.variable(*axis))),
-            NamedValue::Time => Ok(LoweredValue::Number(match self.time {
+            NamedValue::Coordinate(axis) => Ok(Tensor::Number(self.graph.variable(*axis))),
+            NamedValue::Time => Ok(Tensor::Number(match self.time {
                 Some(number) => self.graph.parameter(number),
                 None => self.graph.integer(0),
             })),
             NamedValue::Constant(constant) => {
-                Ok(LoweredValue::Number(self.graph.constant(Constant::Named(*constant))))
+                Ok(Tensor::Number(self.graph.constant(Constant::Named(*constant))))
             }
             NamedValue::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);
@@ -290,10 +277,10 @@ impl<'a> Lowering<'a> {
                 let (name, binding) = self.names.get_key_value(name.as_str()).ok_or_else(varies)?;
                 let (name, definition) = match binding {
                     NameBinding::Parameter(number) => {
-                        return Ok(LoweredValue::Number(self.graph.parameter(*number)));
+                        return Ok(Tensor::Number(self.graph.parameter(*number)));
                     }
                     NameBinding::Number(value) => {
-                        return Ok(LoweredValue::Number(self.graph.constant(value.clone())));
+                        return Ok(Tensor::Number(self.graph.constant(value.clone())));
                     }
                     NameBinding::Definition(definition) => (*name, *definition),
                 };
@@ -311,9 +298,9 @@ impl<'a> Lowering<'a> {
     pub(crate) fn call(
         &mut self,
         function: &Function,
-        mut arguments: Vec<LoweredValue>,
+        mut arguments: Vec<Tensor>,
         span: Span,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         match function {
             Function::Native(op) if op.arity() < arguments.len() => {
                 let first = arguments.remove(0);
@@ -322,16 +309,16 @@ impl<'a> Lowering<'a> {
                     .try_fold(first, |all, next| self.native(*op, &[all, next], span))
             }
             Function::Native(op) if op.arity() > arguments.len() => {
-                Ok(LoweredValue::Number(self.fold(*op, arguments[0].parts())))
+                Ok(Tensor::Number(self.fold(*op, arguments[0].parts())))
             }
             Function::Native(op) => self.native(*op, &arguments, span),
             Function::Length => {
                 let nodes = numbers(&arguments, span)?;
-                Ok(LoweredValue::Number(self.length(&nodes)))
+                Ok(Tensor::Number(self.length(&nodes)))
             }
             Function::Root => {
                 let nodes = numbers(&arguments, span)?;
-                self.root(nodes[0], nodes[1], span).map(LoweredValue::Number)
+                self.root(nodes[0], nodes[1], span).map(Tensor::Number)
             }
             Function::Vector(size) => vector(usize::from(*size), &arguments, span),
             Function::Matrix(size) => self.matrix(usize::from(*size), &arguments, span),
@@ -339,9 +326,9 @@ impl<'a> Lowering<'a> {
             Function::Iterate(function) => self.iterate(function, arguments, span),
             Function::Composed(index)
                 if zeroset_ops::COMPOSED[*index].name == "hypot"
-                    && matches!(arguments.as_slice(), [LoweredValue::Vector(_)]) =>
+                    && matches!(arguments.as_slice(), [Tensor::Vector(_)]) =>
             {
-                Ok(LoweredValue::Number(self.length(arguments[0].parts())))
+                Ok(Tensor::Number(self.length(arguments[0].parts())))
             }
             Function::Composed(index) => {
                 let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
@@ -365,16 +352,16 @@ impl<'a> Lowering<'a> {
     fn expand(
         &mut self,
         function: &Function,
-        arguments: Vec<LoweredValue>,
+        arguments: Vec<Tensor>,
         names: impl Iterator<Item = &'a str>,
         body: &'a Expr,
         span: Span,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         let key = (function.clone(), arguments);
         if let Some(value) = self.expanded.get(&key) {
             return Ok(value.clone());
         }
-        let locals: Vec<(&str, LoweredValue)> = names.zip(key.1.iter().cloned()).collect();
+        let locals: Vec<(&str, Tensor)> = names.zip(key.1.iter().cloned()).collect();
         let (is_typed, noted) = (!matches!(function, Function::Composed(_)), self.notes.len());
         let value = self.value_of(body, &locals);
         let value = value.map_err(|error| at_use(error, span, is_typed))?;

@@ -5,7 +5,7 @@
 //! so is a vector times a matrix, which is what `p.xz *= m` means there.
 
 use crate::lower::lowering::Lowering;
-use crate::lower::value::LoweredValue;
+use crate::lower::value::Tensor;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use zeroset_ir::NodeId;
@@ -16,16 +16,16 @@ impl Lowering<'_> {
     pub(crate) fn matrix(
         &mut self,
         size: usize,
-        arguments: &[LoweredValue],
+        arguments: &[Tensor],
         span: Span,
-    ) -> Fallible<LoweredValue> {
-        let source: Vec<NodeId> = arguments.iter().flat_map(LoweredValue::parts).copied().collect();
-        if !matches!(arguments, [LoweredValue::Number(_) | LoweredValue::Matrix(_)]) {
+    ) -> Fallible<Tensor> {
+        let source: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
+        if !matches!(arguments, [Tensor::Number(_) | Tensor::Matrix(_)]) {
             let given = source.len();
             if given != size * size {
                 return Err(Error::new(span, ErrorKind::MatrixSize { size, given }));
             }
-            return Ok(LoweredValue::Matrix(source));
+            return Ok(Tensor::Matrix(source));
         }
         let (zero, one) = (self.graph.integer(0), self.graph.integer(1));
         let known = if source.len() == 1 { 0 } else { source.len().isqrt() };
@@ -38,16 +38,16 @@ impl Lowering<'_> {
                 (false, false) => zero,
             }
         };
-        Ok(LoweredValue::Matrix((0..size * size).map(element).collect()))
+        Ok(Tensor::Matrix((0..size * size).map(element).collect()))
     }
 
     /// An operation of which an operand is a matrix.
     pub(crate) fn of_matrices(
         &mut self,
         op: Op,
-        operands: &[LoweredValue],
+        operands: &[Tensor],
         span: Span,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         if op == Op::Mul
             && let [left, right] = operands
             && let Some(product) = self.product(left, right)
@@ -55,11 +55,11 @@ impl Lowering<'_> {
             return Ok(product);
         }
         let is_by_element = match operands {
-            [LoweredValue::Matrix(a), LoweredValue::Matrix(b)] => {
+            [Tensor::Matrix(a), Tensor::Matrix(b)] => {
                 matches!(op, Op::Add | Op::Sub) && a.len() == b.len()
             }
-            [LoweredValue::Matrix(_), LoweredValue::Number(_)] => matches!(op, Op::Mul | Op::Div),
-            [LoweredValue::Number(_), LoweredValue::Matrix(_)] => op == Op::Mul,
+            [Tensor::Matrix(_), Tensor::Number(_)] => matches!(op, Op::Mul | Op::Div),
+            [Tensor::Number(_), Tensor::Matrix(_)] => op == Op::Mul,
             _ => false,
         };
         if !is_by_element {
@@ -70,13 +70,10 @@ impl Lowering<'_> {
 
     /// The product of two matrices, or of a matrix and a vector; `None` where the sizes differ, and
     /// for other values.
-    fn product(&mut self, left: &LoweredValue, right: &LoweredValue) -> Option<LoweredValue> {
+    fn product(&mut self, left: &Tensor, right: &Tensor) -> Option<Tensor> {
         let n = match (left, right) {
-            (LoweredValue::Matrix(a), LoweredValue::Matrix(b)) if a.len() == b.len() => {
-                a.len().isqrt()
-            }
-            (LoweredValue::Matrix(m), LoweredValue::Vector(v))
-            | (LoweredValue::Vector(v), LoweredValue::Matrix(m))
+            (Tensor::Matrix(a), Tensor::Matrix(b)) if a.len() == b.len() => a.len().isqrt(),
+            (Tensor::Matrix(m), Tensor::Vector(v)) | (Tensor::Vector(v), Tensor::Matrix(m))
                 if m.len().isqrt() == v.len() =>
             {
                 v.len()
@@ -84,18 +81,14 @@ impl Lowering<'_> {
             _ => return None,
         };
         let rows = match left {
-            LoweredValue::Matrix(nodes) => Self::transposed(nodes),
+            Tensor::Matrix(nodes) => Self::transposed(nodes),
             _ => left.parts().to_vec(),
         };
         let mut nodes = Vec::new();
         for column in right.parts().chunks(n) {
             nodes.extend(rows.chunks(n).map(|row| self.products(row, column)));
         }
-        Some(if nodes.len() == n {
-            LoweredValue::Vector(nodes)
-        } else {
-            LoweredValue::Matrix(nodes)
-        })
+        Some(if nodes.len() == n { Tensor::Vector(nodes) } else { Tensor::Matrix(nodes) })
     }
 
     /// The sum of products of what stands at the same place.

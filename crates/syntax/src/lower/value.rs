@@ -13,7 +13,7 @@ use zeroset_ops::{Op, VectorFunction};
 
 /// What an expression lowers to.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum LoweredValue {
+pub(crate) enum Tensor {
     Number(NodeId),
     /// Two to four components.
     Vector(Vec<NodeId>),
@@ -21,7 +21,7 @@ pub(crate) enum LoweredValue {
     Matrix(Vec<NodeId>),
 }
 
-impl LoweredValue {
+impl Tensor {
     fn size(&self) -> usize {
         self.parts().len()
     }
@@ -60,12 +60,10 @@ impl LoweredValue {
 }
 
 /// The nodes of values that must be numbers.
-pub(crate) fn numbers(values: &[LoweredValue], span: Span) -> Fallible<Vec<NodeId>> {
-    let node = |value: &LoweredValue| match value {
-        LoweredValue::Number(node) => Ok(*node),
-        LoweredValue::Vector(_) | LoweredValue::Matrix(_) => {
-            Err(Error::new(span, ErrorKind::Vector))
-        }
+pub(crate) fn numbers(values: &[Tensor], span: Span) -> Fallible<Vec<NodeId>> {
+    let node = |value: &Tensor| match value {
+        Tensor::Number(node) => Ok(*node),
+        Tensor::Vector(_) | Tensor::Matrix(_) => Err(Error::new(span, ErrorKind::Vector)),
     };
     values.iter().map(node).collect()
 }
@@ -74,42 +72,31 @@ impl Lowering<'_> {
     /// What `apply` makes of the components of `operands` that stand at the same place, for each.
     pub(crate) fn by_component(
         &mut self,
-        operands: &[LoweredValue],
+        operands: &[Tensor],
         span: Span,
         mut apply: impl FnMut(&mut Self, &[NodeId]) -> Fallible<NodeId>,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         let size = common_size(operands, span)?;
         let mut nodes = Vec::with_capacity(size);
         for index in 0..size {
             let parts: Vec<NodeId> = operands.iter().map(|value| value.part(index)).collect();
             nodes.push(apply(self, &parts)?);
         }
-        let has_matrix = operands.iter().any(LoweredValue::is_matrix);
-        Ok(if has_matrix { LoweredValue::Matrix(nodes) } else { LoweredValue::new(nodes) })
+        let has_matrix = operands.iter().any(Tensor::is_matrix);
+        Ok(if has_matrix { Tensor::Matrix(nodes) } else { Tensor::new(nodes) })
     }
 
     /// An operation, component by component.
-    pub(crate) fn native(
-        &mut self,
-        op: Op,
-        operands: &[LoweredValue],
-        span: Span,
-    ) -> Fallible<LoweredValue> {
-        if operands.iter().any(LoweredValue::is_matrix) {
+    pub(crate) fn native(&mut self, op: Op, operands: &[Tensor], span: Span) -> Fallible<Tensor> {
+        if operands.iter().any(Tensor::is_matrix) {
             return self.of_matrices(op, operands, span);
         }
         self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
     /// Notes that a product of two vectors is no scalar product.
-    pub(crate) fn note_product(
-        &mut self,
-        op: Op,
-        left: &LoweredValue,
-        right: &LoweredValue,
-        span: Span,
-    ) {
-        let is_vector = |value: &LoweredValue| matches!(value, LoweredValue::Vector(_));
+    pub(crate) fn note_product(&mut self, op: Op, left: &Tensor, right: &Tensor, span: Span) {
+        let is_vector = |value: &Tensor| matches!(value, Tensor::Vector(_));
         let are_vectors = is_vector(left) && is_vector(right);
         if op == Op::Mul && are_vectors && self.notes.is_empty() {
             self.notes.push(Note { span, kind: NoteKind::ProductOfVectors });
@@ -129,35 +116,33 @@ impl Lowering<'_> {
     pub(crate) fn of_vectors(
         &mut self,
         function: VectorFunction,
-        arguments: &[LoweredValue],
+        arguments: &[Tensor],
         span: Span,
-    ) -> Fallible<LoweredValue> {
+    ) -> Fallible<Tensor> {
         match function {
             VectorFunction::Transpose => {
-                Ok(LoweredValue::Matrix(Self::transposed(arguments[0].elements(span)?)))
+                Ok(Tensor::Matrix(Self::transposed(arguments[0].elements(span)?)))
             }
             VectorFunction::Determinant => {
-                Ok(LoweredValue::Number(self.determinant(arguments[0].elements(span)?)))
+                Ok(Tensor::Number(self.determinant(arguments[0].elements(span)?)))
             }
             // As numpy and Mathematica have it.
-            VectorFunction::Dot if arguments.iter().any(LoweredValue::is_matrix) => {
+            VectorFunction::Dot if arguments.iter().any(Tensor::is_matrix) => {
                 self.of_matrices(Op::Mul, arguments, span)
             }
-            VectorFunction::Dot => {
-                self.dot(&arguments[0], &arguments[1], span).map(LoweredValue::Number)
-            }
+            VectorFunction::Dot => self.dot(&arguments[0], &arguments[1], span).map(Tensor::Number),
             VectorFunction::Normalize => {
                 let length = self.length(arguments[0].parts());
-                self.native(Op::Div, &[arguments[0].clone(), LoweredValue::Number(length)], span)
+                self.native(Op::Div, &[arguments[0].clone(), Tensor::Number(length)], span)
             }
             VectorFunction::Distance => {
                 let difference = self.native(Op::Sub, arguments, span)?;
-                Ok(LoweredValue::Number(self.length(difference.parts())))
+                Ok(Tensor::Number(self.length(difference.parts())))
             }
             VectorFunction::Reflect => {
                 let dot = self.dot(&arguments[0], &arguments[1], span)?;
                 let two = self.graph.integer(2);
-                let twice = LoweredValue::Number(self.graph.apply(Op::Mul, &[two, dot]));
+                let twice = Tensor::Number(self.graph.apply(Op::Mul, &[two, dot]));
                 let along = self.native(Op::Mul, &[twice, arguments[1].clone()], span)?;
                 self.native(Op::Sub, &[arguments[0].clone(), along], span)
             }
@@ -171,24 +156,20 @@ impl Lowering<'_> {
                     let second = self.graph.apply(Op::Mul, &[a[j], b[i]]);
                     self.graph.apply(Op::Sub, &[first, second])
                 };
-                Ok(LoweredValue::Vector(vec![part(1, 2), part(2, 0), part(0, 1)]))
+                Ok(Tensor::Vector(vec![part(1, 2), part(2, 0), part(0, 1)]))
             }
         }
     }
 
-    fn dot(&mut self, left: &LoweredValue, right: &LoweredValue, span: Span) -> Fallible<NodeId> {
+    fn dot(&mut self, left: &Tensor, right: &Tensor, span: Span) -> Fallible<NodeId> {
         let products = self.native(Op::Mul, &[left.clone(), right.clone()], span)?;
         Ok(self.fold(Op::Add, products.parts()))
     }
 }
 
 /// A vector of `size` components: of as many in all, or of one that is repeated.
-pub(crate) fn vector(
-    size: usize,
-    arguments: &[LoweredValue],
-    span: Span,
-) -> Fallible<LoweredValue> {
-    let mut nodes: Vec<NodeId> = arguments.iter().flat_map(LoweredValue::parts).copied().collect();
+pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<Tensor> {
+    let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
     let given = nodes.len();
     // `vec2(p)` takes the first components of a longer vector.
     let is_cut = arguments.len() == 1 && given > size;
@@ -196,18 +177,18 @@ pub(crate) fn vector(
         return Err(Error::new(span, ErrorKind::VectorSize { size, given }));
     }
     nodes.resize(size, nodes[0]);
-    Ok(LoweredValue::new(nodes))
+    Ok(Tensor::new(nodes))
 }
 
 /// The components that `letters` name.
-pub(crate) fn component(value: LoweredValue, letters: &str, span: Span) -> Fallible<LoweredValue> {
-    if let (LoweredValue::Matrix(nodes), Some(column)) = (&value, LETTERS.find(letters)) {
+pub(crate) fn component(value: Tensor, letters: &str, span: Span) -> Fallible<Tensor> {
+    if let (Tensor::Matrix(nodes), Some(column)) = (&value, LETTERS.find(letters)) {
         let rows = nodes.len().isqrt();
         if letters.len() == 1 && (column + 1) * rows <= nodes.len() {
-            return Ok(LoweredValue::Vector(nodes[column * rows..(column + 1) * rows].to_vec()));
+            return Ok(Tensor::Vector(nodes[column * rows..(column + 1) * rows].to_vec()));
         }
     }
-    let LoweredValue::Vector(nodes) = value else {
+    let Tensor::Vector(nodes) = value else {
         let letters = letters.to_owned();
         return Err(Error::new(span, ErrorKind::ComponentOfNumber { letters }));
     };
@@ -219,13 +200,13 @@ pub(crate) fn component(value: LoweredValue, letters: &str, span: Span) -> Falli
         };
         found.push(*node);
     }
-    Ok(LoweredValue::new(found))
+    Ok(Tensor::new(found))
 }
 
 /// The number of components of all operands; that of numbers is 1.
-fn common_size(operands: &[LoweredValue], span: Span) -> Fallible<usize> {
+fn common_size(operands: &[Tensor], span: Span) -> Fallible<usize> {
     let mut size = 1;
-    if operands.iter().any(LoweredValue::is_matrix)
+    if operands.iter().any(Tensor::is_matrix)
         && operands.iter().any(|value| value.size() > 1 && !value.is_matrix())
     {
         return Err(Error::new(span, ErrorKind::Matrix));
