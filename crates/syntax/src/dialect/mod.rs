@@ -4,8 +4,8 @@
 //! The result is tokens with a left side, or trees where no text spells a statement out. Nothing
 //! here knows what a formula means. The core does not know this folder; `document` calls it first.
 //!
-//! The files from `assignment` to `program_reader` use one another in a circle: each is a part of
-//! `ProgramReader`, which runs statements inside statements.
+//! The files that extend `ProgramReader` call one another in a circle, because a block may hold any
+//! statement.
 
 pub(crate) mod assignment;
 pub(crate) mod blocks;

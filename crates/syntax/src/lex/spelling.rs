@@ -6,7 +6,7 @@ use crate::settings::{PRESETS, SettingRow, setting};
 /// The kind of a fixed spelling. A blank only separates, a line break ends a statement.
 ///
 /// This is the only list of the words, operators and LaTeX names of the language, but for
-/// [`SETTINGS`].
+/// `SETTINGS`.
 pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
     use TokenKind::*;
     Some(match spelling {

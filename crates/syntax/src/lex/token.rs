@@ -8,7 +8,7 @@ use crate::span::Span;
 pub(crate) struct Token {
     pub kind: TokenKind,
     pub span: Span,
-    /// Its offset in [`LexedStatement::symbols`](crate::lex::scanner::LexedStatement::symbols).
+    /// Its offset in the symbols of its statement.
     pub at: usize,
 }
 

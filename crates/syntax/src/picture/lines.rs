@@ -9,8 +9,8 @@ use crate::limits::Limits;
 use crate::lower::constant::evaluate;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::picture::paint::{Contours, TypedColor, with_point_names};
-use crate::picture::scene::{DomainLine, SrgbColor, ViewLine};
-use crate::settings::{SETTINGS, SettingKind, setting, setting_word};
+use crate::picture::scene::{DomainLine, SrgbColor, ViewLine, bad};
+use crate::settings::{SETTINGS, SettingKind, setting_word};
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
@@ -128,12 +128,6 @@ impl CollectedLines {
         self.lines.push(SettingLine { word, span, share });
         Ok(())
     }
-}
-
-/// The error for a line that does not hold what its `word` takes.
-pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
-    let hint = setting(word).map_or("", |setting| setting.hint);
-    Error::new(span, ErrorKind::BadSetting { word, hint })
 }
 
 /// What holds for a drawing at `place`: what the last line above it says; but where no drawing is

@@ -6,8 +6,7 @@ use crate::tree::grammar::{Pair, Rule};
 use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::picture::lines::bad;
-use crate::settings::{COLOR_MAPS, LOOKS, PRESETS};
+use crate::settings::{COLOR_MAPS, LOOKS, PRESETS, setting};
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
@@ -200,6 +199,12 @@ impl Builder<'_> {
             Error::new(span, ErrorKind::BadColor).suggest_any(span, meant)
         })
     }
+}
+
+/// The error for a line that does not hold what its `word` takes.
+pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
+    let hint = setting(word).map_or("", |setting| setting.hint);
+    Error::new(span, ErrorKind::BadSetting { word, hint })
 }
 
 /// `domain 3` or six numbers.

@@ -1,5 +1,4 @@
-//! From what the grammar recognised to the syntax tree: everything but rows of factors, which `juxtaposition`
-//! shapes.
+//! From the grammar's parts to the syntax tree: all but rows of factors, which `juxtaposition` shapes.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{plain_text, short_formula};

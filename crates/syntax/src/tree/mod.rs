@@ -1,7 +1,10 @@
 //! From tokens to syntax trees: the grammar's result is shaped into expressions in which every name
 //! is resolved.
 //!
-//! Nothing here knows values, graphs or pictures, or that statements may come from a program.
+//! Nothing here knows values, graphs or pictures, or how programs become statements.
+//!
+//! The files that extend `Builder` call one another in a circle, because brackets may hold any
+//! expression: a sum holds juxtaposed factors, which hold calls, whose arguments are sums.
 
 pub(crate) mod aliases;
 pub(crate) mod application;
