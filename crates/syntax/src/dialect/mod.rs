@@ -1,5 +1,5 @@
-//! From other systems' notations and programs to statements of this language: functions with bodies,
-//! loops, assignments, commands that plot.
+//! From other systems' notations and programs to statements of this language: functions with
+//! bodies, loops, assignments, commands that plot.
 //!
 //! The result is tokens with a left side, or trees where no text spells a statement out. Nothing
 //! here knows what a formula means. The core does not know this folder; `document` calls it first.

@@ -244,12 +244,8 @@ impl Arranger<'_> {
         }
         let colon = outside(&inner, Colon).is_some();
         let comma = outside(&inner, Comma).is_some();
-        let relation = inner.iter().any(|token| {
-            matches!(
-                token.kind,
-                Equals | NotEqual | Less | LessEqual | Greater | GreaterEqual | And | Or | Not
-            )
-        });
+        let relation =
+            inner.iter().any(|token| token.kind.is_relation() || token.kind.is_logical());
         let typed = self.typed(open);
         let is_printed = typed == r"\{" || typed == r"\lbrace";
         if is_printed && !colon && !relation && (!comma || is_called(before)) {

@@ -154,12 +154,18 @@ impl TokenKind {
         matches!(self, Equals | NotEqual) || self.is_inequality()
     }
 
+    /// Whether this joins or denies conditions.
+    pub(crate) fn is_logical(self) -> bool {
+        matches!(self, And | Or | Not)
+    }
+
     /// Whether this is an operator, a relation or a comma.
     pub(crate) fn is_operator(self) -> bool {
         self.is_arithmetic()
             || self.is_relation()
             || matches!(self, Caret | Superscript | SquareRoot | CubeRoot | Comma)
-            || matches!(self, And | Or | Not | In)
+            || self.is_logical()
+            || self == In
     }
 
     /// Whether an operand can end with this.

@@ -1,4 +1,4 @@
-//! From the grammar's parts to the syntax tree: all but rows of factors, which `juxtaposition` shapes.
+//! From the grammar's parts to the syntax tree. Rows of factors are shaped in `juxtaposition`.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{plain_text, short_formula};
