@@ -1,10 +1,10 @@
 //! Every word of the language and what kind it is, for help, completion and colors: drawn from the
 //! tables that reading uses. What is done with them is not known here.
 
-use crate::paint::POINT_NAMES;
-use crate::scope::{ROOT_NAMES, meaning};
-use crate::setting::SETTINGS;
-use crate::spelling::{COLOR_MAPS, LOOKS, PRESETS};
+use crate::picture::paint::POINT_NAMES;
+use crate::settings::SETTINGS;
+use crate::settings::{COLOR_MAPS, LOOKS, PRESETS};
+use crate::tree::scope::{ROOT_NAMES, meaning};
 use zeroset_ir::NamedConstant;
 
 /// What a word is.

@@ -1,0 +1,279 @@
+//! What a program does, statement by statement: blocks in braces, or indented. No statement is
+//! looked into.
+
+use crate::dialect::program_words::Words;
+use crate::lex::token_kind::TokenKind::*;
+
+use crate::lex::token::{Token, closing, outside, split};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+
+/// How deep blocks may nest that stand in no brackets.
+const DEEPEST: usize = 40;
+
+/// A statement, or several that one word governs.
+#[derive(Debug)]
+pub(crate) enum ProgramStep {
+    Plain(Vec<Token>),
+    If {
+        condition: Vec<Token>,
+        yes: Vec<ProgramStep>,
+        no: Vec<ProgramStep>,
+    },
+    /// What is repeated while a condition holds; `for` has a start, and what is done between two
+    /// rounds.
+    Loop {
+        word: Token,
+        start: Vec<Token>,
+        condition: Vec<Token>,
+        next: Vec<Token>,
+        body: Vec<ProgramStep>,
+    },
+    /// What is repeated for each of some values.
+    Each {
+        name: Token,
+        values: Vec<Token>,
+        body: Vec<ProgramStep>,
+    },
+}
+
+impl ProgramStep {
+    /// Whether a statement that begins with `word` is here.
+    pub(crate) fn has(steps: &[Self], words: Words<'_>, word: &str) -> bool {
+        steps.iter().any(|step| match step {
+            Self::Plain(tokens) => tokens.first().is_some_and(|first| words.word(*first) == word),
+            Self::If { yes, no, .. } => Self::has(yes, words, word) || Self::has(no, words, word),
+            Self::Loop { body, .. } | Self::Each { body, .. } => Self::has(body, words, word),
+        })
+    }
+
+    /// The first symbol.
+    pub(crate) fn first(&self) -> Option<Token> {
+        match self {
+            Self::Plain(tokens) => tokens.first().copied(),
+            Self::If { condition, .. } => condition.first().copied(),
+            Self::Loop { word, .. } => Some(*word),
+            Self::Each { name, .. } => Some(*name),
+        }
+    }
+}
+
+/// What stands behind the semicolons and line ends at the start.
+fn skip(tokens: &[Token]) -> &[Token] {
+    let count = tokens.iter().take_while(|token| token.kind == Semicolon).count();
+    &tokens[count..]
+}
+
+impl Words<'_> {
+    /// Whether a statement governs others, as `if (c) …` does.
+    pub(crate) fn governs(self, tokens: &[Token]) -> bool {
+        let Some(first) = tokens.first() else { return false };
+        match self.word(*first) {
+            "for" | "while" => tokens.get(1).is_some_and(|next| next.kind == OpenParen),
+            // `if(c, a, b)` is a value; `if (c) a` is not.
+            "if" => {
+                let Some(end) = tokens.get(1..).and_then(closing) else { return false };
+                tokens[1].kind == OpenParen
+                    && outside(&tokens[2..=end], Comma).is_none()
+                    && tokens.get(end + 2).is_none_or(|next| {
+                        next.kind.is_name() && self.word(*next) != "else"
+                            || next.kind == OpenBrace
+                            || next.kind == Semicolon
+                    })
+            }
+            "else" => {
+                tokens.get(1).is_none_or(|next| next.kind.is_name() || next.kind == OpenBrace)
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether the last statement that `tokens` hold is whole: something stands behind what governs
+    /// it.
+    pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
+        let mut is_whole = true;
+        let mut rest = skip(tokens);
+        while let Some(first) = rest.first() {
+            let is_else = self.word(*first) == "else";
+            let governs = is_else || self.governs(rest);
+            let end = match first.kind {
+                _ if is_else => Some(1),
+                _ if governs => closing(&rest[1..]).map(|close| close + 2),
+                OpenBrace => closing(rest).map(|close| close + 1),
+                _ => outside(rest, Semicolon).or(Some(rest.len())),
+            };
+            let Some(end) = end else { return false };
+            is_whole = !governs;
+            rest = skip(&rest[end..]);
+        }
+        is_whole
+    }
+
+    /// The statements of a block in braces.
+    pub(crate) fn block(self, tokens: &[Token], depth: usize) -> Fallible<Vec<ProgramStep>> {
+        let mut steps = Vec::new();
+        let mut rest = skip(tokens);
+        while !rest.is_empty() {
+            rest = skip(self.step(rest, depth, &mut steps)?);
+        }
+        Ok(steps)
+    }
+
+    /// Adds the first statement to `steps`; what follows it.
+    fn step<'t>(
+        self,
+        tokens: &'t [Token],
+        depth: usize,
+        steps: &mut Vec<ProgramStep>,
+    ) -> Fallible<&'t [Token]> {
+        let tokens = skip(tokens);
+        let Some(first) = tokens.first().copied() else { return Ok(tokens) };
+        if depth > DEEPEST {
+            return Err(Error::new(first.span, ErrorKind::TooDeep { limit: DEEPEST }));
+        }
+        if first.kind == OpenBrace
+            && let Some(end) = closing(tokens)
+        {
+            steps.extend(self.block(&tokens[1..end], depth + 1)?);
+            return Ok(&tokens[end + 1..]);
+        }
+        if matches!(self.word(first), "switch" | "struct" | "do") && Self::is_command(tokens) {
+            return Err(self.unread(first));
+        }
+        if !self.governs(tokens) || self.word(first) == "else" {
+            let end = outside(tokens, Semicolon).unwrap_or(tokens.len());
+            steps.push(ProgramStep::Plain(tokens[..end].to_vec()));
+            return Ok(&tokens[end..]);
+        }
+        let Some(end) = closing(&tokens[1..]) else { return Err(self.unread(first)) };
+        let (header, rest) = (&tokens[2..=end], &tokens[end + 2..]);
+        let mut body = Vec::new();
+        let mut rest = self.step(rest, depth + 1, &mut body)?;
+        match self.word(first) {
+            "if" => {
+                let mut no = Vec::new();
+                let next = skip(rest);
+                if next.first().is_some_and(|next| self.word(*next) == "else") {
+                    rest = self.step(&next[1..], depth + 1, &mut no)?;
+                }
+                steps.push(ProgramStep::If { condition: header.to_vec(), yes: body, no });
+            }
+            "while" => {
+                let (word, condition) = (first, header.to_vec());
+                let (start, next) = (Vec::new(), Vec::new());
+                steps.push(ProgramStep::Loop { word, start, condition, next, body });
+            }
+            _ => {
+                let parts: Vec<Vec<Token>> =
+                    header.split(|token| token.kind == Semicolon).map(<[Token]>::to_vec).collect();
+                if let Ok([start, condition, next]) = <[_; 3]>::try_from(parts) {
+                    steps.push(ProgramStep::Loop { word: first, start, condition, next, body });
+                } else {
+                    // `for (const c of [1, 2])`
+                    let of = header.iter().position(|token| self.word(*token) == "of");
+                    let Some(of) = of.filter(|of| *of > 0) else { return Err(self.unread(first)) };
+                    let values = header[of + 1..].to_vec();
+                    steps.push(ProgramStep::Each { name: header[of - 1], values, body });
+                }
+            }
+        }
+        Ok(rest)
+    }
+
+    /// How far the line of a statement is indented.
+    pub(crate) fn indent(self, tokens: &[Token]) -> usize {
+        let start = tokens.first().map_or(0, |first| first.span.start);
+        let line = self.text[..start].rfind('\n').map_or(0, |at| at + 1);
+        self.text[line..].chars().take_while(|c| matches!(c, ' ' | '\t')).count()
+    }
+
+    /// Whether a statement governs lines that are indented, as in Python.
+    pub(crate) fn governs_lines(self, tokens: &[Token]) -> bool {
+        let word = tokens.first().map_or("", |first| self.word(*first));
+        matches!(word, "if" | "elif" | "else" | "for" | "while")
+            && !self.governs(tokens)
+            && outside(tokens, Colon).is_some()
+            && outside(tokens, QuestionMark).is_none()
+    }
+
+    /// The statements of lines that are indented alike.
+    pub(crate) fn lines(self, lines: &[Vec<Token>], depth: usize) -> Fallible<Vec<ProgramStep>> {
+        let mut steps = Vec::new();
+        let mut index = 0;
+        while index < lines.len() {
+            index = self.line(lines, index, depth, &mut steps)?;
+        }
+        Ok(steps)
+    }
+
+    /// Adds the statement at `index` to `steps`; where the next one stands.
+    fn line(
+        self,
+        lines: &[Vec<Token>],
+        index: usize,
+        depth: usize,
+        steps: &mut Vec<ProgramStep>,
+    ) -> Fallible<usize> {
+        let tokens = &lines[index];
+        let first = tokens[0];
+        if depth > DEEPEST {
+            return Err(Error::new(first.span, ErrorKind::TooDeep { limit: DEEPEST }));
+        }
+        if self.word(first) == "pass" && tokens.len() == 1 {
+            return Ok(index + 1);
+        }
+        let colon = outside(tokens, Colon).filter(|_| self.governs_lines(tokens));
+        let Some(colon) = colon else {
+            steps.push(ProgramStep::Plain(tokens.clone()));
+            return Ok(index + 1);
+        };
+        let own = self.indent(tokens);
+        let inner = lines[index + 1..].iter().take_while(|line| self.indent(line) > own).count();
+        let mut next = index + 1 + inner;
+        let body = if colon + 1 < tokens.len() {
+            next = index + 1;
+            vec![ProgramStep::Plain(tokens[colon + 1..].to_vec())]
+        } else {
+            self.lines(&lines[index + 1..next], depth + 1)?
+        };
+        let header = tokens[1..colon].to_vec();
+        match self.word(first) {
+            "if" | "elif" => {
+                let mut no = Vec::new();
+                if let Some(line) = lines.get(next)
+                    && self.indent(line) == own
+                    && matches!(self.word(line[0]), "elif" | "else")
+                {
+                    next = self.line(lines, next, depth + 1, &mut no)?;
+                }
+                steps.push(ProgramStep::If { condition: header, yes: body, no });
+            }
+            "else" => steps.extend(body),
+            "while" => {
+                let (start, after) = (Vec::new(), Vec::new());
+                steps.push(ProgramStep::Loop {
+                    word: first,
+                    start,
+                    condition: header,
+                    next: after,
+                    body,
+                });
+            }
+            _ => match header.as_slice() {
+                [name, within, values @ ..] if within.kind == In => {
+                    steps.push(ProgramStep::Each { name: *name, values: values.to_vec(), body });
+                }
+                _ => return Err(self.unread(first)),
+            },
+        }
+        Ok(next)
+    }
+
+    /// The parts of `a = 1, b = 2`, each of which sets a name; the whole if it is none such.
+    pub(crate) fn each_setting(self, tokens: Vec<Token>) -> Vec<Vec<Token>> {
+        if outside(&tokens, Comma).is_none() || self.types(&tokens) > 0 {
+            return vec![tokens];
+        }
+        let parts = split(&tokens, Comma);
+        if parts.iter().all(|part| self.assignment(part).is_some()) { parts } else { vec![tokens] }
+    }
+}

@@ -1,0 +1,187 @@
+//! What both sides of a branch make of a name, and what a function returns that leaves early:
+//! choices that no statement spells out.
+
+use crate::dialect::known_numbers::number_of;
+use crate::dialect::program_reader::{Frame, ProgramReader};
+use crate::span::Span;
+use crate::tree::aliases::Aliases;
+use crate::tree::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Statement};
+use crate::tree::built_statement::BuiltStatement;
+use crate::tree::raw_statement::Head;
+use rustc_hash::FxHashMap;
+use std::collections::BTreeSet;
+
+use crate::dialect::control_flow::{LEFT, RESULT, more_than};
+
+impl ProgramReader<'_> {
+    /// Adds a definition that no statement spells out; what it is called by.
+    pub(crate) fn synthesize(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
+        let span = frame.function.as_ref().map_or(Span::default(), |head| head.name.span);
+        let (Head { name, parameters }, kind) = self.synthesized_head(name, span, frame);
+        let body = Expr::new(body, span);
+        let definition = Definition { name, parameters, body, range: None };
+        self.program
+            .synthesized
+            .push(BuiltStatement::synthesized(Statement::Define(definition), span));
+        kind
+    }
+
+    /// The left side of what is made under a name that nothing else has, and how it is called.
+    pub(crate) fn synthesized_head(
+        &mut self,
+        name: &str,
+        span: Span,
+        frame: &Frame,
+    ) -> (Head, ExprKind) {
+        let text = self.fresh(&frame.inner_name(name));
+        self.program.generated.insert(text.clone());
+        let (parameters, kind) = frame.call(&text);
+        (Head { name: Name { text, span }, parameters }, kind)
+    }
+
+    /// Names stand for what either side made of them.
+    pub(crate) fn merge(&mut self, frame: &mut Frame, yes: &Frame, no: &Frame, condition: &Expr) {
+        let (first, second) = (newest(&yes.aliases), newest(&no.aliases));
+        let names: BTreeSet<&str> = first.keys().chain(second.keys()).copied().collect();
+        for name in names {
+            let kind = match [&first, &second].map(|side| side.get(name).copied().cloned()) {
+                [Some(a), Some(b)] if a == b => a,
+                [Some(a), Some(b)] => self.chosen(name, condition, a, b, frame),
+                [Some(one), None] | [None, Some(one)] => {
+                    let is_first = first.contains_key(name);
+                    let global = self.heads.contains(name)
+                        || matches!(name, "p" | "pos") && frame.function.is_none();
+                    let global =
+                        global.then(|| ExprKind::Name(NamedValue::Defined(name.to_owned())));
+                    match frame.before(name).or(global) {
+                        Some(old) if is_first => self.chosen(name, condition, one, old, frame),
+                        Some(old) => self.chosen(name, condition, old, one, frame),
+                        None => one,
+                    }
+                }
+                [None, None] => continue,
+            };
+            if frame.aliases.find(name) != Some(&kind) {
+                frame.aliases.push(name.to_owned(), kind);
+            }
+        }
+        for side in [yes, no] {
+            for (name, size) in side.set.iter().skip(frame.set.len()) {
+                if !frame.set.iter().any(|(other, _)| other == name) {
+                    frame.set.push((name.clone(), *size));
+                }
+            }
+        }
+        frame.is_done |= yes.is_done || no.is_done;
+    }
+
+    fn chosen(
+        &mut self,
+        name: &str,
+        condition: &Expr,
+        yes: ExprKind,
+        no: ExprKind,
+        frame: &Frame,
+    ) -> ExprKind {
+        let span = condition.span;
+        // Nothing left before: 0.
+        let piece = (condition.clone(), Expr::new(yes, span));
+        let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(no, span))));
+        self.synthesize(name, body, frame)
+    }
+
+    /// Ends a function, or what is outside functions: what it returns, if that was not plain.
+    pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
+        let Some(left) = frame.left() else { return };
+        let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.is_done) else {
+            return;
+        };
+        let result = Expr::new(result.clone(), span);
+        let body = if number_of(left).is_some() {
+            result
+        } else {
+            let piece = (more_than(left.clone(), 0.0), result);
+            Expr::new(ExprKind::Choice(vec![piece], None), span)
+        };
+        let statement = match &frame.function {
+            Some(head) => {
+                let Head { name, parameters } = head.clone();
+                self.heads.insert(name.text.clone());
+                Statement::Define(Definition { name, parameters, body, range: None })
+            }
+            None => Statement::Draw { expr: body, restrictions: Vec::new() },
+        };
+        self.program.synthesized.push(BuiltStatement::synthesized(statement, span));
+    }
+}
+
+/// What each name stands for, the last counting.
+fn newest(aliases: &Aliases) -> FxHashMap<&str, &ExprKind> {
+    let mut newest = FxHashMap::default();
+    for (name, kind) in aliases.iter() {
+        newest.entry(name).or_insert(kind);
+    }
+    newest
+}
+
+impl Frame {
+    /// The same names inside a statement that governs others.
+    pub(crate) fn inner(&self) -> Self {
+        Self { nested: self.nested + 1, ..self.clone() }
+    }
+
+    /// Whether it is within a function, a call or a statement that governs others.
+    pub(crate) fn is_inner(&self) -> bool {
+        self.function.is_some() || self.prefix.is_some() || self.nested > 0
+    }
+
+    /// A name for what is made here.
+    pub(crate) fn inner_name(&self, name: &str) -> String {
+        match (&self.prefix, &self.function) {
+            (Some(prefix), _) => format!("{prefix}_{name}"),
+            (None, Some(function)) => format!("{}_{name}", function.name.text),
+            (None, None) => format!("{name}_2"),
+        }
+    }
+
+    /// The parameters of what is made here, and how it is called.
+    pub(crate) fn call(&self, name: &str) -> (Option<Vec<Name>>, ExprKind) {
+        let parameters = self.function.as_ref().and_then(|head| head.parameters.clone());
+        let kind = match &parameters {
+            None => ExprKind::Name(NamedValue::Defined(name.to_owned())),
+            Some(parameters) => {
+                let local = |name: &Name| {
+                    let value = NamedValue::Local(name.text.clone());
+                    Expr::new(ExprKind::Name(value), name.span)
+                };
+                let function = Function::Defined(name.to_owned());
+                ExprKind::Call(function, parameters.iter().map(local).collect())
+            }
+        };
+        (parameters, kind)
+    }
+
+    /// What says whether the loop or the function was left, unless it is known that nothing was.
+    pub(crate) fn left(&self) -> Option<&ExprKind> {
+        self.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0))
+    }
+
+    /// What a name stood for before a branch, if it was something.
+    fn before(&self, name: &str) -> Option<ExprKind> {
+        if name == LEFT {
+            return Some(ExprKind::Number("0".to_owned()));
+        }
+        if let Some(kind) = self.aliases.find(name) {
+            return Some(kind.clone());
+        }
+        let parameters = self.function.as_ref()?.parameters.as_ref()?;
+        let is_parameter = parameters.iter().any(|parameter| parameter.text == name);
+        is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
+    }
+
+    /// What a name stands for that may be one of the document.
+    pub(crate) fn meaning(&self, name: &str) -> ExprKind {
+        let document = || ExprKind::Name(NamedValue::Defined(name.to_owned()));
+        self.before(name).unwrap_or_else(document)
+    }
+}

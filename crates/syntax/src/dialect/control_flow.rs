@@ -1,0 +1,285 @@
+//! Branches and loops of programs, written out: a loop's rounds one after the other, and of a
+//! branch both sides, between which each name that they set is chosen.
+//!
+//! What leaves a loop or a function early is a number, 0 as long as nothing has: where it is not
+//! known, what follows is one more branch.
+
+use crate::dialect::blocks::ProgramStep;
+use crate::dialect::known_numbers::{count, number_of, written};
+use crate::dialect::program_reader::{Frame, ProgramReader, Statements};
+use crate::lex::token::{Token, closing, span_of, split};
+use crate::lex::token_kind::TokenKind::{Comma, Equals};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::span::Span;
+use crate::tree::ast::{Expr, ExprKind, Name, Relation};
+use crate::tree::raw_statement::Wrap;
+
+/// The most statements that a program runs.
+pub(crate) const MOST_STEPS: usize = 1000;
+
+/// The name of what says whether a loop or the function was left; a word of programs, so that none
+/// is called so.
+pub(crate) const LEFT: &str = "break";
+/// The name of what is returned.
+pub(crate) const RESULT: &str = "return";
+
+/// What leaves: this round, the loop, the function.
+const ROUND: f64 = 1.0;
+const LOOP: f64 = 2.0;
+const FUNCTION: f64 = 3.0;
+
+impl ProgramReader<'_> {
+    /// The number that `tokens` are, if that is known.
+    pub(crate) fn known(&self, tokens: &[Token], frame: &mut Frame) -> Option<f64> {
+        count(self.words, tokens, &mut frame.aliases, &self.constants)
+    }
+
+    /// Runs the statements of a block.
+    pub(crate) fn run(&mut self, steps: &[ProgramStep], frame: &mut Frame) -> Fallible<()> {
+        for (index, step) in steps.iter().enumerate() {
+            if frame.nested > 0 {
+                self.count_step(step.first().map_or(Span::default(), |first| first.span))?;
+            }
+            match step {
+                ProgramStep::Plain(tokens) => self.plain_step(tokens, frame)?,
+                ProgramStep::If { condition, yes, no } => self.branch(condition, yes, no, frame)?,
+                ProgramStep::Loop { word, start, condition, next, body } => {
+                    let counted = start.windows(2).filter(|pair| pair[1].kind == Equals);
+                    let names = counted.map(|pair| self.words.word(pair[0]).to_owned());
+                    frame.whole.extend(names);
+                    let mut before = start.as_slice();
+                    let mut begin = |reader: &mut Self, frame: &mut Frame| {
+                        reader.plain_step(std::mem::replace(&mut before, next), frame)?;
+                        let holds = reader.holds(condition, frame)?;
+                        if holds {
+                            reader.count_step(word.span)?;
+                        }
+                        Ok(holds)
+                    };
+                    self.repeat(&mut begin, body, frame)?;
+                }
+                ProgramStep::Each { name, values, body } => {
+                    let mut values = self.values(*name, values, frame)?.into_iter();
+                    let mut begin = |reader: &mut Self, frame: &mut Frame| {
+                        let Some(value) = values.next() else { return Ok(false) };
+                        reader.count_step(name.span)?;
+                        let span = name.span;
+                        let text = reader.words.text[span.range()].to_owned();
+                        match value {
+                            LoopValue::Known(number) => {
+                                frame.aliases.push(text, written(number, span));
+                            }
+                            LoopValue::Typed(tokens) => {
+                                reader.set(Name { text, span }, 1, tokens, frame)?;
+                            }
+                        }
+                        Ok(true)
+                    };
+                    self.repeat(&mut begin, body, frame)?;
+                }
+            }
+            let Some(left) = frame.left().cloned() else { continue };
+            let rest = &steps[index + 1..];
+            if rest.is_empty() {
+                return Ok(());
+            }
+            return self.unless_left(left, frame, |reader, going| reader.run(rest, going));
+        }
+        Ok(())
+    }
+
+    /// Counts a statement that is run.
+    fn count_step(&mut self, place: Span) -> Fallible<()> {
+        self.steps += 1;
+        if self.steps > MOST_STEPS {
+            return Err(Error::new(place, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+        }
+        Ok(())
+    }
+
+    /// Runs what follows where `left` is 0: one side of a branch, unless it is known that something
+    /// has left.
+    fn unless_left(
+        &mut self,
+        left: ExprKind,
+        frame: &mut Frame,
+        follow: impl FnOnce(&mut Self, &mut Frame) -> Fallible<()>,
+    ) -> Fallible<()> {
+        if number_of(&left).is_none() {
+            let mut going = frame.inner();
+            follow(self, &mut going)?;
+            let stopped = frame.clone();
+            self.merge(frame, &stopped, &going, &more_than(left, 0.0));
+        }
+        Ok(())
+    }
+
+    /// A statement that governs no others.
+    fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
+        let Some(first) = tokens.first() else { return Ok(()) };
+        match self.words.word(*first) {
+            "break" if tokens.len() == 1 => leave(LOOP, frame),
+            "continue" if tokens.len() == 1 => leave(ROUND, frame),
+            "return" if tokens.len() == 1 => leave(FUNCTION, frame),
+            "return" if frame.nested > 0 => {
+                let name = Name { text: RESULT.to_owned(), span: first.span };
+                self.set(name, 1, tokens[1..].to_vec(), frame)?;
+                leave(FUNCTION, frame);
+            }
+            "return" => {
+                self.result(tokens[1..].to_vec(), frame)?;
+                frame.is_done = true;
+                leave(FUNCTION, frame);
+            }
+            _ => {
+                for part in self.words.each_setting(tokens.to_vec()) {
+                    self.statement(part, frame, &mut Statements::default())?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// `if`: what is set on either side is chosen between, unless it is known which side is taken.
+    fn branch(
+        &mut self,
+        condition: &[Token],
+        yes: &[ProgramStep],
+        no: &[ProgramStep],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        if let Some(holds) = self.known(condition, frame) {
+            return self.run(if holds == 0.0 { no } else { yes }, frame);
+        }
+        let span = condition.first().map_or(Span::default(), |first| first.span);
+        let (head, kind) = self.synthesized_head("if", span, frame);
+        self.push(condition.to_vec(), Some(head), Some(Wrap::Flag), &frame.aliases.clone(), false)?;
+        let (mut first, mut second) = (frame.inner(), frame.inner());
+        self.run(yes, &mut first)?;
+        self.run(no, &mut second)?;
+        self.merge(frame, &first, &second, &more_than(kind, 0.0));
+        Ok(())
+    }
+
+    /// Runs a loop. Before each round `begin` makes it ready, and tells whether there is one.
+    fn repeat(
+        &mut self,
+        begin: Begin<'_, Self>,
+        body: &[ProgramStep],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        frame.nested += 1;
+        self.rounds(begin, body, frame)?;
+        // What left the loop is over with it.
+        self.stay(LOOP, ProgramStep::has(body, self.words, "return"), frame);
+        frame.nested -= 1;
+        Ok(())
+    }
+
+    /// The rounds of a loop that are left.
+    fn rounds(
+        &mut self,
+        begin: Begin<'_, Self>,
+        body: &[ProgramStep],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        while begin(self, frame)? {
+            self.run(body, frame)?;
+            if let Some(left) = self.end_round(body, frame) {
+                return self
+                    .unless_left(left, frame, |reader, going| reader.rounds(begin, body, going));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the condition of a loop holds, which must be known.
+    fn holds(&self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        let Some(span) = span_of(condition) else { return Ok(true) };
+        let known = self.known(condition, frame).map(|holds| holds != 0.0);
+        known.ok_or_else(|| Error::new(span, ErrorKind::LoopEnd))
+    }
+
+    /// What a loop over values goes through.
+    fn values(
+        &mut self,
+        name: Token,
+        tokens: &[Token],
+        frame: &mut Frame,
+    ) -> Fallible<Vec<LoopValue>> {
+        let span = span_of(tokens).unwrap_or(name.span);
+        let refused = || Error::new(span, ErrorKind::LoopEnd);
+        let is_range = tokens.first().is_some_and(|first| self.words.word(*first) == "range");
+        let list = if is_range { &tokens[1..] } else { tokens };
+        let Some(end) = closing(list).filter(|end| end + 1 == list.len()) else {
+            return Err(refused());
+        };
+        let parts = split(&list[1..end], Comma);
+        if !is_range {
+            return Ok(parts.into_iter().map(LoopValue::Typed).collect());
+        }
+        let numbers: Option<Vec<f64>> = parts.iter().map(|part| self.known(part, frame)).collect();
+        let (low, high, step) = match numbers.as_deref() {
+            Some([high]) => (0.0, *high, 1.0),
+            Some([low, high]) => (*low, *high, 1.0),
+            Some([low, high, step]) if *step != 0.0 => (*low, *high, *step),
+            _ => return Err(refused()),
+        };
+        let mut values = Vec::new();
+        let mut value = low;
+        while (high - value) * step > 0.0 {
+            if values.len() > MOST_STEPS {
+                return Err(Error::new(span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+            }
+            values.push(LoopValue::Known(value));
+            value += step;
+        }
+        Ok(values)
+    }
+
+    /// What is left of leaving, once a round is over: nothing of what left only that.
+    fn end_round(&mut self, body: &[ProgramStep], frame: &mut Frame) -> Option<ExprKind> {
+        if ProgramStep::has(body, self.words, "continue") {
+            let others =
+                ["break", "return"].iter().any(|word| ProgramStep::has(body, self.words, word));
+            self.stay(ROUND, others, frame);
+        }
+        frame.left().cloned()
+    }
+
+    /// Forgets what left no more than `level`; whether there are `others`.
+    fn stay(&mut self, level: f64, others: bool, frame: &mut Frame) {
+        let Some(left) = frame.aliases.find(LEFT).cloned() else { return };
+        let zero = ExprKind::Number("0".to_owned());
+        let kind = match number_of(&left) {
+            Some(number) if number > level => return,
+            None if others => {
+                let span = Span::default();
+                let piece = (more_than(left.clone(), level), Expr::new(left, span));
+                let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(zero, span))));
+                self.synthesize(LEFT, body, frame)
+            }
+            _ => zero,
+        };
+        frame.aliases.push(LEFT.to_owned(), kind);
+    }
+}
+
+/// Makes the next round of a loop ready, and tells whether there is one.
+type Begin<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
+
+/// What a name of a loop over values stands for.
+enum LoopValue {
+    Known(f64),
+    Typed(Vec<Token>),
+}
+
+pub(crate) fn more_than(kind: ExprKind, level: f64) -> Expr {
+    let span = Span::default();
+    let level = Expr::new(written(level, span), span);
+    Expr::new(kind, span).compared(Relation::Greater, level, span)
+}
+
+fn leave(level: f64, frame: &mut Frame) {
+    frame.aliases.push(LEFT.to_owned(), written(level, Span::default()));
+}

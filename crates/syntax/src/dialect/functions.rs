@@ -1,0 +1,333 @@
+//! Functions of programs, and what governs other statements: where their bodies are, and what they
+//! return.
+
+use crate::dialect::blocks::ProgramStep;
+use crate::dialect::control_flow::RESULT;
+use crate::dialect::program_reader::{
+    Frame, Procedure, ProcedureParameter, ProgramReader, Statements,
+};
+use crate::dialect::program_words::{SCENES, Words, size_of};
+use crate::lex::token::{Token, bracketed, closing, split};
+use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, Semicolon};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{Note, NoteKind};
+use crate::span::Span;
+use crate::tree::aliases::Aliases;
+use crate::tree::ast::{ExprKind, Name, NamedValue};
+use crate::tree::raw_statement::Head;
+use crate::tree::scope::coordinate;
+use std::rc::Rc;
+
+/// The most functions on one line.
+const MOST_FUNCTIONS: usize = 300;
+
+impl ProgramReader<'_> {
+    /// Functions whose bodies stand in braces, and what follows them on their line.
+    pub(crate) fn functions(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let place = tokens.first().map_or(Span::default(), |first| first.span);
+        let mut rest = tokens;
+        for _ in 0..MOST_FUNCTIONS {
+            rest = self.function(rest)?;
+            if rest.is_empty() {
+                return Ok(());
+            }
+            if !self.words.has_body(&rest) {
+                return self.statement(rest, frame, following);
+            }
+        }
+        Err(Error::new(place, ErrorKind::TooManyNames { limit: MOST_FUNCTIONS }))
+    }
+
+    /// A function whose body stands in braces; what follows it is left.
+    pub(crate) fn function(&mut self, tokens: Vec<Token>) -> Fallible<Vec<Token>> {
+        let Some((name, parameters, body, rest)) = self.words.function(&tokens) else {
+            return Ok(tokens);
+        };
+        let types = &tokens[..self.words.types(&tokens)];
+        let is_void = self.words.has(types, "void");
+        let word = self.words.word(name).to_owned();
+        if is_void && matches!(word.as_str(), "main" | "mainImage") {
+            // What it would be drawn with.
+            let kind = NoteKind::MainLeftOut { name: word };
+            self.program.notes.push(Note { span: name.span, kind });
+            return Ok(rest);
+        }
+        let body = self.expanded(body, 0)?;
+        let mut steps = self.words.block(&body, 0)?;
+        let given = self.given(&parameters);
+        if is_void || given.iter().any(|given| given.is_out) {
+            let procedure = Procedure { parameters: given, body: steps };
+            self.procedures.insert(word, Rc::new(procedure));
+            return Ok(rest);
+        }
+        // In Rust the last expression is the result.
+        let tail = steps.last().and_then(|last| match last {
+            ProgramStep::Plain(tokens) if self.words.is_value(tokens) => Some(tokens.clone()),
+            _ => None,
+        });
+        if tail.is_some() {
+            steps.pop();
+        }
+        let before = self.program.last_function.clone();
+        let mut frame = self.enter(self.words.name(name), parameters)?;
+        if before.is_some() && types.iter().any(|token| size_of(self.words.word(*token)) > 1) {
+            // A normal or a color is not drawn.
+            self.program.last_function = before;
+        }
+        self.run(&steps, &mut frame)?;
+        if let Some(tail) = tail {
+            self.result(tail, &frame)?;
+            frame.is_done = true;
+        }
+        self.leave_function(&frame)?;
+        Ok(rest)
+    }
+
+    /// Ends a function, which must return something.
+    pub(crate) fn leave_function(&mut self, frame: &Frame) -> Fallible<()> {
+        let Some(Head { name, .. }) = &frame.function else { return Ok(()) };
+        if !frame.is_done && frame.aliases.find(RESULT).is_none() {
+            let word = "void".to_owned();
+            return Err(Error::new(name.span, ErrorKind::Program { word }));
+        }
+        self.end(frame, name.span);
+        Ok(())
+    }
+
+    /// Parameters, and which of them are changed.
+    pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<ProcedureParameter> {
+        let one = |tokens: &Vec<Token>| {
+            let (token, size, _) = self.words.parameter(tokens)?;
+            let has = |word: &str| self.words.has(tokens, word);
+            let is_out = has("out") || has("inout");
+            Some(ProcedureParameter {
+                name: self.words.name(token),
+                size,
+                is_in: !has("out"),
+                is_out,
+            })
+        };
+        parameters.iter().filter_map(one).collect()
+    }
+
+    /// `if`, `for` or `while`, and what it governs, of which some may stand on further lines.
+    pub(crate) fn governing(
+        &mut self,
+        mut tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let begins_else = |tokens: Option<&Vec<Token>>| {
+            tokens.is_some_and(|tokens| self.words.word(tokens[0]) == "else")
+        };
+        while begins_else(following.as_slice().first()) || !self.words.is_whole(&tokens) {
+            let Some(more) = following.next() else { break };
+            tokens.push(Token::new(Semicolon, Span::at(more[0].span.start)));
+            tokens.extend(more);
+        }
+        let tokens = self.expanded(tokens, 0)?;
+        let mut steps = self.words.block(&tokens, 0)?;
+        // A function may leave before its end: what follows is then a branch as well.
+        if ProgramStep::has(&steps, self.words, "return") {
+            for more in following.by_ref() {
+                steps.push(ProgramStep::Plain(more));
+            }
+        }
+        self.run(&steps, frame)
+    }
+
+    /// As `governing`, where lines are indented.
+    pub(crate) fn governing_lines(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let own = self.words.indent(&tokens);
+        let mut lines = vec![tokens];
+        while let Some(next) = following.as_slice().first() {
+            let is_else = matches!(self.words.word(next[0]), "elif" | "else");
+            if self.words.indent(next) <= own && !is_else {
+                break;
+            }
+            lines.extend(following.next());
+        }
+        let steps = self.words.lines(&lines, 0)?;
+        self.run(&steps, frame)
+    }
+
+    /// `f(a) = value`, behind the word `function`.
+    pub(crate) fn openscad(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
+        let trigonometric = tokens.iter().find(|token| {
+            matches!(self.words.word(**token), "sin" | "cos" | "tan" | "atan2" | "atan")
+        });
+        let note =
+            trigonometric.map(|token| Note { span: token.span, kind: NoteKind::DegreesOfOpenscad });
+        let name = self.words.name(tokens[0]);
+        match bracketed(&tokens[1..]) {
+            Some((inner, [equals, rest @ ..]))
+                if equals.kind == Equals
+                    && rest.first().is_some_and(|word| self.words.word(*word) == "let") =>
+            {
+                let mut frame = self.enter(name, split(inner, Comma))?;
+                self.bindings(rest.to_vec(), &mut frame)?;
+            }
+            Some((inner, [equals, rest @ ..]))
+                if equals.kind == Equals && inner.iter().any(|token| token.kind == Equals) =>
+            {
+                let frame = self.enter(name, split(inner, Comma))?;
+                self.result(rest.to_vec(), &frame)?;
+            }
+            found => {
+                if let Some((inner, rest)) = found
+                    && !inner.iter().any(|token| token.kind == Comma)
+                    && self.words.is_point(inner, &[rest.to_vec()])
+                {
+                    self.draws(&name);
+                }
+                self.plain(tokens, frame, false)?;
+            }
+        }
+        if let Some(raw) = self.program.statements.last_mut() {
+            raw.lexed.notes.extend(note);
+        }
+        Ok(())
+    }
+
+    /// `def name(parameters):` and the lines up to `return`.
+    pub(crate) fn python(&mut self, tokens: &[Token], following: &mut Statements) -> Fallible<()> {
+        let word = "def".to_owned();
+        let refused = Error::new(tokens[0].span, ErrorKind::Program { word });
+        let Some((name, parameters, first)) = Words::python(tokens) else {
+            return Err(refused);
+        };
+        let mut lines: Vec<Vec<Token>> =
+            Some(first).filter(|first| !first.is_empty()).into_iter().collect();
+        let own = self.words.indent(tokens);
+        let is_indented =
+            following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);
+        // What lost its indentation ends where it returns.
+        while let Some(next) = following.as_slice().first() {
+            let ends = if is_indented { self.words.indent(next) <= own } else { self.ends(&lines) };
+            if ends {
+                break;
+            }
+            lines.extend(following.next());
+        }
+        if !lines.iter().any(|line| self.words.has(line, "return")) {
+            return Err(refused);
+        }
+        let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, &lines));
+        let steps = self.words.lines(&lines, 0)?;
+        let mut frame = self.enter(self.words.name(name), parameters)?;
+        if is_point {
+            self.draws(&self.words.name(name));
+        }
+        self.run(&steps, &mut frame)?;
+        self.leave_function(&frame)
+    }
+
+    /// Whether the last line returns.
+    fn ends(&self, lines: &[Vec<Token>]) -> bool {
+        lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
+    }
+
+    /// Remembers a function of a point as what is drawn, unless one that is called like a scene's
+    /// is before it: what follows that asks for light or shadow.
+    fn draws(&mut self, name: &Name) {
+        let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
+        let known = self.program.last_function.as_ref();
+        if is_scene(name) || !known.is_some_and(is_scene) {
+            self.program.last_function = Some(name.clone());
+        }
+    }
+
+    /// The frame of a function; parameters with values become names that are set.
+    pub(crate) fn enter(&mut self, name: Name, parameters: Vec<Vec<Token>>) -> Fallible<Frame> {
+        if coordinate(&name.text).is_some() {
+            let kind = ErrorKind::CoordinateFunction { name: name.text };
+            return Err(Error::new(name.span, kind));
+        }
+        let mut frame = Frame::default();
+        let mut names = Vec::new();
+        let mut given = Vec::new();
+        for tokens in parameters {
+            let Some((token, size, value)) = self.words.parameter(&tokens) else {
+                continue;
+            };
+            let parameter = self.words.name(token);
+            if let Some(value) = value {
+                given.push((parameter, value));
+            } else {
+                frame.set.push((parameter.text.clone(), size));
+                names.push((parameter, size));
+            }
+        }
+        if let [(_, 3)] = names.as_slice() {
+            self.draws(&name);
+        }
+        // A function of the coordinates is drawn rather than a value above it.
+        if names.iter().map(|(name, _)| name.text.as_str()).eq(["x", "y", "z"]) {
+            self.program.last_value = None;
+        }
+        for (parameter, value) in given {
+            let text = self.fresh(&format!("{}_{}", name.text, parameter.text));
+            let kind = ExprKind::Name(NamedValue::Defined(text.clone()));
+            let head = Head { name: Name { text, span: parameter.span }, parameters: None };
+            self.push(value, Some(head), None, &Aliases::default(), false)?;
+            frame.aliases.push(parameter.text, kind);
+        }
+        let names: Vec<Name> = names.into_iter().map(|(name, _)| name).collect();
+        let parameters = Some(names).filter(|names| !names.is_empty());
+        frame.function = Some(Head { name, parameters });
+        Ok(frame)
+    }
+
+    /// `f = lambda x, y: …` and `f = (x, y) => …`.
+    pub(crate) fn lambda(
+        &mut self,
+        name: Option<Token>,
+        parameters: Vec<Vec<Token>>,
+        value: Vec<Token>,
+        frame: &Frame,
+    ) -> Fallible<()> {
+        let braces =
+            closing(&value).filter(|end| value[0].kind == OpenBrace && end + 1 == value.len());
+        let body = braces.map(|end| value[1..end].to_vec());
+        let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, std::slice::from_ref(&value)));
+        let name = match name {
+            Some(name) => self.words.name(name),
+            None if is_point => Name { text: self.fresh("f"), span: Span::at(value[0].span.start) },
+            None => return self.plain(body.unwrap_or(value), frame, false),
+        };
+        if is_point {
+            self.draws(&name);
+        }
+        let mut frame = self.enter(name, parameters)?;
+        let Some(body) = body else { return self.result(value, &frame) };
+        if !self.words.has(&body, "return") {
+            return self.result(body, &frame);
+        }
+        let steps = self.words.block(&body, 0)?;
+        self.run(&steps, &mut frame)?;
+        self.leave_function(&frame)
+    }
+
+    /// `let(a = 1, b = 2) value`.
+    pub(crate) fn bindings(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
+        let Some((inner, rest)) = bracketed(&tokens[1..]) else {
+            return self.plain(tokens, frame, false);
+        };
+        for tokens in split(inner, Comma) {
+            if let Some((name, None, value)) = self.words.assignment(&tokens) {
+                self.set(self.words.name(name), 1, value, frame)?;
+            }
+        }
+        self.result(rest.to_vec(), frame)
+    }
+}

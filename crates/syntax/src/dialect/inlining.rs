@@ -1,0 +1,166 @@
+//! Functions of programs that change what they are given, and macros: both are written out where
+//! they are called.
+
+use crate::dialect::control_flow::RESULT;
+use crate::dialect::program_reader::{Frame, Macro, Procedure, ProgramReader};
+use crate::lex::token::{Token, closing, in_brackets, split};
+use crate::lex::token_kind::TokenKind::{Comma, Component, OpenParen};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::tree::ast::ExprKind;
+use crate::tree::built_statement::with_parts;
+use std::rc::Rc;
+
+/// How deep calls may nest that are written out.
+const DEEPEST: usize = 12;
+
+impl ProgramReader<'_> {
+    /// `#define name body` and `#define name(a) body`.
+    pub(crate) fn macro_of(&mut self, tokens: &[Token]) {
+        let Some(name) = tokens.first().copied() else { return };
+        let rest = &tokens[1..];
+        let is_call = rest
+            .first()
+            .is_some_and(|next| next.kind == OpenParen && next.span.start == name.span.end);
+        let made = match closing(rest).filter(|_| is_call) {
+            Some(end) => {
+                let names = rest[1..end].iter().map(|token| self.words.word(*token).to_owned());
+                let parameters = names.filter(|name| !name.is_empty()).collect();
+                Macro { parameters: Some(parameters), body: rest[end + 1..].to_vec() }
+            }
+            None => Macro { parameters: None, body: rest.to_vec() },
+        };
+        self.macros.insert(self.words.word(name).to_owned(), made);
+    }
+
+    /// What `tokens` are with macros written out.
+    pub(crate) fn expanded(&self, tokens: Vec<Token>, depth: usize) -> Fallible<Vec<Token>> {
+        let found = |token: &Token| self.macros.get(self.words.word(*token));
+        if self.macros.is_empty() || !tokens.iter().any(|token| found(token).is_some()) {
+            return Ok(tokens);
+        }
+        let mut all = Vec::with_capacity(tokens.len());
+        let mut at = 0;
+        while let Some(token) = tokens.get(at).copied() {
+            at += 1;
+            let Some(made) = found(&token) else {
+                all.push(token);
+                continue;
+            };
+            if depth > DEEPEST {
+                return Err(Error::new(token.span, ErrorKind::TooDeep { limit: DEEPEST }));
+            }
+            let limit = self.limits.symbols;
+            self.written.set(self.written.get() + made.body.len() + 1);
+            if self.written.get() > limit {
+                return Err(Error::new(token.span, ErrorKind::TooManySymbols { limit }));
+            }
+            let Some(parameters) = &made.parameters else {
+                all.extend(self.expanded(made.body.clone(), depth + 1)?);
+                continue;
+            };
+            let Some(end) = closing(&tokens[at..]).filter(|_| tokens[at].kind == OpenParen) else {
+                all.push(token);
+                continue;
+            };
+            let arguments = split(&tokens[at + 1..at + end], Comma);
+            at += end + 1;
+            let mut body = Vec::with_capacity(made.body.len());
+            for part in &made.body {
+                let word = self.words.word(*part);
+                let index = parameters.iter().position(|name| name == word);
+                match index.and_then(|index| arguments.get(index)) {
+                    Some(argument) if argument.len() > 1 => body.extend(in_brackets(argument)),
+                    Some(argument) => body.extend(argument),
+                    None => body.push(*part),
+                }
+            }
+            all.extend(self.expanded(body, depth + 1)?);
+        }
+        Ok(all)
+    }
+
+    /// The procedure that a statement calls, which is nothing but that call; with its arguments.
+    pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
+        let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
+        let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;
+        let arguments = split(&tokens[2..=end], Comma);
+        (tokens[1].kind == OpenParen).then(|| (Rc::clone(procedure), arguments))
+    }
+
+    /// Runs a procedure where it is called; what it returns.
+    pub(crate) fn inline(
+        &mut self,
+        name: Token,
+        procedure: &Procedure,
+        arguments: &[Vec<Token>],
+        frame: &mut Frame,
+    ) -> Fallible<Option<ExprKind>> {
+        if frame.depth >= DEEPEST {
+            return Err(Error::new(name.span, ErrorKind::TooDeep { limit: DEEPEST }));
+        }
+        let word = self.words.word(name).to_owned();
+        let prefix = frame.inner_name(&word);
+        let mut inner = Frame {
+            function: frame.function.clone(),
+            nested: 1,
+            depth: frame.depth + 1,
+            prefix: Some(prefix),
+            ..Frame::default()
+        };
+        if procedure.parameters.len() != arguments.len() {
+            let expected = format!("{} arguments", procedure.parameters.len());
+            let given = arguments.len();
+            let kind = ErrorKind::WrongCount { name: word, expected, given, usage: None };
+            return Err(Error::new(name.span, kind));
+        }
+        for (given, argument) in procedure.parameters.iter().zip(arguments) {
+            if given.is_in {
+                let within = frame.aliases.clone();
+                let (name, value) = (given.name.clone(), argument.clone());
+                self.set_to(name, given.size, value, None, &within, &mut inner)?;
+            } else {
+                inner.set.push((given.name.text.clone(), given.size));
+            }
+        }
+        self.run(&procedure.body, &mut inner)?;
+        for (given, argument) in procedure.parameters.iter().zip(arguments) {
+            let Some(value) = inner.aliases.find(&given.name.text).filter(|_| given.is_out) else {
+                continue;
+            };
+            let (target, letters) = match argument.as_slice() {
+                [target] => (*target, None),
+                [target, letters] if letters.kind == Component => (
+                    *target,
+                    Some(self.words.text[letters.span.start + 1..letters.span.end].to_owned()),
+                ),
+                _ => return Err(Error::new(name.span, ErrorKind::OutParameter { name: word })),
+            };
+            self.take_back(target, letters, value.clone(), given.size, frame);
+        }
+        Ok(inner.aliases.find(RESULT).cloned())
+    }
+
+    /// Lets `target`, or some components of it, stand for `value`.
+    fn take_back(
+        &mut self,
+        target: Token,
+        letters: Option<String>,
+        value: ExprKind,
+        size: usize,
+        frame: &mut Frame,
+    ) {
+        let name = self.words.name(target);
+        let known = frame.set.iter().rfind(|(set, _)| *set == name.text).map(|(_, size)| *size);
+        let kind = match letters {
+            None => value,
+            Some(letters) => {
+                let before = frame.meaning(&name.text);
+                let whole = known.unwrap_or(3);
+                let body = with_parts(&letters, &before, whole, &value, name.span);
+                self.synthesize(&name.text, body, frame)
+            }
+        };
+        frame.aliases.push(name.text.clone(), kind);
+        frame.set.push((name.text, known.unwrap_or(size)));
+    }
+}

@@ -1,0 +1,196 @@
+//! Numbers that are known while a program is read: how often a loop is run.
+
+use crate::dialect::program_words::Words;
+use crate::lex::spelling::decimal;
+use crate::lex::token::Token;
+use crate::lex::token_kind::TokenKind::{self, *};
+use crate::span::Span;
+use crate::tree::aliases::Aliases;
+use crate::tree::ast::{Expr, ExprKind};
+use rustc_hash::FxHashMap;
+
+/// The number that `tokens` are, or 1 for what holds and 0 for what does not; `None` if that is not
+/// known. A name stands for what its alias is, else for one of the `constants`.
+pub(crate) fn count(
+    words: Words<'_>,
+    tokens: &[Token],
+    aliases: &mut Aliases,
+    constants: &FxHashMap<String, f64>,
+) -> Option<f64> {
+    let mut reader = ConstantEvaluator { words, tokens, at: 0, aliases, constants, depth: 0 };
+    let value = reader.joined()?;
+    (reader.at == tokens.len() && value.is_finite()).then_some(value)
+}
+
+/// A number as it is written.
+pub(crate) fn written(value: f64, span: Span) -> ExprKind {
+    let number = ExprKind::Number(value.abs().to_string());
+    if value < 0.0 { ExprKind::Negate(Box::new(Expr::new(number, span))) } else { number }
+}
+
+/// The number that was written.
+pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
+    match kind {
+        ExprKind::Number(text) => text.parse().ok(),
+        ExprKind::Negate(inner) => number_of(&inner.kind).map(|value| -value),
+        _ => None,
+    }
+}
+
+/// What a condition compares by.
+const RELATIONS: &[TokenKind] = &[Less, LessEqual, Greater, GreaterEqual, Equals, NotEqual];
+
+struct ConstantEvaluator<'a> {
+    words: Words<'a>,
+    tokens: &'a [Token],
+    at: usize,
+    aliases: &'a mut Aliases,
+    constants: &'a FxHashMap<String, f64>,
+    depth: usize,
+}
+
+impl ConstantEvaluator<'_> {
+    /// The number that a name stands for, if that is known.
+    fn get(&self, name: &str) -> Option<f64> {
+        match self.aliases.find(name) {
+            Some(kind) => number_of(kind),
+            None => self.constants.get(name).copied(),
+        }
+    }
+
+    fn set(&mut self, name: &str, value: f64) {
+        self.aliases.push(name.to_owned(), written(value, Span::default()));
+    }
+
+    fn kind(&self) -> Option<TokenKind> {
+        self.tokens.get(self.at).map(|token| token.kind)
+    }
+
+    fn take(&mut self, kinds: &[TokenKind]) -> Option<TokenKind> {
+        let kind = self.kind().filter(|kind| kinds.contains(kind))?;
+        self.at += 1;
+        Some(kind)
+    }
+
+    fn typed(&self, token: Token) -> &str {
+        &self.words.text[token.span.range()]
+    }
+
+    /// Whether the same sign stands here twice.
+    fn doubled(&self) -> Option<f64> {
+        match self.tokens.get(self.at..self.at + 2)? {
+            [a, b] if a.kind == b.kind && a.span.end == b.span.start => match a.kind {
+                Plus => Some(1.0),
+                Minus => Some(-1.0),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    fn joined(&mut self) -> Option<f64> {
+        self.depth += 1;
+        if self.depth > 50 {
+            return None;
+        }
+        let mut value = self.compared()?;
+        while let Some(joint) = self.take(&[And, Or]) {
+            let next = self.compared()?;
+            let holds = if joint == And {
+                value != 0.0 && next != 0.0
+            } else {
+                value != 0.0 || next != 0.0
+            };
+            value = f64::from(u8::from(holds));
+        }
+        self.depth -= 1;
+        Some(value)
+    }
+
+    fn compared(&mut self) -> Option<f64> {
+        if self.take(&[Not]).is_some() {
+            return Some(f64::from(u8::from(self.compared()? == 0.0)));
+        }
+        let left = self.sum()?;
+        let Some(relation) = self.take(RELATIONS) else { return Some(left) };
+        let right = self.sum()?;
+        #[allow(clippy::float_cmp)] // as programs do
+        let holds = match relation {
+            Less => left < right,
+            LessEqual => left <= right,
+            Greater => left > right,
+            GreaterEqual => left >= right,
+            Equals => left == right,
+            _ => left != right,
+        };
+        Some(f64::from(u8::from(holds)))
+    }
+
+    fn sum(&mut self) -> Option<f64> {
+        let mut value = self.product()?;
+        while self.doubled().is_none()
+            && let Some(sign) = self.take(&[Plus, Minus])
+        {
+            let next = self.product()?;
+            value = if sign == Plus { value + next } else { value - next };
+        }
+        Some(value)
+    }
+
+    fn product(&mut self) -> Option<f64> {
+        let mut value = self.factor()?;
+        loop {
+            let remainder = self.tokens.get(self.at).is_some_and(|t| self.typed(*t) == "%");
+            if remainder {
+                self.at += 1;
+                let next = self.factor()?;
+                value = if next == 0.0 { return None } else { value % next };
+                continue;
+            }
+            let Some(sign) = self.take(&[Star, Slash]) else { return Some(value) };
+            let next = self.factor()?;
+            let result = if sign == Star { value * next } else { value / next };
+            // The quotient of whole numbers is cut in some languages.
+            if sign == Slash && value.fract() == 0.0 && next.fract() == 0.0 && result.fract() != 0.0
+            {
+                return None;
+            }
+            value = result;
+        }
+    }
+
+    fn factor(&mut self) -> Option<f64> {
+        if let Some(change) = self.doubled() {
+            let name = self.tokens.get(self.at + 2)?;
+            let name = self.words.word(*name);
+            let value = self.get(name)? + change;
+            self.set(name, value);
+            self.at += 3;
+            return Some(value);
+        }
+        if self.take(&[Minus]).is_some() {
+            return self.factor().map(|value| -value);
+        }
+        let token = *self.tokens.get(self.at)?;
+        self.at += 1;
+        if token.kind == Number {
+            return decimal(self.typed(token)).parse().ok();
+        }
+        if token.kind == OpenParen {
+            let value = self.joined()?;
+            return self.take(&[CloseParen]).map(|_| value);
+        }
+        let name = self.words.word(token);
+        if matches!(name, "float" | "int" | "double") && self.take(&[OpenParen]).is_some() {
+            let value = self.joined()?;
+            let value = if name == "int" { value.trunc() } else { value };
+            return self.take(&[CloseParen]).map(|_| value);
+        }
+        let value = self.get(name)?;
+        if let Some(change) = self.doubled() {
+            self.at += 2;
+            self.set(name, value + change);
+        }
+        Some(value)
+    }
+}

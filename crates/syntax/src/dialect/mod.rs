@@ -1,0 +1,21 @@
+//! From other systems' notations and programs to statements of this language: functions with
+//! bodies, loops, assignments, commands that plot.
+//!
+//! The result is tokens with a left side, or trees where no text spells a statement out. Nothing
+//! here knows what a formula means. The core does not know this folder; `document` calls it first.
+//!
+//! The files that extend `ProgramReader` call one another in a circle, because a block may hold any
+//! statement.
+
+pub(crate) mod assignment;
+pub(crate) mod blocks;
+pub(crate) mod branch_merge;
+pub(crate) mod control_flow;
+pub(crate) mod functions;
+pub(crate) mod inlining;
+pub(crate) mod known_numbers;
+pub(crate) mod plot_commands;
+pub(crate) mod program;
+pub(crate) mod program_reader;
+pub(crate) mod program_words;
+pub(crate) mod wrappers;

@@ -1,0 +1,324 @@
+//! The statements of a program, one after the other: what each sets, and what is left as it stands.
+
+use crate::dialect::blocks::ProgramStep;
+use crate::dialect::plot_commands::Plot;
+use crate::dialect::program::PastedProgram;
+use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
+use crate::lex::arrangement::arrange;
+use crate::lex::scanner::scan;
+use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
+use crate::tree::raw_statement::{Head, RawStatement, Wrap};
+
+use crate::lex::token::{Token, closing};
+use crate::limits::Limits;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::span::Span;
+use crate::tree::aliases::Aliases;
+use crate::tree::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
+use crate::tree::built_statement::BuiltStatement;
+use crate::tree::scope::coordinate;
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::cell::Cell;
+use std::rc::Rc;
+
+/// The names of a function's body, or of what is outside functions.
+#[derive(Clone, Default)]
+pub(crate) struct Frame {
+    /// The function's name and parameters.
+    pub function: Option<Head>,
+    pub aliases: Aliases,
+    /// Names that were set, with the number of their components.
+    pub set: Vec<(String, usize)>,
+    /// Names that count in whole numbers, and have a number that is known.
+    pub whole: FxHashSet<String>,
+    /// How many branches and loops are around.
+    pub nested: usize,
+    /// How many calls are around that are written out.
+    pub depth: usize,
+    /// What names begin with that are made in a call that is written out.
+    pub prefix: Option<String>,
+    /// Whether the result was written as it stands.
+    pub is_done: bool,
+}
+
+/// A function that changes what it is given, or returns nothing.
+pub(crate) struct Procedure {
+    pub parameters: Vec<ProcedureParameter>,
+    pub body: Vec<ProgramStep>,
+}
+
+/// A parameter.
+pub(crate) struct ProcedureParameter {
+    pub name: Name,
+    pub size: usize,
+    /// Whether it has a value when the function begins.
+    pub is_in: bool,
+    /// Whether what it was made into goes back.
+    pub is_out: bool,
+}
+
+/// What stands for something else wherever it is called.
+pub(crate) struct Macro {
+    pub parameters: Option<Vec<String>>,
+    pub body: Vec<Token>,
+}
+
+pub(crate) struct ProgramReader<'a> {
+    pub words: Words<'a>,
+    pub limits: &'a Limits,
+    /// Names that the text uses, or that were made.
+    pub taken: FxHashSet<String>,
+    /// Names of whole numbers, whose quotients programs cut.
+    pub whole: FxHashSet<String>,
+    /// Names that were defined.
+    pub heads: FxHashSet<String>,
+    pub macros: FxHashMap<String, Macro>,
+    pub procedures: FxHashMap<String, Rc<Procedure>>,
+    /// Numbers that names stand for outside functions.
+    pub constants: FxHashMap<String, f64>,
+    /// How many statements were run.
+    pub steps: usize,
+    /// How many symbols macros were written out to.
+    pub written: Cell<usize>,
+    pub program: PastedProgram,
+}
+
+pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
+
+/// Reads `text` as statements.
+pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
+    let mut statements = scan(text, limits)?;
+    let words = Words { text };
+    words.join_bodies(&mut statements);
+    let taken = statements
+        .iter()
+        .flatten()
+        .map(|token| &text[token.span.range()])
+        .collect::<FxHashSet<_>>();
+    let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
+    let mut reader = ProgramReader {
+        words,
+        limits,
+        taken: taken.into_iter().map(str::to_owned).collect(),
+        heads: FxHashSet::default(),
+        whole: FxHashSet::default(),
+        macros: FxHashMap::default(),
+        procedures: FxHashMap::default(),
+        constants: FxHashMap::default(),
+        steps: 0,
+        written: Cell::new(0),
+        program: PastedProgram { in_steps, ..PastedProgram::default() },
+    };
+    let mut top = Frame::default();
+    let mut statements = statements.into_iter();
+    while let Some(tokens) = statements.next() {
+        reader.statement(tokens, &mut top, &mut statements)?;
+    }
+    reader.end(&top, Span::at(text.len()));
+    Ok(reader.program)
+}
+
+impl ProgramReader<'_> {
+    /// One statement, which may be a function with the statements after it.
+    pub(crate) fn statement(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let mut tokens = self.expanded(tokens, 0)?;
+        let Some(first) = tokens.first().copied() else {
+            return Ok(());
+        };
+        if let Some(sign) = Words::prefixed(&tokens) {
+            return Err(Error::new(sign.span, ErrorKind::Prefix));
+        }
+        if first.kind.is_setting() && frame.function.is_none() {
+            return self.plain(tokens, frame, false);
+        }
+        if frame.function.is_none()
+            && let Some(statements) = self.words.unwrapped(&tokens)
+        {
+            // Each is shorter, so that this ends.
+            return statements
+                .into_iter()
+                .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
+        }
+        match self.words.word(first) {
+            "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
+            "for" | "while" | "if" if self.words.governs(&tokens) => {
+                return self.governing(tokens, frame, following);
+            }
+            "for" | "while" | "if" if self.words.governs_lines(&tokens) => {
+                return self.governing_lines(tokens, frame, following);
+            }
+            "struct" | "switch" | "do" | "else" | "elif"
+                if Words::is_command(&tokens) || self.words.governs(&tokens) =>
+            {
+                return Err(self.words.unread(first));
+            }
+            "def" if tokens.len() > 3 => return self.python(&tokens, following),
+            "return" if tokens.len() > 1 => {
+                tokens.remove(0);
+                return self.result(tokens, frame);
+            }
+            "#define" if tokens.len() > 1 => {
+                self.macro_of(&tokens[1..]);
+                return Ok(());
+            }
+            "function"
+                if tokens.len() > 2
+                    && !self.words.has_body(&tokens)
+                    && begins_name(tokens.get(1)) =>
+            {
+                tokens.remove(0);
+                return self.openscad(tokens, frame);
+            }
+            "difference" | "union" | "intersection" | "translate" | "rotate" | "hull"
+                if tokens.get(1..).and_then(closing).is_some_and(|end| {
+                    tokens.get(end + 2).is_some_and(|next| next.kind == OpenBrace)
+                }) =>
+            {
+                let formula = "write equations for its parts, and `subtract(a, b)`, `union(a, b)` or `intersect(a, b)` of them";
+                return Err(Error::new(first.span, ErrorKind::Solid { formula }));
+            }
+            "draw_surface"
+                if tokens.len() == 1 && frame.function.is_none() && self.words.sets_surface() =>
+            {
+                let value = NamedValue::Defined("surface".to_owned());
+                let expr = Expr::new(ExprKind::Name(value), first.span);
+                let statement = Statement::Draw { expr, restrictions: Vec::new() };
+                self.program.synthesized.push(BuiltStatement::synthesized(statement, first.span));
+                return Ok(());
+            }
+            "let" if tokens.get(1).is_some_and(|token| token.kind == OpenParen) => {
+                return self.bindings(tokens, frame);
+            }
+            _ => {}
+        }
+        if self.words.has_body(&tokens) {
+            return self.functions(tokens, frame, following);
+        }
+        if let Some((procedure, arguments)) = self.called(&tokens) {
+            self.inline(first, &procedure, &arguments, frame)?;
+            return Ok(());
+        }
+        let types = self.words.types(&tokens);
+        if types > 0 {
+            let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
+            let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
+            return self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame);
+        }
+        if self.counts(&tokens, frame) {
+            return Ok(());
+        }
+        let in_steps = self.program.in_steps || frame.function.is_some();
+        if in_steps && self.step(&tokens, frame)? {
+            return Ok(());
+        }
+        if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
+            return self.lambda(name, parameters, value, frame);
+        }
+        self.plain(tokens, frame, true)
+    }
+
+    /// A statement as it stands.
+    pub(crate) fn plain(&mut self, tokens: Vec<Token>, frame: &Frame, plots: bool) -> Fallible<()> {
+        let mut tokens = tokens;
+        if frame.function.is_some() && plots && self.words.assignment(&tokens).is_none() {
+            return Err(Error::new(tokens[0].span, ErrorKind::NoEffect));
+        }
+        if let [name, equals, number] = tokens.as_slice()
+            && equals.kind == Equals
+            && number.kind == Number
+            && let Some(value) = self.known(&[*number], &mut Frame::default())
+        {
+            self.constants.insert(self.words.word(*name).to_owned(), value);
+        }
+        let plot = if plots { self.words.plot(&tokens)? } else { None };
+        let Some(Plot { formulas, is_height, domain, note }) = plot else {
+            self.words.patterns(&mut tokens);
+            return self.push(tokens, None, None, &frame.aliases, false);
+        };
+        self.program.notes.extend(note);
+        for formula in formulas {
+            self.push(formula, None, None, &frame.aliases, is_height)?;
+        }
+        domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
+    }
+
+    pub(crate) fn push(
+        &mut self,
+        tokens: Vec<Token>,
+        head: Option<Head>,
+        wrap: Option<Wrap>,
+        aliases: &Aliases,
+        is_height: bool,
+    ) -> Fallible<()> {
+        if tokens.is_empty() {
+            let unfinished = |head: Head| Err(Error::new(head.name.span, ErrorKind::Unfinished));
+            return head.map_or(Ok(()), unfinished);
+        }
+        let changing = |token: &&Token| {
+            let procedure = self.procedures.get(self.words.word(**token));
+            procedure.is_some_and(|procedure| procedure.parameters.iter().any(|given| given.is_out))
+        };
+        if let Some(span) = self.cut_quotient(&tokens) {
+            return Err(Error::new(span, ErrorKind::WholeQuotient));
+        }
+        if let Some(token) = tokens.iter().find(changing) {
+            let name = self.words.word(*token).to_owned();
+            return Err(Error::new(token.span, ErrorKind::OutParameter { name }));
+        }
+        if let Some(lexed) = arrange(self.words.text, tokens, self.limits)? {
+            let aliases = aliases.clone();
+            self.heads.extend(head.iter().map(|head| head.name.text.clone()));
+            self.program.statements.push(RawStatement { lexed, head, aliases, wrap, is_height });
+        }
+        Ok(())
+    }
+
+    /// Reads a statement that sets names in steps; whether it is one.
+    fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        if let Some((left, right)) = Words::parallel(tokens) {
+            // All values are those before any of the names is set.
+            let within = frame.aliases.clone();
+            for (name, value) in left.into_iter().zip(right) {
+                self.set_to(self.words.name(name), 1, value, None, &within, frame)?;
+            }
+            return Ok(true);
+        }
+        if let Some((names, value)) = Words::unpacked(tokens) {
+            let within = frame.aliases.clone();
+            for (name, letter) in names.into_iter().zip(LETTERS.chars()) {
+                let (name, part) = (self.words.name(name), Some(Wrap::Pick(letter)));
+                self.set_to(name, 1, value.to_vec(), part, &within, frame)?;
+            }
+            return Ok(true);
+        }
+        if let Some((name, letters, value)) = self.words.assignment(tokens) {
+            let name = self.words.name(name);
+            let known = frame.set.iter().rfind(|(set, _)| *set == name.text);
+            let size = known.map_or(3, |(_, size)| *size);
+            let is_set = frame.function.is_some() || known.is_some() || letters.is_some();
+            // `x = 3` is an equation, unless a program has declared x.
+            let is_coordinate = name.text == "t" || coordinate(&name.text).is_some();
+            if is_coordinate && !is_set {
+                return self.plain(tokens.to_vec(), frame, true).map(|()| true);
+            }
+            let is_steps = is_set || self.words.is_step(tokens);
+            if is_steps || self.words.has(&value, &name.text) {
+                let within = frame.aliases.clone();
+                let before = frame.meaning(&name.text);
+                let write = letters.map(|letters| Wrap::Write { letters, before, size });
+                return self.set_to(name, size, value, write, &within, frame).map(|()| true);
+            }
+            let is_number = matches!(value.as_slice(), [only] if only.kind == Number);
+            if frame.function.is_none() && !is_number && self.words.lambda(tokens).is_none() {
+                self.program.last_value = Some(name.clone());
+            }
+            frame.set.push((name.text, size));
+        }
+        Ok(false)
+    }
+}

@@ -1,0 +1,287 @@
+//! What other systems put around a formula: commands that plot it, declarations of names, braces of
+//! print. No formula is looked into.
+
+use crate::dialect::program_words::Words;
+use crate::lex::token_kind::TokenKind::{self, *};
+
+use crate::lex::token::{Token, bracketed, closing, outside, split};
+use crate::span::Span;
+
+/// Commands that only declare names, or set up a system.
+const SETUP: &[&str] = &[
+    "syms",
+    "restart",
+    "clc",
+    "clear",
+    "close",
+    "hold",
+    "figure",
+    "ring",
+    "LIB",
+    "Clear",
+    "ClearAll",
+    "Needs",
+    "draw_curve",
+    "clear_screen",
+    "using",
+    "namespace",
+    "package",
+    "precision",
+];
+
+/// The same, where brackets follow.
+const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "reset", "kill"];
+
+/// What makes symbols of names.
+const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
+
+/// What makes grids of coordinates.
+const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
+
+/// Words before a formula that ask for its picture.
+const ASKS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
+
+impl Words<'_> {
+    /// The statements that one stands for which is more than a formula; none if it means nothing.
+    pub(crate) fn unwrapped(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let first = *tokens.first()?;
+        let next = tokens.get(1);
+        let word = self.word(first);
+        let opens = next.is_some_and(|next| matches!(next.kind, OpenParen | OpenBracket));
+        let is_setting = next.is_some_and(|next| matches!(next.kind, Equals | Colon | Comma));
+        if SETUP.contains(&word) && (next.is_none_or(|next| next.kind.is_name()) || word == "Needs")
+            || SETUP_CALLS.contains(&word) && opens && !is_setting && Self::is_whole_call(tokens)
+        {
+            return Some(Vec::new());
+        }
+        if let Some(equals) = tokens.iter().position(|token| token.kind == Equals)
+            && let [made, open, ..] = &tokens[equals + 1..]
+            && (SYMBOLS.contains(&self.word(*made)) && open.kind == OpenParen
+                || GRIDS.contains(&self.word(*made)))
+        {
+            return Some(Vec::new());
+        }
+        let found = self.behind_mark(tokens).map(|rest| vec![rest]);
+        let found = found.or_else(|| self.with_rules(tokens));
+        let found = found.or_else(|| self.with_values(tokens));
+        if let Some(found) = found.or_else(|| self.of_surfer(tokens)) {
+            return Some(found);
+        }
+        if first.kind == OpenBrace {
+            return self.in_braces(tokens).map(|inner| vec![inner]);
+        }
+        match word {
+            "With" | "Module" | "Block" if opens => return Self::with(tokens),
+            "function" if next.is_some_and(|next| next.kind == OpenBrace) => {
+                let (inner, rest) = bracketed(&tokens[1..])?;
+                return rest.is_empty().then(|| vec![inner.to_vec()]);
+            }
+            // These mean nothing around a formula.
+            "Simplify" | "FullSimplify" | "Evaluate" | "N" | "Expand" | "Factor" | "simplify"
+            | "expand" | "patch"
+                if opens && Self::is_whole_call(tokens) =>
+            {
+                let (inner, _) = bracketed(&tokens[1..])?;
+                return Some(vec![inner.to_vec()]);
+            }
+            _ if ASKS.contains(&word)
+                && tokens.get(2).is_some()
+                && next.is_some_and(|next| self.word(*next) == "of") =>
+            {
+                return Some(vec![tokens[2..].to_vec()]);
+            }
+            _ if ASKS.contains(&word)
+                && next
+                    .is_some_and(|next| next.kind != OpenParen && next.kind.begins_operand()) =>
+            {
+                return Some(vec![tokens[1..].to_vec()]);
+            }
+            _ => {}
+        }
+        if let [name, less, minus, function, ..] = tokens
+            && less.kind == Less
+            && minus.kind == Minus
+            && self.word(*function) == "function"
+        {
+            let mut all = vec![*name, Token::new(Equals, Span::at(less.span.start))];
+            all.extend(&tokens[3..]);
+            return Some(vec![all]);
+        }
+        self.of_maple(tokens)
+    }
+
+    /// What stands behind a command that sets up, `with(plots):`, or behind the mark of a session,
+    /// `In[1]:=`, `(%i1)`, `>>>`.
+    fn behind_mark(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let rest = match tokens {
+            [first, open, ..]
+                if matches!(self.word(*first), "In" | "Out") && open.kind == OpenBracket =>
+            {
+                let (_, rest) = bracketed(&tokens[1..])?;
+                rest.first().filter(|sign| sign.kind == Equals)?;
+                rest[1..].to_vec()
+            }
+            [open, percent, mark, close, ..]
+                if open.kind == OpenParen
+                    && &self.text[percent.span.range()] == "%"
+                    && self.word(*mark).starts_with(['i', 'o'])
+                    && close.kind == CloseParen =>
+            {
+                tokens[4..].to_vec()
+            }
+            [a, b, c, ..] if [a, b, c].iter().all(|sign| sign.kind == Greater) => {
+                tokens[3..].to_vec()
+            }
+            [first, ..] if SETUP_CALLS.contains(&self.word(*first)) => {
+                let (_, rest) = bracketed(&tokens[1..])?;
+                rest.first().filter(|colon| colon.kind == Colon)?;
+                rest[1..].to_vec()
+            }
+            _ => return None,
+        };
+        (!rest.is_empty()).then_some(rest)
+    }
+
+    /// `formula /. {a -> 2, b -> 3}` of Mathematica, as the formula and its values.
+    fn with_rules(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let is_sign = |pair: &[Token]| {
+            pair[0].kind == Slash && &self.text[pair[0].span.to(pair[1].span).range()] == "/."
+        };
+        let at = tokens.windows(2).position(is_sign)?;
+        let rules = &tokens[at + 2..];
+        let rules = bracketed(rules).map_or(rules, |(inner, _)| inner);
+        let mut all = vec![tokens[..at].to_vec()];
+        for rule in split(rules, Comma) {
+            let [name, minus, arrow, value @ ..] = rule.as_slice() else { return None };
+            if minus.kind != Minus || arrow.kind != Greater || !name.kind.is_name() {
+                return None;
+            }
+            let mut line = vec![*name, Token::new(Equals, minus.span)];
+            line.extend(value);
+            all.push(line);
+        }
+        (at > 0).then_some(all)
+    }
+
+    /// `formula where a = 2, b = 3`, as the formula and its values.
+    fn with_values(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let is_word = |token: &Token| {
+            token.kind == TokenKind::Name && matches!(self.word(*token), "where" | "with" | "for")
+        };
+        let at = tokens.iter().position(is_word)?;
+        let mut formula = tokens[..at].to_vec();
+        while formula.last().is_some_and(|last| last.kind == Comma) {
+            formula.pop();
+        }
+        let mut all = vec![formula];
+        for part in split(&tokens[at + 1..], Comma) {
+            all.extend(split(&part, And));
+        }
+        let is_value = |part: &Vec<Token>| match part.as_slice() {
+            [name, equals, value, ..] => {
+                name.kind == TokenKind::Name && equals.kind == Equals && value.kind != Equals
+            }
+            _ => false,
+        };
+        let count = |is: fn(TokenKind) -> bool| tokens[..at].iter().filter(|t| is(t.kind)).count();
+        let is_outside = count(|kind| kind.closer().is_some()) == count(TokenKind::is_closer);
+        let (formula, values) = all.split_first()?;
+        let is_read = is_outside && !formula.is_empty() && !values.is_empty();
+        (is_read && values.iter().all(is_value)).then_some(all)
+    }
+
+    /// A line of a file of Surfer: its formula, a parameter, or what is about its picture.
+    fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        const PARAMETER: &str = "surface_parameter_";
+        if !self.text.contains("surface_equation") {
+            return None;
+        }
+        let (first, rest) = tokens.split_first()?;
+        let equals = rest.first().filter(|equals| equals.kind == Equals)?;
+        let word = self.word(*first);
+        if word == "surface_equation" {
+            return Some(vec![rest[1..].to_vec()]);
+        }
+        if let Some(name) = word.strip_prefix(PARAMETER).filter(|name| !name.is_empty()) {
+            let end = first.span.end;
+            let mut all =
+                vec![Token::new(TokenKind::Name, Span::new(end - name.len(), end)), *equals];
+            all.extend(&rest[1..]);
+            return Some(vec![all]);
+        }
+        let is_look =
+            ["camera_", "light_", "background_", "surface_", "rotation_", "scale_", "transform_"]
+                .iter()
+                .any(|begin| word.starts_with(begin));
+        is_look.then(Vec::new)
+    }
+
+    /// Whether the text sets a name of Surfer's that `draw_surface` draws.
+    pub(crate) fn sets_surface(self) -> bool {
+        let mut places = self.text.match_indices("surface");
+        places.any(|(at, word)| self.text[at + word.len()..].trim_start().starts_with('='))
+    }
+
+    /// Whether a statement is one call and nothing else.
+    fn is_whole_call(tokens: &[Token]) -> bool {
+        let end = closing(&tokens[1..]);
+        end.is_some_and(|end| {
+            tokens[end + 2..].iter().all(|token| matches!(token.kind, Colon | Unknown | Comma))
+        })
+    }
+
+    /// What stands in braces around an equation, or behind the colon of a set.
+    fn in_braces(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let end = closing(tokens)?;
+        if tokens[end + 1..].iter().any(|token| !matches!(token.kind, Comma | Unknown)) {
+            return None;
+        }
+        let inner = &tokens[1..end];
+        let has = |sign| outside(inner, sign);
+        if let (Some(within), Some(colon)) = (has(In), has(Colon).or_else(|| has(Bar)))
+            && within < colon
+        {
+            return Some(inner[colon + 1..].to_vec());
+        }
+        // `{(x, y, z) : …}`, or with a bar.
+        let point = closing(inner).filter(|_| inner[0].kind == OpenParen);
+        if let Some(end) = point
+            && inner[..=end]
+                .iter()
+                .all(|token| matches!(token.kind, OpenParen | X | Y | Z | Comma | CloseParen))
+            && let Some(sign) = inner.get(end + 1)
+            && matches!(sign.kind, Colon | Bar)
+        {
+            return Some(inner[end + 2..].to_vec()).filter(|condition| !condition.is_empty());
+        }
+        if self.text[tokens[0].span.end..].trim_start().starts_with(r"\displaystyle") {
+            return Some(inner.to_vec());
+        }
+        let is_choice = has(Colon).is_some() || has(QuestionMark).is_some() || has(Comma).is_some();
+        (has(Equals).is_some() && !is_choice).then(|| inner.to_vec())
+    }
+
+    /// `With[{a = 2}, body]`.
+    fn with(tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let (inner, rest) = bracketed(&tokens[1..])?;
+        let [names, body] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
+        let (names, more) = bracketed(&names).filter(|_| names[0].kind == OpenBrace)?;
+        if !rest.is_empty() || !more.is_empty() {
+            return None;
+        }
+        let mut all = split(names, Comma);
+        all.retain(|tokens| tokens.len() > 1);
+        all.extend(split(&body, Semicolon));
+        Some(all)
+    }
+
+    /// `a := 2: b := 3`, whose statements end with colons.
+    fn of_maple(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let sets = tokens
+            .get(1)
+            .is_some_and(|next| next.kind == Equals && &self.text[next.span.range()] == ":=");
+        let colon = outside(tokens, Colon).filter(|colon| sets && colon + 1 < tokens.len())?;
+        let is_choice = outside(tokens, QuestionMark).is_some();
+        (!is_choice).then(|| vec![tokens[..colon].to_vec(), tokens[colon + 1..].to_vec()])
+    }
+}

@@ -1,0 +1,224 @@
+//! Names of coordinates that a text uses and does not define: r, rho, theta and phi, and the point
+//! of space in programs.
+//!
+//! Which system they are of is decided by the names that stand together, and a note tells the
+//! definitions that were taken. Where a text defines a name, it means that.
+
+use crate::lex::arrangement::statements;
+use crate::lex::spelling::plain_name;
+use crate::lex::token_kind::TokenKind::{self, Component, X, Y, Z};
+use crate::limits::Limits;
+use crate::messages::note::{Note, NoteKind};
+use crate::span::Span;
+use crate::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
+use crate::tree::builder::Builder;
+use crate::tree::built_statement::BuiltStatement;
+use crate::tree::grammar::Rule;
+use crate::tree::raw_statement::Wrap;
+use crate::tree::scope::{Scope, canonical};
+use crate::tree::statement::ParsedStatement;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+/// A name with its definition.
+type ImpliedDefinition = (&'static str, &'static str);
+
+const CYLINDER: &str = "sqrt(x^2 + y^2)";
+const SPHERE: &str = "sqrt(x^2 + y^2 + z^2)";
+const AROUND: &str = "atan2(y, x)";
+
+/// A use of a name: the line, and the place.
+type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
+
+/// Where the four names, x, y, z and the names of a point are used: not where they are defined, or
+/// parameters, or stand for something that a program has set.
+fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
+    let mut uses = Uses::default();
+    for (index, line) in lines.iter().enumerate() {
+        let raw = line.raw;
+        let own = line.head.as_ref().filter(|_| raw.head.is_none()).map(|head| head.name.span);
+        let parameters = line.head.iter().filter_map(|head| head.parameters.as_ref()).flatten();
+        let hidden: Vec<&str> = parameters
+            .map(|name| name.text.as_str())
+            .chain(raw.aliases.iter().map(|(name, _)| name))
+            .collect();
+        for token in &line.raw.lexed.tokens {
+            let name = match token.kind {
+                X => Some("x"),
+                Y => Some("y"),
+                Z => Some("z"),
+                TokenKind::Name => {
+                    let name = plain_name(&text[token.span.range()]);
+                    if scope.is_defined(&name) {
+                        continue;
+                    }
+                    let point = ["p", "pos"].into_iter().find(|point| *point == name);
+                    point.or_else(|| canonical(&name)).filter(|_| !hidden.contains(&name.as_str()))
+                }
+                _ => None,
+            };
+            if let (Some(name), true) = (name, own != Some(token.span)) {
+                uses.entry(name).or_default().push((index, token.span));
+            }
+        }
+        let before = match &raw.wrap {
+            Some(Wrap::Write { before, .. }) => Some(before),
+            _ => None,
+        };
+        if let Some(ExprKind::Name(NamedValue::Defined(name))) = before
+            && let Some(point) = ["p", "pos"].into_iter().find(|point| point == name)
+        {
+            uses.entry(point).or_default().push((index, line.raw.lexed.span));
+        }
+    }
+    uses
+}
+
+/// Makes `r = 1 + cos(theta)` an equation: a left side that is one of the names and equal to
+/// another that has no definition, and that nothing else uses.
+pub(crate) fn settle(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
+    let defined: FxHashSet<String> = lines
+        .iter()
+        .filter_map(|line| line.head.as_ref())
+        .map(|head| canonical(&head.name.text).map_or(head.name.text.clone(), str::to_owned))
+        .collect();
+    let has = |name: &str| defined.contains(name);
+    let uses = uses(text, lines, scope);
+    for (index, line) in lines.iter_mut().enumerate() {
+        let Some(head) = line.head.as_ref().filter(|head| head.parameters.is_none()) else {
+            continue;
+        };
+        let Some(own) = canonical(&head.name.text).filter(|_| line.raw.head.is_none()) else {
+            continue;
+        };
+        // Uses are in the order of their lines.
+        let used_elsewhere = uses.get(own).is_some_and(|all| {
+            let mut ends = all.first().into_iter().chain(all.last());
+            ends.any(|(at, _)| *at != index)
+        });
+        let is_here = |name: &str| {
+            uses.get(name)
+                .is_some_and(|all| all.binary_search_by_key(&index, |(at, _)| *at).is_ok())
+        };
+        let in_terms_of_others = ["r", "rho", "theta", "phi"]
+            .into_iter()
+            .any(|other| other != own && is_here(other) && !has(other));
+        // `theta = z/2`; with x or y it may be how the name is defined.
+        let is_restricted =
+            line.pair.clone().into_inner().any(|part| part.as_rule() == Rule::restriction);
+        let in_terms_of_z = is_here("z") && !is_restricted && !is_here("x") && !is_here("y");
+        if (in_terms_of_others || in_terms_of_z) && !used_elsewhere {
+            line.head = None;
+        }
+    }
+}
+
+/// The definitions that are implied, with notes that tell them.
+pub(crate) fn implied(
+    text: &str,
+    lines: &[ParsedStatement<'_>],
+    scope: &mut Scope,
+    is_program: bool,
+    limits: &Limits,
+) -> (Vec<BuiltStatement>, Vec<Note>) {
+    let uses = uses(text, lines, scope);
+    let place = |name: &str| {
+        let free = uses.get(name).filter(|_| !scope.is_defined(name));
+        free.and_then(|all| all.iter().map(|(_, span)| *span).min())
+    };
+    let mut notes = Vec::new();
+    let mut given: Vec<ImpliedDefinition> = Vec::new();
+    for name in ["p", "pos"] {
+        let is_vector = is_program || has_components(text, lines, name);
+        if let (Some(span), true) = (place(name), is_vector) {
+            notes.push(Note { span, kind: NoteKind::PointOfSpace { name: name.to_owned() } });
+            given.push((name, "vec3(x, y, z)"));
+        }
+    }
+    let [r, rho, theta, phi] = ["r", "rho", "theta", "phi"].map(place);
+    // With x or y, an r that is nothing else is a radius that was forgotten.
+    let plane: FxHashSet<usize> = ["x", "y"]
+        .iter()
+        .filter_map(|name| uses.get(name))
+        .flatten()
+        .map(|(line, _)| *line)
+        .collect();
+    let with_plane = uses.get("r").is_some_and(|all| all.iter().any(|(at, _)| plane.contains(at)));
+    let is_angle = phi.is_some() && (r.is_some() || rho.is_some() || theta.is_some());
+    let phi = phi.filter(|_| is_angle);
+    let r = r.filter(|_| !with_plane || theta.is_some());
+    let names = [r, rho, theta, phi].map(|place| place.is_some());
+    if let Some((system, mut definitions)) = system(names, uses.contains_key("z")) {
+        let place = [r, rho, theta, phi].into_iter().flatten().min();
+        definitions.retain(|(name, _)| {
+            let index = ["r", "rho", "theta", "phi"].iter().position(|other| other == name);
+            index.is_some_and(|index| names[index]) || (*name == "rho" && names[3]) && !names[0]
+        });
+        let told: Vec<String> =
+            definitions.iter().map(|(name, body)| format!("{name} = {body}")).collect();
+        let definitions_text = told.join("; ");
+        let kind = NoteKind::Coordinates { system, definitions: definitions_text };
+        notes.push(Note { span: place.unwrap_or_default(), kind });
+        given.extend(definitions);
+    }
+    for (name, _) in &given {
+        scope.imply(name);
+    }
+    let built = given.iter().filter_map(|given| define(*given, scope, limits)).collect();
+    (built, notes)
+}
+
+/// The system that names are of (r, rho, theta, phi), and its definitions.
+fn system(
+    [r, rho, theta, phi]: [bool; 4],
+    with_z: bool,
+) -> Option<(&'static str, Vec<ImpliedDefinition>)> {
+    let cylindrical = "cylindrical coordinates";
+    let spherical = "spherical coordinates";
+    Some(match (r, rho, theta, phi) {
+        (false, false, false, _) => return None,
+        (true, _, true, true) => (
+            "spherical coordinates, where theta is the angle from the z axis",
+            vec![("r", SPHERE), ("theta", "acos(z/r)"), ("phi", AROUND), ("rho", CYLINDER)],
+        ),
+        (true, _, _, false) => {
+            (cylindrical, vec![("r", CYLINDER), ("rho", SPHERE), ("theta", AROUND)])
+        }
+        (true, _, false, true) => {
+            (cylindrical, vec![("r", CYLINDER), ("rho", SPHERE), ("phi", AROUND)])
+        }
+        (false, true, false, _) if with_z => {
+            (cylindrical, vec![("rho", CYLINDER), ("phi", AROUND)])
+        }
+        (false, true, _, _) | (false, false, true, true) => {
+            (spherical, vec![("rho", SPHERE), ("theta", AROUND), ("phi", "acos(z/rho)")])
+        }
+        (false, false, true, false) => (cylindrical, vec![("theta", AROUND)]),
+    })
+}
+
+/// Whether components of `name` are taken.
+fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool {
+    lines.iter().any(|line| {
+        line.raw.lexed.tokens.windows(2).any(|pair| {
+            pair[0].kind == TokenKind::Name
+                && pair[1].kind == Component
+                && &text[pair[0].span.range()] == name
+        })
+    })
+}
+
+/// The statement that defines a name.
+fn define(
+    (name, body): ImpliedDefinition,
+    scope: &Scope,
+    limits: &Limits,
+) -> Option<BuiltStatement> {
+    let statements = statements(body, limits).ok()?;
+    let mut builder = Builder::new(body, statements.first()?, scope, &[], limits);
+    let body = builder.only_expression().ok()?;
+    let span = Span::default();
+    let name = Name { text: name.to_owned(), span };
+    let definition = Definition { name, parameters: None, body, range: None };
+    let used = builder.used;
+    Some(BuiltStatement { statement: Statement::Define(definition), span, notes: Vec::new(), used })
+}

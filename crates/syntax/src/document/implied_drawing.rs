@@ -1,0 +1,73 @@
+//! What is drawn where a text only defines.
+
+use crate::dialect::program::PastedProgram;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{Note, NoteKind};
+use crate::span::Span;
+use crate::tree::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
+use crate::tree::built_statement::BuiltStatement;
+use crate::tree::statement::is_plain_number;
+use zeroset_ir::Axis;
+
+/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
+/// height.
+pub(crate) fn implied_drawing(
+    definitions: &[(&Definition, &BuiltStatement)],
+) -> Fallible<(BuiltStatement, Note)> {
+    for (definition, built) in definitions.iter().rev() {
+        let parameters: Vec<&str> =
+            definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
+        let span = definition.name.span;
+        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), span);
+        let function = Function::Defined(definition.name.text.clone());
+        let arguments: Vec<Expr> =
+            Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
+        let call = Expr::new(ExprKind::Call(function, arguments), span);
+        let expr = match parameters.as_slice() {
+            ["x", "y", "z"] => call.equals(Expr::of_digits("0", span)),
+            ["x", "y"] => coordinate(Axis::Z).equals(call),
+            _ => continue,
+        };
+        return Ok(drawn(expr, built.span, span));
+    }
+    let Some((definition, _)) = definitions.last() else {
+        return Err(Error::new(Span::at(0), ErrorKind::Empty));
+    };
+    let kind = ErrorKind::NothingToDraw {
+        last: definition.name.text.clone(),
+        is_number: is_plain_number(&definition.body),
+        parameters: definition.parameters.as_ref().map(Vec::len),
+    };
+    Err(Error::new(definition.name.span, kind))
+}
+
+/// What a program draws that returns nothing: its last function of a point of space, or the last
+/// number that it sets.
+pub(crate) fn drawn_by_program(
+    program: &PastedProgram,
+    built: &[BuiltStatement],
+) -> Option<(BuiltStatement, Note)> {
+    if built.iter().any(|built| matches!(built.statement, Statement::Draw { .. })) {
+        return None;
+    }
+    let (name, kind) = if let Some(name) = &program.last_function {
+        let function = Function::Defined(name.text.clone());
+        let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), name.span);
+        let point = Axis::ALL.iter().map(|axis| coordinate(*axis)).collect();
+        let point = Expr::new(ExprKind::Call(Function::Vector(3), point), name.span);
+        (name, ExprKind::Call(function, vec![point]))
+    } else {
+        let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
+        (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
+    };
+    // It stands nowhere in the text.
+    let expr = Expr::new(kind, Span::at(name.span.start));
+    Some(drawn(expr, name.span, name.span))
+}
+
+/// What is drawn that the text does not spell out, and the note that says so at `place`.
+fn drawn(expr: Expr, span: Span, place: Span) -> (BuiltStatement, Note) {
+    let kind = NoteKind::DrawsFunction { drawn: expr.to_string() };
+    let statement = Statement::Draw { expr, restrictions: Vec::new() };
+    (BuiltStatement::synthesized(statement, span), Note { span: place, kind })
+}

@@ -1,0 +1,12 @@
+//! From a text to a [`Document`](crate::Document): all stages in turn, and what only the whole text
+//! can tell, such as which names are parameters and what a text without formulas draws.
+//!
+//! This is the only folder that calls `dialect`. `parameters` extends the `DocumentReader` of
+//! `reading`, which calls it as one of its steps.
+
+pub(crate) mod heading;
+pub(crate) mod implied_coordinates;
+pub(crate) mod implied_drawing;
+pub(crate) mod parameters;
+pub(crate) mod reading;
+pub(crate) mod recursion;

@@ -1,0 +1,191 @@
+//! Which names are parameters, sliders and time, and what values they have.
+
+use crate::document::reading::{DocumentReader, Parameter, ParameterKind};
+use crate::lex::spelling::is_definable;
+use crate::limits::Limits;
+use crate::lower::constant::{evaluate, evaluate_range, evaluate_text};
+use crate::lower::lowering::NameBinding;
+use crate::messages::error::{Error, ErrorKind, Fallible, Origin};
+use crate::messages::note::{Note, NoteKind};
+use crate::picture::scene::ConstantRange;
+use crate::span::Span;
+use crate::tree::ast::Definition;
+use crate::tree::built_statement::BuiltStatement;
+use crate::tree::scope::{coordinate, nearest};
+use crate::tree::statement::is_plain_number;
+use crate::tree::whole_numbers::counting;
+use rustc_hash::{FxHashMap, FxHashSet};
+use zeroset_interval::Interval;
+use zeroset_ir::Constant;
+
+impl<'a> DocumentReader<'a> {
+    /// The values of the overrides, by name; errors are kept.
+    pub(crate) fn overrides(
+        &mut self,
+        definitions: &[(&Definition, &BuiltStatement)],
+        used: &FxHashSet<&str>,
+    ) -> FxHashMap<&'a str, Constant> {
+        let mut values = FxHashMap::default();
+        for (name, value) in self.options.overrides {
+            match override_value(name, value, definitions, used, &self.options.limits) {
+                Ok(value) => {
+                    values.insert(name.as_str(), value);
+                }
+                Err(mut error) => {
+                    error.origin = Origin::Override(format!("{name}={value}"));
+                    self.errors.push(*error);
+                }
+            }
+        }
+        values
+    }
+
+    /// What every defined name means, and the parameters among them, with time if the picture
+    /// depends on it by more than what is drawn; errors are kept.
+    pub(crate) fn parameters<'d>(
+        &mut self,
+        definitions: &[(&'d Definition, &BuiltStatement)],
+        overrides: &FxHashMap<&'d str, Constant>,
+        drawings: &[&BuiltStatement],
+        is_timed: bool,
+    ) -> (FxHashMap<&'d str, NameBinding<'d>>, Vec<Parameter>)
+    where
+        'a: 'd,
+    {
+        let time = self.options.time.and_then(Interval::point).map(Constant::enclosed);
+        let mut names = FxHashMap::default();
+        let mut parameters: Vec<Parameter> = Vec::new();
+        let mut add = |name: &str, value, range, span| {
+            let number = parameters.len() as u32;
+            let kind = if name == "t" { ParameterKind::Time } else { ParameterKind::Slider };
+            let name = name.to_owned();
+            parameters.push(Parameter { name, number, value, range, kind, span });
+            NameBinding::Parameter(number)
+        };
+        let counting = counting(definitions, drawings);
+        let mut time_set = false;
+        for (definition, _) in definitions {
+            let name = definition.name.text.as_str();
+            let is_time = name == "t";
+            let given = overrides.get(name).cloned();
+            let is_slider = definition.parameters.is_none()
+                && (is_time
+                    || definition.range.is_some()
+                    || given.is_some()
+                    || is_plain_number(&definition.body));
+            if !is_slider {
+                if let (Some(_), Some((low, high))) = (&definition.parameters, &definition.range) {
+                    let span = low.span.to(high.span);
+                    self.errors.push(*Error::new(span, ErrorKind::RangeOutsideDefinition));
+                }
+                names.insert(name, NameBinding::Definition(definition));
+                continue;
+            }
+            if counting.contains(name) && !is_time && definition.range.is_none() {
+                let limits = &self.options.limits;
+                let value = given.map_or_else(|| evaluate(&definition.body, limits), Ok);
+                let Some(value) = self.kept(value) else { continue };
+                names.insert(name, NameBinding::Number(value));
+                let kind = NoteKind::CountsTerms { name: name.to_owned() };
+                self.notes.push(Note { span: definition.name.span, kind });
+                continue;
+            }
+            let slider = self.kept(slider(definition, given, &self.options.limits));
+            let Some((mut value, range)) = slider else { continue };
+            let span = definition.name.span;
+            if let (true, Some(time)) = (is_time, &time) {
+                value = time.clone();
+            }
+            if range.as_ref().is_some_and(|range| is_outside(&value, range)) {
+                let kind = NoteKind::OutsideRange { name: name.to_owned() };
+                self.notes.push(Note { span, kind });
+            }
+            let parameter = add(name, value, range, Some(span));
+            if is_time {
+                time_set = true;
+            } else {
+                names.insert(name, parameter);
+            }
+        }
+        for (name, _) in self.options.overrides {
+            let name = name.as_str();
+            if let Some(value) = overrides.get(name)
+                && name != "t"
+                && !names.contains_key(name)
+            {
+                let binding = if counting.contains(name) {
+                    NameBinding::Number(value.clone())
+                } else {
+                    add(name, value.clone(), None, None)
+                };
+                names.insert(name, binding);
+            }
+        }
+        let mut built = drawings.iter().copied().chain(definitions.iter().map(|(_, built)| *built));
+        let given = overrides.get("t").cloned();
+        if !time_set && (given.is_some() || is_timed || built.any(|built| built.used.contains("t")))
+        {
+            add("t", time.or(given).unwrap_or_else(|| Constant::integer(0)), None, None);
+        }
+        (names, parameters)
+    }
+}
+
+/// The value that an override gives to `name`.
+fn override_value(
+    name: &str,
+    value: &str,
+    definitions: &[(&Definition, &BuiltStatement)],
+    used: &FxHashSet<&str>,
+    limits: &Limits,
+) -> Fallible<Constant> {
+    let span = Span::new(0, name.len());
+    let defined = definitions.iter().find(|(definition, _)| definition.name.text == name);
+    let given = name.to_owned();
+    let kind = if !is_definable(name) {
+        ErrorKind::OverrideNotAName { name: given }
+    } else if coordinate(name).is_some() {
+        ErrorKind::OverrideCoordinate { name: given }
+    } else if defined.is_some_and(|(definition, _)| definition.parameters.is_some()) {
+        ErrorKind::OverrideFunction { name: given }
+    } else if defined.is_none() && !used.contains(name) {
+        let known = definitions.iter().map(|(definition, _)| definition.name.text.as_str());
+        let meant = nearest(name, known.chain(used.iter().copied()));
+        let error = Error::new(span, ErrorKind::UnknownOverride { name: given });
+        return Err(error.suggest_any(span, meant));
+    } else {
+        // The value stands behind the name and `=`.
+        let moved = |place: Span| Span::new(place.start + span.end + 1, place.end + span.end + 1);
+        return evaluate_text(value, limits).map_err(|mut error| {
+            error.span = moved(error.span);
+            if let Some(suggestion) = &mut error.suggestion {
+                suggestion.span = moved(suggestion.span);
+            }
+            error
+        });
+    };
+    Err(Error::new(span, kind))
+}
+
+/// The value and range of a slider's definition.
+fn slider(
+    definition: &Definition,
+    given: Option<Constant>,
+    limits: &Limits,
+) -> Fallible<(Constant, Option<ConstantRange>)> {
+    let is_given = given.is_some();
+    let value = given.map_or_else(|| evaluate(&definition.body, limits), Ok)?;
+    let Some((low, high)) = &definition.range else {
+        return Ok((value, None));
+    };
+    let range = evaluate_range(low, high, low.span.to(high.span), limits)?;
+    if !is_given && is_outside(&value, &range) {
+        return Err(Error::new(definition.body.span, ErrorKind::OutsideRange));
+    }
+    Ok((value, Some(range)))
+}
+
+/// Whether a value certainly lies outside a range.
+fn is_outside(value: &Constant, (low, high): &ConstantRange) -> bool {
+    value.bounds().hi < low.bounds().lo || high.bounds().hi < value.bounds().lo
+}

@@ -1,0 +1,62 @@
+//! Definitions that use one another in a circle.
+
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::tree::ast::Definition;
+use crate::tree::built_statement::BuiltStatement;
+use rustc_hash::FxHashMap;
+
+/// Fails if definitions use one another in a circle.
+pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fallible<()> {
+    const NEW: u8 = 0;
+    const OPEN: u8 = 1;
+    const DONE: u8 = 2;
+    let index: FxHashMap<&str, usize> = definitions
+        .iter()
+        .enumerate()
+        .map(|(index, (definition, _))| (definition.name.text.as_str(), index))
+        .collect();
+    let uses: Vec<Vec<usize>> = definitions
+        .iter()
+        .map(|(_, built)| {
+            let mut uses: Vec<usize> =
+                built.used.iter().filter_map(|name| index.get(name.as_str()).copied()).collect();
+            uses.sort_unstable();
+            uses
+        })
+        .collect();
+    let mut state = vec![NEW; definitions.len()];
+    for start in 0..definitions.len() {
+        if state[start] != NEW {
+            continue;
+        }
+        // A depth-first walk with its own stack: (definition, how many of its uses were followed).
+        let mut path: Vec<(usize, usize)> = vec![(start, 0)];
+        state[start] = OPEN;
+        while let Some((at, followed)) = path.last_mut() {
+            let Some(&next) = uses[*at].get(*followed) else {
+                state[*at] = DONE;
+                path.pop();
+                continue;
+            };
+            *followed += 1;
+            match state[next] {
+                NEW => {
+                    state[next] = OPEN;
+                    path.push((next, 0));
+                }
+                OPEN => {
+                    let from = path.iter().position(|(at, _)| *at == next).unwrap_or(0);
+                    let mut cycle: Vec<usize> = path[from..].iter().map(|(at, _)| *at).collect();
+                    // Starts with the definition that stands first in the text.
+                    let first = (0..cycle.len()).min_by_key(|i| cycle[*i]).unwrap_or(0);
+                    cycle.rotate_left(first);
+                    let name = |index: &usize| definitions[*index].0.name.text.clone();
+                    let kind = ErrorKind::Recursion { cycle: cycle.iter().map(name).collect() };
+                    return Err(Error::new(definitions[cycle[0]].0.name.span, kind));
+                }
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}

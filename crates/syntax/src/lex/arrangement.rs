@@ -1,0 +1,548 @@
+//! Symbols put in the one arrangement that the grammar knows, within one statement: choices however
+//! they are written, lists, ranges, decimal commas, labels.
+//!
+//! Symbols keep the places where they were typed, and their order; a bracket that was not typed
+//! stands at a place without length. Nothing here knows what a name means.
+
+use crate::lex::environment::{matrix, scalar_products};
+use crate::lex::lexer::OTHERWISE;
+use crate::lex::scanner::{LexedStatement, scan};
+use crate::lex::spelling::{decimal, in_name};
+use crate::lex::token::{Token, outside};
+use crate::lex::token_kind::TokenKind::{self, *};
+use crate::limits::Limits;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{Note, NoteKind};
+use crate::span::Span;
+use std::collections::VecDeque;
+
+/// A symbol, or a pair of brackets with what is in it, arranged.
+enum TokenTree {
+    Leaf(Token),
+    Group(Token, Vec<Token>, Token),
+}
+
+impl TokenTree {
+    fn is(&self, kind: TokenKind) -> bool {
+        matches!(self, Self::Leaf(token) if token.kind == kind)
+    }
+
+    /// Makes another symbol of a leaf.
+    fn set(&mut self, kind: TokenKind) {
+        if let Self::Leaf(token) = self {
+            token.kind = kind;
+        }
+    }
+
+    fn span(&self) -> Span {
+        match self {
+            Self::Leaf(token) => token.span,
+            Self::Group(open, _, close) => open.span.to(close.span),
+        }
+    }
+}
+
+/// The statements of a text that is no program.
+pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<LexedStatement>> {
+    let mut pieces = Vec::new();
+    for tokens in scan(text, limits)? {
+        pieces.extend(arrange(text, tokens, limits)?);
+    }
+    Ok(pieces)
+}
+
+/// The symbols of a statement as the grammar knows them; `None` if nothing is left.
+pub(crate) fn arrange(
+    text: &str,
+    tokens: Vec<Token>,
+    limits: &Limits,
+) -> Fallible<Option<LexedStatement>> {
+    let is_setting = tokens[0].kind.is_setting();
+    let mut tokens = tokens;
+    if !is_setting {
+        trim(text, &mut tokens);
+        spreadsheet(text, &mut tokens);
+    }
+    let series = tokens.iter().filter(|token| matches!(token.kind, BigSum | BigProduct));
+    if let Some(token) = series.clone().nth(limits.depth / 4) {
+        return Err(Error::new(token.span, ErrorKind::TooDeep { limit: limits.depth / 4 }));
+    }
+    let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
+    let mut tokens = tokens.into_iter().peekable();
+    let mut arranged = arranger.level(&mut tokens, None)?;
+    // What was given no meaning by what is around it has none.
+    for token in &mut arranged {
+        if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
+            token.kind = Unknown;
+        }
+    }
+    if arranged.is_empty() {
+        return Ok(None);
+    }
+    LexedStatement::new(scalar_products(text, arranged), arranger.notes).map(Some)
+}
+
+/// Takes away a label, and what ends a sentence.
+fn trim(text: &str, tokens: &mut Vec<Token>) {
+    let typed = |token: &Token| &text[token.span.range()];
+    while tokens.len() > 1
+        && tokens.last().is_some_and(|last| {
+            last.kind == Comma || last.kind == Colon || (last.kind == Unknown && typed(last) == ".")
+        })
+    {
+        tokens.pop();
+    }
+    // What marks a quotation or bold letters, in quotation marks, or quoted in a letter.
+    if let [first, .., last] = tokens.as_slice()
+        && [("**", "**"), ("‘", "’"), ("'", "'")].contains(&(typed(first), typed(last)))
+    {
+        tokens.pop();
+        tokens.remove(0);
+    }
+    while tokens.len() > 1 && typed(&tokens[0]) == ">" {
+        tokens.remove(0);
+    }
+    if let [label, colon, _, ..] = tokens.as_slice()
+        && label.kind == TokenKind::Name
+        && colon.kind == Colon
+        && !tokens.iter().any(|token| token.kind == QuestionMark)
+    {
+        tokens.drain(..2);
+    }
+}
+
+/// Takes away the sign that a cell begins with, and what only cells have: semicolons in brackets,
+/// `PI()`.
+fn spreadsheet(text: &str, tokens: &mut Vec<Token>) {
+    if tokens.len() < 2 || tokens[0].kind != Equals {
+        return;
+    }
+    tokens.remove(0);
+    for token in tokens.iter_mut().filter(|token| token.kind == Semicolon) {
+        token.kind = Comma;
+    }
+    let mut index = 0;
+    while index + 2 < tokens.len() {
+        let is_pi = text[tokens[index].span.range()].eq_ignore_ascii_case("pi");
+        if is_pi && tokens[index + 1].kind == OpenParen && tokens[index + 2].kind == CloseParen {
+            tokens.drain(index + 1..=index + 2);
+        }
+        index += 1;
+    }
+}
+
+struct Arranger<'a> {
+    text: &'a str,
+    limits: &'a Limits,
+    notes: Vec<Note>,
+    depth: usize,
+    is_setting: bool,
+}
+
+type Tokens = std::iter::Peekable<std::vec::IntoIter<Token>>;
+
+impl Arranger<'_> {
+    fn typed(&self, token: Token) -> &str {
+        &self.text[token.span.range()]
+    }
+
+    /// What was typed for a name; nothing for others.
+    fn word(&self, node: &TokenTree) -> &str {
+        match node {
+            TokenTree::Leaf(token) if token.kind == TokenKind::Name => self.typed(*token),
+            _ => "",
+        }
+    }
+
+    /// What stands up to the bracket that closes `open`, arranged; the bracket is left.
+    fn level(&mut self, tokens: &mut Tokens, open: Option<Token>) -> Fallible<Vec<Token>> {
+        let in_pieces = open.is_some_and(|open| open.kind == OpenChoice);
+        let in_matrix = open.is_some_and(|open| open.kind == OpenMatrix);
+        // What commas separate, with the comma behind each.
+        let mut segments: Vec<(Vec<TokenTree>, Option<Token>)> = Vec::new();
+        let mut segment: Vec<TokenTree> = Vec::new();
+        while let Some(mut token) = tokens.peek().copied() {
+            if open.is_some_and(|open| open.kind.closer() == Some(token.kind)) {
+                break;
+            }
+            tokens.next();
+            if token.kind.closer().is_some() {
+                let inner = self.level(tokens, Some(token))?;
+                let Some(close) = tokens.next() else { break };
+                // `{\text{for}}` is a word of the text around.
+                // Brackets of a macro may stand in another order.
+                let between = self.text.get(token.span.end..close.span.start).unwrap_or("");
+                if inner.is_empty() && token.kind == OpenBrace && between.contains(r"\text") {
+                    continue;
+                }
+                let group = self.group((token, close), inner, open.is_some(), segment.last());
+                segment.push(group);
+                continue;
+            }
+            if token.kind == RowEnd && in_pieces {
+                token.kind = Comma;
+            }
+            if token.kind != Comma && !(in_matrix && token.kind == RowEnd) {
+                segment.push(TokenTree::Leaf(token));
+                continue;
+            }
+            if let Some(merged) = self.decimal_comma(&segment, token, tokens, open) {
+                segment.pop();
+                tokens.next();
+                segment.push(TokenTree::Leaf(merged));
+                continue;
+            }
+            // A row of pieces may have commas of its own before its end or its condition.
+            let is_empty = segment.is_empty() && in_pieces;
+            let ends_value = in_pieces
+                && tokens.peek().is_some_and(|next| matches!(next.kind, If | RowEnd | CloseChoice));
+            if !is_empty && !ends_value {
+                segments.push((std::mem::take(&mut segment), Some(token)));
+            }
+        }
+        segments.push((segment, None));
+        if let (true, Some((last, None))) = (segments.len() > 1, segments.last())
+            && last.is_empty()
+            && open.is_some_and(|open| {
+                matches!(open.kind, OpenParen | OpenBracket | OpenChoice | OpenMatrix)
+            })
+        {
+            // A comma behind the last argument.
+            segments.pop();
+        }
+        if open.is_some_and(|open| open.kind == OpenParen) {
+            // Arguments of numpy and SymPy that leave a value as it is.
+            let is_option = |(segment, _): &(Vec<TokenTree>, Option<Token>)| {
+                segment.len() > 2
+                    && segment[1].is(Equals)
+                    && matches!(self.word(&segment[0]), "axis" | "keepdims" | "evaluate")
+            };
+            segments.retain(|segment| !is_option(segment));
+        }
+        if let Some((_, comma)) = segments.last_mut() {
+            *comma = None;
+        }
+        let mut arranged = Vec::new();
+        for (segment, comma) in segments {
+            self.segment(segment, open, &mut arranged)?;
+            arranged.extend(comma);
+        }
+        Ok(arranged)
+    }
+
+    /// A pair of brackets: braces are pieces if they hold a colon, a list if a comma.
+    fn group(
+        &self,
+        (mut open, mut close): (Token, Token),
+        inner: Vec<Token>,
+        nested: bool,
+        before: Option<&TokenTree>,
+    ) -> TokenTree {
+        if open.kind == OpenMatrix {
+            let (open, inner, close) = matrix(self.typed(open), (open, close), &inner);
+            return TokenTree::Group(open, inner, close);
+        }
+        let colon = outside(&inner, Colon).is_some();
+        let comma = outside(&inner, Comma).is_some();
+        let relation =
+            inner.iter().any(|token| token.kind.is_relation() || token.kind.is_logical());
+        let typed = self.typed(open);
+        let is_printed = typed == r"\{" || typed == r"\lbrace";
+        if is_printed && !colon && !relation && (!comma || is_called(before)) {
+            (open.kind, close.kind) = (OpenParen, CloseParen);
+        } else if open.kind == OpenBrace && colon {
+            (open.kind, close.kind) = (OpenChoice, CloseChoice);
+        } else if open.kind == OpenBrace
+            && !self.is_setting
+            && (comma && (nested || !relation) || nested && holds_lists(&inner))
+        {
+            (open.kind, close.kind) = (OpenList, CloseList);
+        }
+        TokenTree::Group(open, inner, close)
+    }
+
+    /// `0,5` as one number, where a comma can separate nothing.
+    fn decimal_comma(
+        &mut self,
+        before: &[TokenTree],
+        comma: Token,
+        tokens: &mut Tokens,
+        open: Option<Token>,
+    ) -> Option<Token> {
+        let next = *tokens.peek()?;
+        let Some(TokenTree::Leaf(number)) = before.last() else {
+            return None;
+        };
+        let touches = number.span.end == comma.span.start && comma.span.end == next.span.start;
+        let are_numbers = number.kind == Number && next.kind == Number && touches;
+        let digits = |token: Token| self.typed(token).bytes().all(|byte| byte.is_ascii_digit());
+        let is_whole = are_numbers && digits(*number) && digits(next);
+        let separates = match open {
+            None => self.is_setting,
+            // Brackets behind a name may hold arguments; two numbers alone may be a point.
+            Some(open) => {
+                let behind = self.text[..open.span.start].trim_end().chars().next_back();
+                let is_call = behind.is_some_and(|c| in_name(c) || ")]}".contains(c));
+                open.kind != OpenParen || is_call || before.len() < 2
+            }
+        };
+        if !is_whole || separates {
+            return None;
+        }
+        let span = number.span.to(next.span);
+        let read = decimal(&self.text[span.range()]);
+        self.notes.push(Note { span, kind: NoteKind::DecimalComma { read } });
+        Some(Token::new(Number, span))
+    }
+
+    /// Arranges what stands between two commas onto the end of `out`.
+    fn segment(
+        &mut self,
+        mut nodes: Vec<TokenTree>,
+        open: Option<Token>,
+        out: &mut Vec<Token>,
+    ) -> Fallible<()> {
+        if open.is_some() {
+            self.words(&mut nodes);
+        }
+        for index in 1..nodes.len() {
+            // `(a) & (b)` of numpy.
+            if let [TokenTree::Group(..), sign, TokenTree::Group(..), ..] = &mut nodes[index - 1..]
+                && sign.is(Ampersand)
+            {
+                sign.set(And);
+            }
+        }
+        if open.is_none() {
+            self.condition_behind(&mut nodes, out.is_empty());
+        }
+        if let Some(at) = nodes.iter().position(|node| node.is(Over)) {
+            over(nodes, at, out);
+            return Ok(());
+        }
+        self.infix(&mut nodes);
+        self.then(&mut nodes);
+        let is_ternary = nodes.iter().any(|node| node.is(QuestionMark));
+        let is_conditional = nodes.iter().skip(1).any(|node| self.word(node) == "if")
+            && nodes.iter().any(|node| self.word(node) == "else");
+        if is_ternary || is_conditional {
+            // What is set equal to a choice is no part of it.
+            let choice = nodes
+                .iter()
+                .position(|node| node.is(QuestionMark) || self.word(node) == "if")
+                .unwrap_or(0);
+            let is_equals = |node: &TokenTree| {
+                matches!(node, TokenTree::Leaf(token) if token.kind == Equals
+                    && (is_conditional || !self.typed(*token).starts_with("==")))
+            };
+            let start = nodes[..choice].iter().rposition(is_equals).map_or(0, |index| index + 1);
+            let rest = nodes.split_off(start);
+            flatten(nodes, out);
+            return self.chosen(rest, is_ternary, out);
+        }
+        flatten(nodes, out);
+        Ok(())
+    }
+
+    /// `x + y = z where z > 0` as `x + y = z {z > 0}`.
+    fn condition_behind(&self, nodes: &mut Vec<TokenTree>, is_first: bool) {
+        let is_lead = |node: &TokenTree| matches!(self.word(node), "where" | "when" | "for");
+        let Some(at) = nodes.iter().position(is_lead).filter(|at| *at > 0 && is_first) else {
+            return;
+        };
+        let compares =
+            |node: &TokenTree| matches!(node, TokenTree::Leaf(token) if token.kind.is_inequality());
+        if !nodes[at + 1..].iter().any(compares) {
+            return;
+        }
+        let mut inner = Vec::new();
+        flatten(nodes.split_off(at + 1), &mut inner);
+        let Some(word) = nodes.pop() else { return };
+        let end = inner.last().map_or(word.span().end, |last| last.span.end);
+        let open = Token::new(OpenBrace, Span::at(word.span().end));
+        nodes.push(TokenTree::Group(open, inner, Token::new(CloseBrace, Span::at(end))));
+    }
+
+    /// `a mod b` as `a % b`: behind what is divided or a bar, which may close it, and not before
+    /// brackets with arguments of its own.
+    fn infix(&self, nodes: &mut [TokenTree]) {
+        for index in 1..nodes.len() {
+            let is_call = |next: &TokenTree| matches!(next, TokenTree::Group(_, inner, _) if inner.iter().any(|token| token.kind == Comma));
+            let ends = match &nodes[index - 1] {
+                TokenTree::Leaf(token) => {
+                    token.kind.ends_operand() || matches!(token.kind, Bar | CloseBar)
+                }
+                TokenTree::Group(..) => true,
+            };
+            let is_infix = ends
+                && self.word(&nodes[index]) == "mod"
+                && nodes.get(index + 1).is_some_and(|next| !is_call(next));
+            if is_infix {
+                nodes[index].set(Remainder);
+            }
+        }
+    }
+
+    /// `if c then a else b` as `c ? a : b`.
+    fn then(&self, nodes: &mut Vec<TokenTree>) {
+        if !nodes.iter().any(|node| self.word(node) == "then") {
+            return;
+        }
+        nodes.retain(|node| !matches!(self.word(node), "if" | "end" | "fi"));
+        for node in nodes.iter_mut() {
+            match self.word(node) {
+                "then" => node.set(QuestionMark),
+                "else" | "elif" | "elseif" => node.set(Colon),
+                _ => {}
+            }
+        }
+    }
+
+    /// Words and signs that have a role in brackets only: ranges, generators, the last piece.
+    fn words(&self, nodes: &mut [TokenTree]) {
+        if nodes.iter().any(|node| node.is(Dots))
+            && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)
+            && equals.kind == Equals
+        {
+            equals.kind = CountFrom;
+        }
+        let is_otherwise = |node: &TokenTree| OTHERWISE.contains(&self.word(node));
+        if let [first, colon, ..] = nodes
+            && colon.is(Colon)
+            && is_otherwise(first)
+        {
+            first.set(Otherwise);
+        }
+        for index in 1..nodes.len() {
+            let follows = nodes[index - 1].is(If);
+            let within = nodes[index - 1].is(In);
+            let kind = match self.word(&nodes[index]) {
+                word if follows && OTHERWISE.contains(&word) => Otherwise,
+                // Dropped below: it means nothing behind the sign that separates.
+                "for" | "if" if follows => Blank,
+                "for" => For,
+                "range" if within => RangeCall,
+                _ => continue,
+            };
+            nodes[index].set(kind);
+        }
+    }
+
+    /// `c ? a : b` or `a if c else b`, as pieces.
+    fn chosen(
+        &mut self,
+        nodes: Vec<TokenTree>,
+        is_ternary: bool,
+        out: &mut Vec<Token>,
+    ) -> Fallible<()> {
+        let span = nodes.first().map_or(Span::default(), TokenTree::span);
+        self.depth += 1;
+        if self.depth > self.limits.depth / 4 {
+            let limit = self.limits.depth / 4;
+            return Err(Error::new(span, ErrorKind::TooDeep { limit }));
+        }
+        out.push(Token::new(OpenChoice, Span::at(span.start)));
+        let end = nodes.last().map_or(span.end, |node| node.span().end);
+        let mut rest = VecDeque::from(nodes);
+        // The parts before, between and after the two signs.
+        while let Some((first, second)) = self.signs(rest.iter(), is_ternary) {
+            let joint = rest[second].span();
+            let sign = rest[first].span();
+            let mut parts = rest.drain(..=second);
+            let before: Vec<TokenTree> = parts.by_ref().take(first).collect();
+            let between: Vec<TokenTree> = parts.by_ref().skip(1).take(second - first - 1).collect();
+            drop(parts);
+            self.part(before, is_ternary, out)?;
+            out.push(Token::new(if is_ternary { Colon } else { If }, sign));
+            self.part(between, is_ternary, out)?;
+            out.push(Token::new(Comma, joint));
+        }
+        flatten(rest.into(), out);
+        out.push(Token::new(CloseChoice, Span::at(end)));
+        self.depth -= 1;
+        Ok(())
+    }
+
+    /// A part of a choice, which may be a choice.
+    fn part(
+        &mut self,
+        nodes: Vec<TokenTree>,
+        is_ternary: bool,
+        out: &mut Vec<Token>,
+    ) -> Fallible<()> {
+        if self.signs(nodes.iter(), is_ternary).is_some() {
+            return self.chosen(nodes, is_ternary, out);
+        }
+        flatten(nodes, out);
+        Ok(())
+    }
+
+    /// The places of the first sign of a choice and of the one that belongs to it.
+    fn signs<'n>(
+        &self,
+        nodes: impl Iterator<Item = &'n TokenTree> + Clone,
+        is_ternary: bool,
+    ) -> Option<(usize, usize)> {
+        let opens = |node: &TokenTree| {
+            if is_ternary { node.is(QuestionMark) } else { self.word(node) == "if" }
+        };
+        let closes = |node: &TokenTree| {
+            if is_ternary { node.is(Colon) } else { self.word(node) == "else" }
+        };
+        let first = nodes.clone().position(opens)?;
+        let mut depth = 0_usize;
+        for (index, node) in nodes.enumerate().skip(first) {
+            if opens(node) {
+                depth += 1;
+            } else if closes(node) {
+                depth -= 1;
+                if depth == 0 {
+                    return Some((first, index));
+                }
+            }
+        }
+        None
+    }
+}
+
+/// Whether brackets behind this hold arguments.
+fn is_called(before: Option<&TokenTree>) -> bool {
+    matches!(before, Some(TokenTree::Leaf(token)) if token.kind == TokenKind::Name)
+}
+
+/// `a \over b` as a fraction.
+fn over(mut nodes: Vec<TokenTree>, at: usize, out: &mut Vec<Token>) {
+    let below = nodes.split_off(at + 1);
+    let sign = nodes.pop().map_or(Span::default(), |node| node.span());
+    for (index, part) in [nodes, below].into_iter().enumerate() {
+        let start = part.first().map_or(sign, TokenTree::span).start;
+        let end = part.last().map_or(sign, TokenTree::span).end;
+        if index == 1 {
+            out.push(Token::new(Slash, sign));
+        }
+        out.push(Token::new(OpenParen, Span::at(start)));
+        flatten(part, out);
+        out.push(Token::new(CloseParen, Span::at(end)));
+    }
+}
+
+/// Whether brackets hold nothing but one list.
+fn holds_lists(inner: &[Token]) -> bool {
+    let closes = inner.iter().position(|token| token.kind == CloseList);
+    inner.first().is_some_and(|token| token.kind == OpenList) && closes == Some(inner.len() - 1)
+}
+
+/// All symbols of `nodes`, in order.
+fn flatten(nodes: Vec<TokenTree>, out: &mut Vec<Token>) {
+    for node in nodes {
+        match node {
+            TokenTree::Leaf(token) if token.kind == Blank => {}
+            TokenTree::Leaf(token) => out.push(token),
+            TokenTree::Group(open, inner, close) => {
+                out.push(open);
+                out.extend(inner);
+                out.push(close);
+            }
+        }
+    }
+}

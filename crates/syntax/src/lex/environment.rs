@@ -1,0 +1,188 @@
+//! LaTeX environments: pieces of a choice, lines, or the rows of a matrix; and the rows as lists,
+//! which matrices are elsewhere.
+
+use crate::lex::spelling::start;
+use crate::lex::token::{Token, closing, is_outside, outside};
+use crate::lex::token_kind::TokenKind::{self, *};
+use crate::span::Span;
+
+/// Environments of pieces: `\begin{…}` opens them.
+const PIECES: &[&str] = &["cases", "dcases", "rcases", "array", "cases*", "dcases*"];
+
+/// Environments of the elements of a matrix.
+const MATRICES: &[&str] = &["matrix", "pmatrix", "bmatrix", "Bmatrix", "smallmatrix"];
+
+/// The same between bars.
+const BARRED: &[&str] = &["vmatrix", "Vmatrix"];
+
+/// Bytes in which the end of an environment is looked for.
+const LONGEST: usize = 10_000;
+
+/// `\begin{…}` or `\end{…}`; `last` is the symbol before it in its statement.
+pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> (TokenKind, usize) {
+    let open = if begins { r"\begin{".len() } else { r"\end{".len() };
+    let Some(length) = start(rest, 60).get(open..).and_then(|name| name.find('}')) else {
+        return (Unknown, 1);
+    };
+    let name = &rest[open..open + length];
+    let mut end = open + length + 1;
+    let is_matrix = MATRICES.contains(&name) || BARRED.contains(&name);
+    if !PIECES.contains(&name) && !is_matrix {
+        return (if begins { OpenAlignment } else { CloseAlignment }, end);
+    }
+    // The columns of an array.
+    if let Some(columns) = rest[end..].strip_prefix('{').filter(|_| begins && name == "array") {
+        end += columns.find('}').map_or(0, |length| length + 2);
+    }
+    let kind = match (begins, last) {
+        // The scanner knows what it has opened.
+        (false, _) => CloseMatrix,
+        (true, _) if is_matrix => OpenMatrix,
+        // An array in brackets or bars is a matrix; one that is all there is has lines.
+        (true, Some(OpenParen | OpenBracket | Bar | OpenBar)) if name == "array" => OpenMatrix,
+        (true, None) if holds_lines(&rest[end..], name) => OpenAlignment,
+        _ => OpenChoice,
+    };
+    (kind, end)
+}
+
+/// Whether an environment whose inside `rest` begins with is a formula in each row: there is
+/// nothing behind it, and no columns, but those of an array around its relations.
+fn holds_lines(rest: &str, name: &str) -> bool {
+    let close = format!(r"\end{{{name}}}");
+    let Some((inner, behind)) = start(rest, LONGEST).split_once(&close) else { return false };
+    let behind = behind.trim_start_matches([' ', '\t', '\r', '$', '.', ',']);
+    let behind = behind.strip_prefix(r"\right.").unwrap_or(behind).trim_start();
+    let is_all =
+        behind.is_empty() || behind.starts_with(['\n', '$', ';', '.']) || behind.starts_with(r"\]");
+    let is_aligned = |row: &str| {
+        let row = row.replace(' ', "");
+        ["&=&", "&<&", "&>&", r"&\le", r"&\ge", "&=", "=&"].iter().any(|sign| row.contains(sign))
+    };
+    let mut rows = inner.split(r"\\").filter(|row| !row.trim().is_empty());
+    is_all
+        && rows.all(|row| {
+            let is_one = !row.contains('&') && !row.contains(r"\text");
+            is_one || name == "array" && is_aligned(row)
+        })
+}
+
+/// The elements of a matrix, with commas between them and `␤` between rows, as a list of lists; as
+/// one list if there is one row or one column. In brackets, or in bars if it was typed with some.
+pub(crate) fn matrix(
+    typed: &str,
+    (open, close): (Token, Token),
+    inner: &[Token],
+) -> (Token, Vec<Token>, Token) {
+    let at = |place: Span, kind: TokenKind| Token::new(kind, place);
+    let rows: Vec<&[Token]> = inner.split(is_outside(RowEnd)).collect();
+    let is_nested = outside(inner, Comma).is_some() && rows.len() > 1;
+    let mut all = vec![at(open.span, OpenList)];
+    for (index, row) in rows.into_iter().enumerate() {
+        let begin = row.first().map_or(close.span.start, |first| first.span.start);
+        let end = row.last().map_or(begin, |last| last.span.end);
+        if index > 0 {
+            all.push(at(Span::at(begin), Comma));
+        }
+        all.extend(is_nested.then(|| at(Span::at(begin), OpenList)));
+        all.extend(row);
+        all.extend(is_nested.then(|| at(Span::at(end), CloseList)));
+    }
+    all.push(at(close.span, CloseList));
+    let is_barred = BARRED.iter().any(|name| typed.starts_with(&format!(r"\begin{{{name}}}")));
+    let (before, behind) = if is_barred { (OpenBar, CloseBar) } else { (OpenParen, CloseParen) };
+    (at(open.span, before), all, at(close.span, behind))
+}
+
+/// `row matrix column` as the scalar product of `(row matrix)` and the column: elsewhere a row is a
+/// vector like any other. A column with the sign of a transposed one is a row.
+pub(crate) fn scalar_products(text: &str, tokens: Vec<Token>) -> Vec<Token> {
+    if !tokens.iter().any(|token| begins_matrix(text, *token)) {
+        return tokens;
+    }
+    let mut all = Vec::with_capacity(tokens.len());
+    let mut rest = tokens.as_slice();
+    while let Some(first) = rest.first() {
+        let found = row(text, rest).and_then(|(row, behind)| {
+            let (between, column) = factors(text, &rest[behind..])?;
+            Some((row, &rest[behind..behind + between], &rest[behind + column..]))
+        });
+        let Some((row, between, column)) = found else {
+            all.push(*first);
+            rest = &rest[1..];
+            continue;
+        };
+        let (begin, end) = (Span::at(first.span.start), Span::at(column[0].span.start));
+        all.push(Token::new(OpenParen, begin));
+        all.extend(&rest[..row]);
+        all.extend(between);
+        all.extend([Token::new(CloseParen, end), Token::new(DotProduct, end)]);
+        let length = closing(column).map_or(1, |close| close + 1);
+        all.extend(&column[..length]);
+        rest = &column[length..];
+    }
+    all
+}
+
+/// Whether a symbol opens a matrix.
+fn begins_matrix(text: &str, token: Token) -> bool {
+    token.kind == OpenParen && text[token.span.range()].starts_with(r"\begin{")
+}
+
+/// The length of the row that `tokens` begin with, and that with the sign of a transposed one.
+fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
+    let end = closing(tokens).filter(|_| begins_matrix(text, tokens[0]))? + 1;
+    match shape(text, &tokens[..end]) {
+        Some(Ampersand) => Some((end, end)),
+        Some(_) => transposed(text, &tokens[end..]).map(|sign| (end, end + sign)),
+        None => None,
+    }
+}
+
+/// `&` if the matrix that `tokens` are is a row, `␤` if it is a column.
+fn shape(text: &str, tokens: &[Token]) -> Option<TokenKind> {
+    let commas = || tokens.iter().filter(|token| token.kind == Comma);
+    let is_list = tokens.get(2).is_some_and(|first| first.kind == OpenList);
+    let of_columns = commas().any(|comma| &text[comma.span.range()] == "&");
+    (!is_list).then_some(if of_columns { Ampersand } else { RowEnd })
+}
+
+/// The length of `^T`.
+fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
+    let is_sign = |token: &Token| matches!(&text[token.span.range()], "T" | r"\top" | r"\intercal");
+    match tokens {
+        [caret, sign, ..] if caret.kind == Caret && is_sign(sign) => Some(2),
+        [caret, open, sign, close, ..]
+            if caret.kind == Caret
+                && open.kind == OpenBrace
+                && is_sign(sign)
+                && close.kind == CloseBrace =>
+        {
+            Some(4)
+        }
+        _ => None,
+    }
+}
+
+/// How many of `tokens` are matrices and names before a column, and where that is.
+fn factors(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
+    let (mut at, mut end) = (0, 0);
+    loop {
+        let token = *tokens.get(at)?;
+        if begins_matrix(text, token) {
+            let length = closing(&tokens[at..])? + 1;
+            if shape(text, &tokens[at..at + length]) == Some(RowEnd) {
+                return Some((end, at));
+            }
+            at += length;
+            end = at;
+        } else if token.kind.is_name() {
+            at += 1;
+            end = at;
+        } else if token.kind == Star {
+            at += 1;
+        } else {
+            return None;
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Signs of other languages, of markup and of print, that stand for a symbol or for none.
+
+use crate::lex::spelling::{in_name, line_length, plain, prefix, start, token_kind};
+use crate::lex::token::Context;
+use crate::lex::token_kind::TokenKind::{self, *};
+
+/// Words in angle brackets around a formula.
+const TAGS: &[&str] = &["math", "i", "em", "b", "span", "p", "code", "var", "br", "nowiki"];
+
+/// Statements of POV-Ray that name what follows.
+const DECLARES: &[&str] = &["#declare ", "#local "];
+
+/// The symbol of such a sign that `rest` begins with, and its length.
+pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)> {
+    let first = rest.chars().next()?;
+    let length = first.len_utf8();
+    match first {
+        // A character of markup by name.
+        '&' => {
+            let end = start(rest, 10).find(';')? + 1;
+            Some((token_kind(&rest[..end])?, end))
+        }
+        '<' => tag(rest),
+        '#' => {
+            let word = DECLARES.iter().find(|word| rest.starts_with(**word))?;
+            Some((Blank, word.len()))
+        }
+        // A comment of MATLAB behind a statement, and the remainder of other languages.
+        '%' if context.last.is_none() => Some((Blank, line_length(rest))),
+        '%' if context.last.is_some_and(TokenKind::ends_operand) && divides(&rest[1..]) => {
+            Some((Remainder, 1))
+        }
+        // Constants of Maxima.
+        '%' if !context.last.is_some_and(TokenKind::ends_operand) || context.touching.is_none() => {
+            let word = prefix(&rest[1..], in_name);
+            matches!(&rest[1..=word], "pi" | "e" | "phi").then_some((TokenKind::Name, 1 + word))
+        }
+        // Coordinates of Houdini.
+        '$' => {
+            let is_axis =
+                rest[1..].starts_with(['X', 'Y', 'Z']) && prefix(&rest[1..], in_name) == 1;
+            is_axis.then_some((Blank, 1))
+        }
+        '@' if rest[1..].trim_start().starts_with('(') => Some((At, 1)),
+        '@' if rest[1..].starts_with('P') && prefix(&rest[1..], in_name) == 1 => {
+            Some((TokenKind::Name, 2))
+        }
+        // The product of matrices in Python.
+        '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some((Star, 1)),
+        '.' => {
+            let dots = rest.find(|c| c != '.').unwrap_or(rest.len());
+            // A line of MATLAB that goes on below.
+            if dots == 3 && rest[3..].trim_start_matches([' ', '\t', '\r']).starts_with('\n') {
+                return Some((Blank, 3 + rest[3..].find('\n')? + 1));
+            }
+            // Component by component, in MATLAB.
+            let is_number = context.touching == Some(Number);
+            if dots == 1 && !is_number && rest[1..].starts_with(['*', '/', '^']) {
+                return Some((Blank, 1));
+            }
+            // The product of lists in Mathematica.
+            (context.touching == Some(CloseBrace) && rest[1..].starts_with('{'))
+                .then_some((DotProduct, 1))
+        }
+        // Quotation marks stand around a formula, not in it.
+        '"' | '`' | '“' | '”' | '„' => {
+            let next = start(&rest[length..], 20);
+            let line = next[..line_length(next)].trim();
+            let is_end = line.is_empty() || matches!(line, "." | ",");
+            // Mathematica marks the precision of a number.
+            let is_mark = first == '`' && context.touching == Some(Number);
+            (context.last.is_none() || context.starts_line || is_end || is_mark)
+                .then_some((Blank, length))
+        }
+        '*' if rest.starts_with("*^") && context.touching == Some(Number) => None,
+        _ => plain(first).filter(|_| !first.is_alphabetic()).and_then(|meant| {
+            let mut buffer = [0; 4];
+            if meant.is_ascii_digit() {
+                let digits = |c: char| plain(c).is_some_and(|c| c.is_ascii_digit());
+                return Some((Number, rest.find(|c| !digits(c)).unwrap_or(rest.len())));
+            }
+            Some((token_kind(meant.encode_utf8(&mut buffer))?, length))
+        }),
+    }
+}
+
+/// Whether a text begins with a divisor: a number, brackets, or a short name that is no word of a
+/// comment; with a minus or not.
+fn divides(rest: &str) -> bool {
+    let rest = rest.trim_start_matches(' ');
+    let rest = rest.strip_prefix('-').unwrap_or(rest);
+    let name = prefix(rest, in_name);
+    let behind = rest[name..].trim_start_matches(' ');
+    rest.starts_with(|c: char| c.is_ascii_digit() || c == '(')
+        || matches!(name, 1 | 2) && !behind.starts_with(char::is_alphabetic)
+}
+
+/// `<sup>2</sup>`, and what stands around a formula.
+fn tag(rest: &str) -> Option<(TokenKind, usize)> {
+    let end = start(rest, 80).find('>')?;
+    let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);
+    let word = &inner[..prefix(inner, in_name)];
+    let attributes = &inner[word.len()..];
+    if !(attributes.is_empty()
+        || attributes.starts_with(' ') && attributes.contains('=')
+        || attributes == "/")
+    {
+        return None;
+    }
+    if word == "sup" {
+        if rest.starts_with("</") {
+            return Some((Blank, end + 1));
+        }
+        let close = start(&rest[end + 1..], 40).find("</sup>")?;
+        // A sum above would need brackets.
+        let is_short = rest[end + 1..end + 1 + close].chars().all(in_name);
+        return is_short.then_some((Caret, end + 1));
+    }
+    // `x <b> y` compares: what opens must close.
+    let closes = || {
+        let close = format!("</{word}>");
+        start(&rest[end + 1..], 400).contains(&close)
+    };
+    let is_tag = rest.starts_with("</") || word == "br" || closes();
+    (TAGS.contains(&word) && is_tag).then_some((Blank, end + 1))
+}

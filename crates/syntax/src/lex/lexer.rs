@@ -1,0 +1,355 @@
+//! The symbol that a text starts with: one pass, no look at what it means, little at what is
+//! before.
+//!
+//! What people paste is brought to the same symbols here: LaTeX environments, comments of other
+//! languages, names of modules before functions, components of vectors.
+
+use crate::lex::environment::environment;
+use crate::lex::foreign_signs::foreign;
+use crate::lex::spelling::{
+    in_name, line_length, plain_text, prefix, start, superscript_digit, token_kind, vulgar,
+};
+use crate::lex::token::Context;
+use crate::lex::token_kind::TokenKind::{self, *};
+
+/// Names of modules, which mean nothing before a dot and a name.
+const MODULES: &[&str] = &[
+    "np", "numpy", "math", "Math", "sp", "sympy", "scipy", "jnp", "torch", "tf", "glm", "linalg",
+    "mpmath", "mp", "cp", "xp", "Mathf",
+];
+
+/// LaTeX commands whose text in braces is no part of a formula.
+const LABELS: &[&str] = &["tag", "label"];
+
+/// Words in `\text{…}` that only lead over to a condition, or mean nothing.
+const LEADS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
+
+/// Words for what is chosen where no other piece is.
+pub(crate) const OTHERWISE: &[&str] =
+    &["otherwise", "else", "elsewhere", "True", "true", "default"];
+
+/// The symbol that `rest` starts with, and its length; a blank for what has no meaning.
+pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
+    let Some(character) = rest.chars().next() else {
+        return (Blank, 0);
+    };
+    let length = character.len_utf8();
+    if let Some(comment) = comment(rest, context) {
+        return (Blank, comment);
+    }
+    if let Some(found) = foreign(rest, context) {
+        return found;
+    }
+    match character {
+        '#' if rest.starts_with("#define ") => (TokenKind::Name, "#define".len()),
+        '#' => match prefix(&rest[1..], |c| c.is_ascii_hexdigit()) {
+            digits @ 1.. if context.is_color => (HexColor, 1 + digits),
+            _ => (Blank, line_length(rest)),
+        },
+        '0'..='9' if context.is_part => (Digit, 1),
+        '1'..='9' if context.last == Some(Root) && context.is_radicand => (Digit, 1),
+        '.' if rest.starts_with("..") => (Dots, prefix(rest, |c| c == '.')),
+        '…' => (Dots, length),
+        '.' if context.touching.is_some_and(ends_value) => component(rest, context),
+        '0'..='9' | '.' => number(rest),
+        '\\' => command(rest, context),
+        // Dollar signs stand around a formula, not in it.
+        '$' if context.last.is_some()
+            && !rest[1..].trim_start_matches([' ', '\t', '\r']).is_empty()
+            && !rest[1..]
+                .trim_start_matches([' ', '\t', '\r'])
+                .starts_with(['\n', '$', ',', '.', ':', ';', '#']) =>
+        {
+            (Unknown, 1)
+        }
+        '&' if !rest.starts_with("&&") => (Ampersand, 1),
+        // `5!!` and `!=` are others.
+        '!' if context.last.is_some_and(TokenKind::ends_operand)
+            && context.last != Some(Factorial)
+            && !rest[1..].starts_with(['!', '=']) =>
+        {
+            (Factorial, 1)
+        }
+        '=' | '!' if rest[1..].starts_with("==") => {
+            (if character == '=' { Equals } else { NotEqual }, 3)
+        }
+        '!' if !rest.starts_with("!=") && !context.last.is_some_and(TokenKind::ends_operand) => {
+            (Not, 1)
+        }
+        '∑' | 'Σ' if rest[length..].trim_start().starts_with(['_', '^']) => (BigSum, length),
+        '∏' | 'Π' if rest[length..].trim_start().starts_with(['_', '^']) => (BigProduct, length),
+        '_' if matches!(context.last, Some(BigSum | BigProduct)) => (Underscore, 1),
+        '_' if matches!(context.last, Some(CloseBrace | Number | TokenKind::Name))
+            && rest[1..].starts_with('{') =>
+        {
+            (Underscore, 1)
+        }
+        _ if vulgar(character).is_some() => (VulgarFraction, length),
+        'ℯ' => (TokenKind::Name, length),
+        // Degrees, behind a number.
+        '°' if context.last.is_some_and(TokenKind::ends_operand) => (TokenKind::Name, length),
+        _ if character.is_alphabetic() => {
+            // A subscript of print ends a name.
+            let is_below = |c: char| ('₀'..='₉').contains(&c);
+            let end = prefix(rest, in_name);
+            let below = rest[..end].find(is_below);
+            let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
+            // Between conditions these are the words that they are in small letters; before
+            // brackets they may be functions.
+            let is_joint = context.last.is_some_and(TokenKind::ends_operand);
+            match &rest[..end] {
+                "AND" if is_joint => return (And, end),
+                "OR" if is_joint => return (Or, end),
+                "NOT" => return (Not, end),
+                // A part of a fraction is one letter.
+                word if context.is_part && !word.is_empty() => return name(rest, length),
+                _ => {}
+            }
+            module(rest, end).map_or_else(|| name(rest, end), |length| (Blank, length))
+        }
+        '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {
+            let sign = if matches!(character, '⁻' | '⁺') { length } else { 0 };
+            match prefix(&rest[sign..], |c| superscript_digit(c).is_some()) {
+                0 => (Unknown, length),
+                digits => (Superscript, sign + digits),
+            }
+        }
+        _ => {
+            // Some of two characters begin with one that has a meaning of its own.
+            let two = rest.char_indices().nth(2).map_or(rest.len(), |(at, _)| at);
+            let found =
+                [two, length].into_iter().find_map(|end| Some((token_kind(&rest[..end])?, end)));
+            found.unwrap_or((Unknown, length))
+        }
+    }
+}
+
+/// Bytes in which the end of a comment is looked for.
+const LONGEST_COMMENT: usize = 10_000;
+
+/// The length of a comment of another language, or of what a file of it starts with.
+fn comment(rest: &str, context: Context) -> Option<usize> {
+    // One that is never closed is none, or it would hide all that follows.
+    for (open, close) in [("/*", "*/"), ("(*", "*)"), ("\"\"\"", "\"\"\"")] {
+        if let Some(inner) = rest.strip_prefix(open) {
+            let length = start(inner, LONGEST_COMMENT).find(close);
+            return length.map(|length| open.len() + length + close.len());
+        }
+    }
+    // A fence of Markdown, and its bullets.
+    if context.starts_line && rest.starts_with("```") {
+        return Some(line_length(rest));
+    }
+    if context.starts_line && context.last.is_none() && rest.starts_with('•') {
+        return Some('•'.len_utf8());
+    }
+    // A line that goes on below.
+    if let Some(blank) = rest.strip_prefix('\\') {
+        let blank = blank.strip_prefix('\r').unwrap_or(blank);
+        if blank.starts_with('\n') {
+            return Some(rest.len() - blank.len() + 1);
+        }
+    }
+    (context.starts_line && rest.starts_with('%')).then(|| line_length(rest))
+}
+
+/// Whether a component can follow: a vector has a name or stands in brackets.
+fn ends_value(kind: TokenKind) -> bool {
+    matches!(kind, TokenKind::Name | Component) || kind.is_axis() || kind.is_closer()
+}
+
+/// `.xz` behind a vector; a method without meaning here.
+fn component(rest: &str, context: Context) -> (TokenKind, usize) {
+    let word = &rest[1..=prefix(&rest[1..], in_name)];
+    if is_component(word) {
+        return (Component, 1 + word.len());
+    }
+    if method(word).is_some() && rest[1 + word.len()..].starts_with('(') {
+        return (Method, 1 + word.len());
+    }
+    if word == "T" {
+        return (Blank, 2);
+    }
+    if matches!(word, "doit" | "evalf" | "simplify") && rest[1 + word.len()..].starts_with("()") {
+        return (Blank, 3 + word.len());
+    }
+    // The end of a sentence, or what has no meaning.
+    let is_name =
+        context.touching.is_some_and(TokenKind::is_name) && word.starts_with(char::is_alphabetic);
+    if is_name { (Unknown, 1) } else { number(rest) }
+}
+
+/// The function that a method is, as Rust has them.
+pub(crate) fn method(word: &str) -> Option<&'static str> {
+    const ALIKE: &[&str] = &[
+        "pow", "sqrt", "cbrt", "abs", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh",
+        "cosh", "tanh", "exp", "ln", "log2", "log10", "floor", "ceil", "round", "recip", "min",
+        "max", "clamp", "hypot", "length",
+    ];
+    const OTHERS: &[(&str, &str)] =
+        &[("powi", "pow"), ("powf", "pow"), ("signum", "sign"), ("norm", "length")];
+    let alike = ALIKE.iter().find(|name| **name == word).copied();
+    let other = || OTHERS.iter().find(|(name, _)| *name == word).map(|(_, function)| *function);
+    alike.or_else(other)
+}
+
+/// Whether a word names components of a vector.
+fn is_component(word: &str) -> bool {
+    let one_of = |letters: &str| word.chars().all(|letter| letters.contains(letter));
+    matches!(word.len(), 1..=4) && (one_of("xyzw") || one_of("rgba") || one_of("stpq"))
+}
+
+/// The length of a module's name with its dot, if a function of it follows.
+fn module(rest: &str, end: usize) -> Option<usize> {
+    if rest[end..].starts_with("::") && matches!(&rest[..end], "std" | "glm") {
+        return Some(end + 2);
+    }
+    let member = rest[end..].strip_prefix('.')?;
+    let word = &member[..prefix(member, in_name)];
+    let is_member = word.starts_with(char::is_alphabetic) && !is_component(word);
+    (is_member && MODULES.contains(&&rest[..end])).then_some(end + 1)
+}
+
+fn number(rest: &str) -> (TokenKind, usize) {
+    let digits = |text: &str| prefix(text, |c| c.is_ascii_digit());
+    let mut end = digits(rest);
+    let is_range = rest[end..].starts_with("..");
+    if let Some(decimals) = rest[end..].strip_prefix('.').filter(|_| !is_range) {
+        let count = digits(decimals);
+        end += 1 + count;
+        if end == 1 {
+            return (Unknown, 1);
+        }
+        // `1.f` and `1.0f` are numbers of C.
+        let is_suffix = decimals[..count].bytes().all(|digit| digit == b'0');
+        if let (true, Some(after)) = (is_suffix, decimals[count..].strip_prefix('f'))
+            && !after.starts_with(in_name)
+        {
+            return (Number, end + 1);
+        }
+    }
+    // `1.5*^-3` is one number of Mathematica, `1.0d0` one of Fortran.
+    let has_point = rest[..end].contains('.');
+    let tail = rest[end..].strip_prefix("*^");
+    let tail = tail.or_else(|| rest[end..].strip_prefix(['e', 'E']));
+    let fortran = rest[end..].strip_prefix(['d', 'D']).filter(|_| has_point);
+    if let Some(exponent) = tail.or(fortran) {
+        let exponent = exponent.strip_prefix(['+', '-', '−']).unwrap_or(exponent);
+        if digits(exponent) > 0 {
+            end = rest.len() - exponent.len() + digits(exponent);
+        }
+    }
+    (Number, end)
+}
+
+/// A name whose letters end at `end`, with its subscript.
+fn name(rest: &str, end: usize) -> (TokenKind, usize) {
+    if let Some(fixed) = token_kind(&rest[..end]).or_else(|| token_kind(&plain_text(&rest[..end])))
+    {
+        return (fixed, end);
+    }
+    // The underscore of a subscript is a letter elsewhere.
+    let base = rest[..end].strip_suffix('_').map_or(end, str::len);
+    match rest[base..].strip_prefix('_') {
+        Some(subscript) if subscript.starts_with('{') => {
+            (TokenKind::Name, base + braced(subscript).map_or(0, |length| 1 + length))
+        }
+        // `\log_2` is one name.
+        Some(subscript) if base == end && rest.starts_with('\\') => {
+            (TokenKind::Name, base + 1 + prefix(subscript, |c| c.is_ascii_digit()))
+        }
+        _ => (TokenKind::Name, end),
+    }
+}
+
+fn command(rest: &str, context: Context) -> (TokenKind, usize) {
+    let end = 1 + prefix(&rest[1..], |c| c.is_ascii_alphabetic());
+    if end == 1 {
+        return sign(rest);
+    }
+    let word = &rest[1..end];
+    let after = &rest[end..];
+    match word {
+        "begin" | "end" => return environment(rest, word == "begin", context.last),
+        "left" | "right" if after.starts_with('.') => return (Blank, end + 1),
+        "text" | "textrm" | "mbox" | "mathrm" | "textnormal" => {
+            if let Some(found) = text(after) {
+                return (found.0, end + found.1);
+            }
+        }
+        "left" | "right" => {
+            let bar = [r"\lvert", r"\rvert", r"\vert", r"\lVert", r"\rVert", r"\Vert", r"\|", "|"];
+            let space = prefix(after, |c| c == ' ');
+            let is_bar = |bar: &&&str| after[space..].starts_with(**bar);
+            return match bar.iter().find(is_bar) {
+                Some(bar) => {
+                    (if word == "left" { OpenBar } else { CloseBar }, end + space + bar.len())
+                }
+                None => (Blank, end),
+            };
+        }
+        "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (Blank, end),
+        _ if LABELS.contains(&word) && after.starts_with('{') => {
+            return (Blank, after.find('}').map_or(rest.len(), |length| end + length + 1));
+        }
+        _ => {}
+    }
+    match name(rest, end) {
+        (Upright, end) => {
+            let is_name =
+                rest[end..].starts_with('{') && rest[end + 1..].starts_with(char::is_alphabetic);
+            (TokenKind::Name, end + braced(&rest[end..]).filter(|_| is_name).unwrap_or(0))
+        }
+        found => found,
+    }
+}
+
+/// A command of one character, or a character named as Mathematica does.
+fn sign(rest: &str) -> (TokenKind, usize) {
+    let two = 1 + rest[1..].chars().next().map_or(0, char::len_utf8);
+    match &rest[..two] {
+        r"\\" => (RowEnd, 2 + gap(&rest[2..])),
+        r"\[" => {
+            let word = prefix(&rest[2..], |c| c.is_ascii_alphabetic());
+            if word > 0 && rest[2 + word..].starts_with(']') {
+                (TokenKind::Name, word + 3)
+            } else {
+                (Blank, 2)
+            }
+        }
+        // A brace before an environment is its ornament.
+        r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (Blank, 2),
+        other => token_kind(other).map_or((Unknown, 1), |kind| (kind, two)),
+    }
+}
+
+/// The length of `[2pt]`, the distance between two lines.
+fn gap(rest: &str) -> usize {
+    let Some(inner) = rest.strip_prefix('[') else { return 0 };
+    let number = prefix(inner, |c| c.is_ascii_digit() || matches!(c, '.' | '-'));
+    let unit = inner.get(number..number + 3);
+    let is_gap = matches!(unit, Some("pt]" | "ex]" | "em]" | "mm]" | "cm]"));
+    if number > 0 && is_gap { number + 4 } else { 0 }
+}
+
+/// Words in braces behind `\text`; `None` if they may be a name.
+fn text(rest: &str) -> Option<(TokenKind, usize)> {
+    let inner = rest.strip_prefix('{')?;
+    let length = start(inner, 60).find('}')?;
+    let words = inner[..length].trim_matches([' ', ',', '.', ';', '~']);
+    let kind = match words {
+        "and" => And,
+        "or" => Or,
+        _ if LEADS.contains(&words) => Blank,
+        _ if OTHERWISE.contains(&words) => Otherwise,
+        _ => return None,
+    };
+    Some((kind, length + 2))
+}
+
+/// The length of a name or a number in braces, if `rest` starts with one.
+fn braced(rest: &str) -> Option<usize> {
+    let inner = rest.strip_prefix('{')?;
+    let length = prefix(inner, in_name);
+    (length > 0 && inner[length..].starts_with('}')).then_some(length + 2)
+}

@@ -1,0 +1,14 @@
+//! From characters to the statements that the grammar reads. Each is a row of tokens in one
+//! arrangement, whichever of many spellings was typed.
+//!
+//! Nothing here knows the grammar, or what a name means.
+
+pub(crate) mod arrangement;
+pub(crate) mod bars;
+pub(crate) mod environment;
+pub(crate) mod foreign_signs;
+pub(crate) mod lexer;
+pub(crate) mod scanner;
+pub(crate) mod spelling;
+pub(crate) mod token;
+pub(crate) mod token_kind;

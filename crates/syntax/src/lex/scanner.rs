@@ -1,0 +1,259 @@
+//! A first, flat look at a text: its symbols, their number, brackets, and where statements end.
+//!
+//! It runs in one pass without recursion, so that no later stage meets text that is too long or too
+//! deep. It does not know the grammar: a symbol is what can be told from its own characters, but
+//! for the parts of `\frac` and the hexadecimal color behind `color`.
+
+use crate::lex::bars::pair_bars;
+use crate::lex::lexer::lex;
+use crate::lex::spelling::{in_name, line_length, prefix, start, token_kind};
+use crate::lex::token::{Context, Token};
+use crate::lex::token_kind::TokenKind::{self, *};
+use crate::limits::Limits;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::Note;
+use crate::span::Span;
+
+/// One statement.
+#[derive(Clone, Debug)]
+pub(crate) struct LexedStatement {
+    /// Never empty.
+    pub tokens: Vec<Token>,
+    /// The symbols of all tokens: what the grammar reads.
+    pub symbols: String,
+    pub span: Span,
+    /// What was noticed while its symbols were arranged.
+    pub notes: Vec<Note>,
+}
+
+impl LexedStatement {
+    pub(crate) fn new(mut tokens: Vec<Token>, notes: Vec<Note>) -> Fallible<Self> {
+        pair_bars(&mut tokens)?;
+        let mut symbols = String::with_capacity(tokens.len());
+        for token in &mut tokens {
+            token.at = symbols.len();
+            symbols.push(token.kind.as_char());
+        }
+        let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
+        Ok(Self { tokens, symbols, span, notes })
+    }
+
+    /// The index of the token at an offset in the symbols.
+    pub(crate) fn index(&self, offset: usize) -> usize {
+        self.tokens.partition_point(|token| token.at < offset)
+    }
+}
+
+/// Splits `text` into the symbols of its statements, and checks length, depth and brackets.
+pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
+    if text.len() > limits.bytes {
+        let kind = ErrorKind::TooLong { bytes: text.len(), limit: limits.bytes };
+        return Err(Error::new(Span::at(0), kind));
+    }
+    let mut statements: Vec<Vec<Token>> = Vec::new();
+    let mut tokens: Vec<Token> = Vec::new();
+    // The open brackets, by their indices in `tokens`.
+    let mut open: Vec<usize> = Vec::new();
+    let mut is_part = false;
+    // Environments in which `&` aligns and `\\` ends a line.
+    let mut aligned = 0_usize;
+    let mut starts_line = true;
+    let mut count = 0;
+    let mut end = 0;
+    while end < text.len() {
+        let rest = &text[end..];
+        if rest.starts_with("//")
+            && is_comment(rest, &tokens, open.last().map(|index| tokens[*index]), text)
+        {
+            end += line_length(rest);
+            continue;
+        }
+        let last = tokens.last();
+        let context = Context {
+            is_part,
+            is_radicand: last.is_some_and(|token| text[token.span.range()].starts_with('\\')),
+            is_color: matches!(tokens.as_slice(), [Token { kind: ColorWord | BackgroundWord, .. }]),
+            starts_line,
+            touching: last.filter(|token| token.span.end == end).map(|token| token.kind),
+            last: last.map(|token| token.kind),
+        };
+        let (mut kind, length) = lex(rest, context);
+        let span = Span::new(end, end + length);
+        end = span.end;
+        let within = open.last().map_or(Blank, |index| tokens[*index].kind);
+        let in_rows = matches!(within, OpenChoice | OpenMatrix);
+        match kind {
+            // What an environment closes is what was opened; outside brackets it had lines.
+            CloseMatrix if within == OpenChoice => kind = CloseChoice,
+            CloseMatrix if open.is_empty() && aligned > 0 => {
+                kind = CloseAlignment;
+                aligned -= 1;
+            }
+            OpenAlignment => aligned += 1,
+            CloseAlignment => aligned = aligned.saturating_sub(1),
+            Ampersand if within == OpenChoice => kind = If,
+            Ampersand if within == OpenMatrix => kind = Comma,
+            Ampersand if aligned > 0 => kind = Blank,
+            // Windows ends lines with two characters.
+            LineEnd if rest.starts_with("\r\n") => kind = Blank,
+            // A line that starts with an operator goes on with the one before.
+            RowEnd if !in_rows => kind = if goes_on(&text[end..]) { Blank } else { LineEnd },
+            _ => {}
+        }
+        if matches!(kind, Blank | OpenAlignment | CloseAlignment) {
+            continue;
+        }
+        starts_line = kind == LineEnd;
+        count += 1;
+        if count > limits.symbols {
+            return Err(Error::new(span, ErrorKind::TooManySymbols { limit: limits.symbols }));
+        }
+        let mut first = tokens.len();
+        // A line that ends with an operator goes on below.
+        let last = tokens.last().map_or(Blank, |token| token.kind);
+        let goes_on = || {
+            (last.is_arithmetic() || last == Caret) && continues(&text[end..])
+                || goes_back(&text[end..], &tokens)
+        };
+        match kind {
+            LineEnd if !open.is_empty() || goes_on() => continue,
+            LineEnd | Semicolon if open.is_empty() => {
+                if !tokens.is_empty() {
+                    statements.push(std::mem::take(&mut tokens));
+                }
+                continue;
+            }
+            _ if kind.closer().is_some() => {
+                if open.len() >= limits.depth {
+                    return Err(Error::new(span, ErrorKind::TooDeep { limit: limits.depth }));
+                }
+                open.push(tokens.len());
+            }
+            _ if kind.is_closer() => {
+                first = close(kind, span, open.pop().map(|index| (index, tokens[index])))?;
+            }
+            _ => {}
+        }
+        let follows_fraction = first > 0 && tokens[first - 1].kind == Fraction;
+        is_part = kind == Fraction
+            || (matches!(kind, Digit | CloseBrace) || kind.is_name()) && follows_fraction;
+        tokens.push(Token::new(kind, span));
+    }
+    if let Some(index) = open.first() {
+        return Err(unclosed(text, &tokens[*index..], open.len() == 1));
+    }
+    if !tokens.is_empty() {
+        statements.push(tokens);
+    }
+    Ok(statements)
+}
+
+/// Whether `//` begins a comment here: not where it may be a division of what is before it.
+fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> bool {
+    let Some(before) = tokens.last().filter(|token| token.kind.ends_operand()) else {
+        return true;
+    };
+    let place = text.len() - rest.len();
+    if text[before.span.end..place].contains('\n') {
+        return true;
+    }
+    let line = start(rest, 200);
+    let line = line[2..line_length(line)].trim();
+    match open {
+        Some(Token { kind: OpenParen | OpenBracket, .. }) => !line.contains([')', ']']),
+        Some(_) => true,
+        None => {
+            let word = prefix(line, in_name);
+            let is_divisor = line.starts_with(|c: char| c.is_ascii_digit() || "(.-".contains(c));
+            let is_letter = word <= 1 && word == line.len();
+            !(is_divisor || is_letter || line[word..].starts_with(" ="))
+        }
+    }
+}
+
+/// Whether a line of an environment goes on with the one before.
+fn goes_on(rest: &str) -> bool {
+    const BLANKS: [&str; 11] =
+        [" ", "\n", "\r", "\t", "&", "{}", r"\quad", r"\qquad", r"\,", r"\;", r"\ "];
+    let mut rest = rest;
+    while let Some(beyond) = BLANKS.iter().find_map(|blank| rest.strip_prefix(blank)) {
+        rest = beyond;
+    }
+    rest.starts_with(['+', '-', '−', '=', '*', '<', '>', '/'])
+        || [r"\cdot", r"\times", r"\le", r"\ge"].iter().any(|sign| rest.starts_with(sign))
+}
+
+/// Whether a text begins with what can end the formula above it: not with a statement of its own.
+fn continues(rest: &str) -> bool {
+    let line = rest.trim_start_matches([' ', '\t', '\r']);
+    let line = start(&line[..line_length(line)], 300);
+    let name = prefix(line, in_name);
+    let after = line[name..].trim_start();
+    let defines = name > 0 && (after.starts_with('=') || after.starts_with(":="));
+    let is_operand = name > 0 || line.starts_with(['(', '[', '{', '\\', '+', '-', '−', '|']);
+    is_operand && !defines && !token_kind(&line[..name]).is_some_and(TokenKind::is_setting)
+}
+
+/// Whether a line is the rest of the formula above it, since no other starts as it does: with a
+/// plus or a relation, or, if it is indented, a minus. Not if both have a relation.
+fn goes_back(rest: &str, above: &[Token]) -> bool {
+    let is_relation = |c: char| "=≠<≤>≥≔".contains(c);
+    let line = start(&rest[..line_length(rest)], 300);
+    let formula = line.trim_start();
+    let has_relation = above.iter().any(|token| token.kind.is_relation());
+    // `<p>` is a tag, and no relation.
+    let is_tag = formula.starts_with('<')
+        && formula[1..].starts_with(|c: char| c == '/' || c.is_alphabetic());
+    let is_rest = !is_tag && formula.starts_with(|c| c == '+' || is_relation(c))
+        || formula.len() < line.len() && formula.starts_with(['-', '−']);
+    is_rest && !above.is_empty() && !(has_relation && formula.contains(is_relation))
+}
+
+/// The index of the bracket that `symbol` at `span` closes.
+fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallible<usize> {
+    let Some((index, open)) = opened else {
+        let kind = ErrorKind::Unopened { close: kind.as_char() };
+        return Err(Error::new(span, kind).suggest(span, ""));
+    };
+    match open.kind.closer() {
+        Some(meant) if meant != kind => {
+            let is_typed = !matches!(meant, CloseChoice | CloseMatrix);
+            let kind = ErrorKind::Mismatched { open: open.kind.as_char(), close: kind.as_char() };
+            let meant = is_typed.then(|| meant.as_char().to_string());
+            Err(Error::new(open.span.to(span), kind).suggest_any(span, meant))
+        }
+        _ => Ok(index),
+    }
+}
+
+/// The error for a bracket that is never closed, the first of `tokens`.
+fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
+    let Token { kind, span, .. } = tokens[0];
+    let error = Error::new(span, ErrorKind::Unclosed { open: kind.as_char() });
+    // Where one bracket is missing, the end of its line is a fair guess.
+    let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
+    let line = tokens.iter().take_while(|token| token.kind != Semicolon && token.span.start < line);
+    match (line.last(), kind.closer()) {
+        // What closes an environment has a name.
+        (Some(last), Some(close)) if is_only && !matches!(close, CloseChoice | CloseMatrix) => {
+            error.suggest(Span::at(last.span.end), close.as_char())
+        }
+        _ => error,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statements_end_at_breaks_outside_brackets() {
+        let text = "r = 2; x^2 # one\n\n(y +\n z)\ncolor #ff8000\n";
+        let statements = scan(text, &Limits::default()).expect("four statements");
+        let read: Vec<&str> = statements
+            .iter()
+            .map(|tokens| &text[tokens[0].span.to(tokens[tokens.len() - 1].span).range()])
+            .collect();
+        assert_eq!(read, ["r = 2", "x^2", "(y +\n z)", "color #ff8000"]);
+    }
+}

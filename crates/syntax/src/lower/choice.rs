@@ -1,0 +1,313 @@
+//! Choices between values by conditions, sums and products over whole numbers, and functions
+//! applied again and again: what is unrolled where it is used.
+//!
+//! A choice becomes selections by the sign of a margin, which kernels prove branch by branch: where
+//! it jumps there is no zero. As everywhere, a comparison does not hold where a side of it has no
+//! value; and where no piece holds, and there is no last value, a choice has none.
+
+use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
+use crate::lower::lowering::{Locals, Lowering};
+use crate::lower::value::Tensor;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::span::Span;
+use crate::tree::ast::{Expr, ExprKind, Function, Relation, Series};
+use crate::tree::scope::signatures;
+use crate::tree::series::MOST_TERMS;
+use zeroset_ir::{Graph, Node, NodeId};
+use zeroset_ops::Op;
+
+/// The most steps of arithmetic by which a whole number is found.
+const MOST_STEPS: usize = 256;
+
+/// The most numbers that are chosen between where a choice depends on another.
+const MOST_LEAVES: usize = 500;
+
+impl<'a> Lowering<'a> {
+    /// The value of the first piece whose condition holds.
+    pub(crate) fn choice(
+        &mut self,
+        pieces: &'a [(Expr, Expr)],
+        otherwise: Option<&'a Expr>,
+        locals: &Locals<'a>,
+    ) -> Fallible<Tensor> {
+        if let Some(argument) = as_sinc(pieces, otherwise)
+            && let Some(sinc) = signatures("sinc", false).function(1)
+        {
+            let argument = self.value_of(argument, locals)?;
+            return self.call(&sinc, vec![argument], pieces[0].0.span);
+        }
+        let exprs = pieces.iter().map(|(_, value)| value).chain(otherwise);
+        let mut values = self.values_of(exprs, locals)?;
+        let mut rest = otherwise.and_then(|_| values.pop());
+        for ((condition, place), value) in pieces.iter().zip(values).rev() {
+            let operands: Vec<Tensor> = std::iter::once(value).chain(rest).collect();
+            rest = Some(self.by_component(&operands, place.span, |all, parts| match parts {
+                [yes, no] => all.choose(condition, false, *yes, *no, locals),
+                only => all.only_where(only[0], condition, locals),
+            })?);
+        }
+        rest.ok_or_else(|| Error::new(Span::default(), ErrorKind::Empty))
+    }
+
+    /// `yes` where `condition`, or with `negated` its opposite, holds, else `no`.
+    fn choose(
+        &mut self,
+        condition: &'a Expr,
+        negated: bool,
+        yes: NodeId,
+        no: NodeId,
+        locals: &Locals<'a>,
+    ) -> Fallible<NodeId> {
+        if has_one_sign(condition) {
+            let (margin, strict) = self.margin(condition, negated, Purpose::Restriction, locals)?;
+            return Ok(self.by_margin(margin, strict, yes, no));
+        }
+        match &condition.kind {
+            ExprKind::And(items) | ExprKind::Or(items) => {
+                let all = matches!(condition.kind, ExprKind::And(_)) != negated;
+                let mut node = if all { yes } else { no };
+                for item in items.iter().rev() {
+                    let (yes, no) = if all { (node, no) } else { (yes, node) };
+                    node = self.choose(item, negated, yes, no, locals)?;
+                }
+                Ok(node)
+            }
+            ExprKind::Not(inner) => self.choose(inner, !negated, yes, no, locals),
+            ExprKind::Compare(first, rest) => {
+                let mut node = if negated { no } else { yes };
+                for (left, relation, right) in comparisons(first, rest) {
+                    let relation = if negated { relation.opposite() } else { relation };
+                    let (yes, no) = if negated { (yes, node) } else { (node, no) };
+                    node = self.compare(left, relation, right, (yes, no), locals)?;
+                }
+                Ok(node)
+            }
+            _ => Err(Error::new(condition.span, ErrorKind::ValueAsCondition { word: "if" })),
+        }
+    }
+
+    /// The first of `values` where one comparison holds, else the second.
+    fn compare(
+        &mut self,
+        left: &'a Expr,
+        relation: Relation,
+        right: &'a Expr,
+        (yes, no): (NodeId, NodeId),
+        locals: &Locals<'a>,
+    ) -> Fallible<NodeId> {
+        let Some((low, high, strict)) = sides(left, relation, right) else {
+            let is_equal = relation == Relation::Equal;
+            let difference = self.difference(left, right, locals)?;
+            // Where a side has no value, neither relation holds.
+            let difference = self.otherwise_outside(difference, i64::from(is_equal));
+            let (at, off) = if is_equal { (yes, no) } else { (no, yes) };
+            let opposite = self.graph.apply(Op::Neg, &[difference]);
+            let above = self.graph.apply(Op::SelectNegative, &[opposite, off, at]);
+            return Ok(self.graph.apply(Op::SelectNegative, &[difference, off, above]));
+        };
+        let margin = self.difference(high, low, locals)?;
+        let margin = self.otherwise_outside(margin, -1);
+        Ok(self.by_margin(margin, strict, yes, no))
+    }
+
+    /// `yes` where a margin is positive, or if not `strict` 0, else `no`.
+    fn by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
+        // Whether a program has left a loop is itself a choice, between numbers: with that in
+        // between, bounds would hold both of what is chosen.
+        if let Some(node) = self.by_numbers(margin, strict, (yes, no), &mut MOST_LEAVES.clone()) {
+            return node;
+        }
+        if strict {
+            let below = self.graph.apply(Op::Neg, &[margin]);
+            self.graph.apply(Op::SelectNegative, &[below, yes, no])
+        } else {
+            self.graph.apply(Op::SelectNegative, &[margin, no, yes])
+        }
+    }
+
+    /// What a margin decides that is a choice between numbers: the same choice between `values`.
+    /// `None` for others.
+    fn by_numbers(
+        &mut self,
+        margin: NodeId,
+        strict: bool,
+        values: (NodeId, NodeId),
+        left: &mut usize,
+    ) -> Option<NodeId> {
+        *left = left.checked_sub(1)?;
+        let operands = match self.graph.node(margin) {
+            Node::Constant(constant) => {
+                let bounds = constant.bounds();
+                let holds = if constant.is_zero() { !strict } else { bounds.lo > 0.0 };
+                return Some(if holds { values.0 } else { values.1 });
+            }
+            Node::Apply(op, operands) if *op == Op::SelectNegative => operands.to_vec(),
+            Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return None,
+        };
+        let by = operands[0];
+        let below = self.by_numbers(operands[1], strict, values, left)?;
+        let above = self.by_numbers(operands[2], strict, values, left)?;
+        if below == above && self.total.get(by.index()) == Some(&true) {
+            return Some(below);
+        }
+        Some(self.graph.apply(Op::SelectNegative, &[by, below, above]))
+    }
+
+    /// `node` where `condition` holds, undefined elsewhere.
+    fn only_where(
+        &mut self,
+        node: NodeId,
+        condition: &'a Expr,
+        locals: &Locals<'a>,
+    ) -> Fallible<NodeId> {
+        if is_restriction(condition) {
+            return self.restrict(node, condition, locals);
+        }
+        // 1 where the condition holds, −1 elsewhere.
+        let (yes, no) = (self.graph.integer(1), self.graph.integer(-1));
+        let margin = self.choose(condition, false, yes, no, locals)?;
+        Ok(self.graph.apply(Op::WherePositive, &[node, margin]))
+    }
+
+    /// A sum or a product, written out.
+    pub(crate) fn series(
+        &mut self,
+        series: &'a Series,
+        span: Span,
+        locals: &Locals<'a>,
+    ) -> Fallible<Tensor> {
+        let low = self.whole(&series.low, locals)?;
+        let high = self.whole(&series.high, locals)?;
+        let step = series.step.as_ref();
+        let place = step.map_or(span, |step| step.span);
+        let step = step.map_or(Ok(1), |step| self.whole(step, locals))?;
+        if step < 1 {
+            return Err(Error::new(place, ErrorKind::SeriesStep));
+        }
+        if high.saturating_sub(low) / step >= MOST_TERMS {
+            let place = series.low.span.to(series.high.span);
+            return Err(Error::new(place, ErrorKind::TooManyTerms { limit: MOST_TERMS }));
+        }
+        let op = if series.is_product { Op::Mul } else { Op::Add };
+        let mut all = None;
+        let mut k = low;
+        while k <= high {
+            let mut inner = locals.to_vec();
+            inner.push((series.index.text.as_str(), Tensor::Number(self.graph.integer(k))));
+            let term = self.value_of(&series.body, &inner)?;
+            all = Some(match all {
+                None => term,
+                Some(all) => self.native(op, &[all, term], span)?,
+            });
+            k += step;
+        }
+        let empty = i64::from(series.is_product);
+        Ok(all.unwrap_or_else(|| Tensor::Number(self.graph.integer(empty))))
+    }
+
+    /// A function applied as often as the first argument says, to the second; what follows stays.
+    pub(crate) fn iterate(
+        &mut self,
+        function: &Function,
+        mut arguments: Vec<Tensor>,
+        span: Span,
+    ) -> Fallible<Tensor> {
+        let count = match arguments.remove(0) {
+            Tensor::Number(node) => integer_of(&self.graph, node, &mut { MOST_STEPS }),
+            Tensor::Vector(_) | Tensor::Matrix(_) => None,
+        };
+        let Some(count) = count.filter(|count| *count >= 0) else {
+            return Err(Error::new(span, ErrorKind::RangeNotWhole));
+        };
+        if count > MOST_TERMS {
+            return Err(Error::new(span, ErrorKind::TooManyTerms { limit: MOST_TERMS }));
+        }
+        let mut value = arguments.remove(0);
+        for _ in 0..count {
+            let mut all = vec![value];
+            all.extend(arguments.iter().cloned());
+            value = self.call(function, all, span)?;
+        }
+        Ok(value)
+    }
+
+    /// The whole number that an expression is.
+    fn whole(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<i64> {
+        let node = self.number(expr, locals)?;
+        match integer_of(&self.graph, node, &mut { MOST_STEPS }) {
+            Some(whole) if whole.abs() <= 1_000_000_000 => Ok(whole),
+            Some(_) => Err(Error::new(expr.span, ErrorKind::TooManyTerms { limit: MOST_TERMS })),
+            None => Err(Error::new(expr.span, ErrorKind::RangeNotWhole)),
+        }
+    }
+}
+
+/// The whole number that a node is, if it follows from whole numbers by arithmetic in no more than
+/// so many steps.
+fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
+    *steps = steps.checked_sub(1)?;
+    let (op, operands) = match graph.node(node) {
+        Node::Constant(constant) => return constant.as_integer(),
+        Node::Apply(op, operands) if operands.len() <= 2 => (*op, operands),
+        Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return None,
+    };
+    let a = integer_of(graph, operands[0], steps)?;
+    if op == Op::Neg {
+        return a.checked_neg();
+    }
+    let b = integer_of(graph, *operands.get(1)?, steps)?;
+    // What is no arithmetic of whole numbers ends no range.
+    if op == Op::Add {
+        a.checked_add(b)
+    } else if op == Op::Sub {
+        a.checked_sub(b)
+    } else if op == Op::Mul {
+        a.checked_mul(b)
+    } else if op == Op::Div {
+        (a.checked_rem(b)? == 0).then(|| a / b)
+    } else if op == Op::Pow {
+        a.checked_pow(u32::try_from(b).ok()?)
+    } else {
+        None
+    }
+}
+
+/// The argument of `{a = 0: 1, sin(a)/a}`, which is sinc(a): the enclosures of that are narrow
+/// where those of the quotient are not.
+fn as_sinc<'e>(pieces: &'e [(Expr, Expr)], otherwise: Option<&'e Expr>) -> Option<&'e Expr> {
+    let ([(condition, one)], Some(quotient)) = (pieces, otherwise) else { return None };
+    let ExprKind::Compare(left, rest) = &condition.kind else { return None };
+    let [(Relation::Equal, zero)] = rest.as_slice() else { return None };
+    let (sine, divisor) = quotient.quotient()?;
+    let is_number = |expr: &Expr, value| expr.whole_number() == Some(value);
+    let ExprKind::Call(Function::Native(Op::Sin), arguments) = &sine.kind else { return None };
+    let is_sinc = is_number(zero, 0)
+        && is_number(one, 1)
+        && divisor == &**left
+        && arguments.as_slice() == std::slice::from_ref(&**left);
+    is_sinc.then_some(&**left)
+}
+
+/// Whether a condition can restrict a value by itself.
+fn is_restriction(condition: &Expr) -> bool {
+    match &condition.kind {
+        ExprKind::And(items) => items.iter().all(is_restriction),
+        ExprKind::Compare(_, rest) => rest.iter().all(|(relation, _)| *relation != Relation::Equal),
+        _ => has_one_sign(condition),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::document::reading::{Options, read};
+
+    #[test]
+    fn a_choice_that_is_sinc_is_read_as_sinc() {
+        let nodes = |text: &str| {
+            let document = read(text, &Options::default()).expect("reads");
+            document.graph.iter().map(|(_, node)| node.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(nodes("z = {x*y = 0: 1, sin(x*y)/(x*y)}"), nodes("z = sinc(x*y)"));
+        assert_ne!(nodes("z = {x*y = 0: 2, sin(x*y)/(x*y)}"), nodes("z = sinc(x*y)"));
+    }
+}

@@ -1,0 +1,219 @@
+//! Conditions: solids and the sets that equations are restricted to.
+//!
+//! A point at which a side of a comparison has no value meets neither that comparison nor its
+//! opposite: there it is outside, and the rest of the condition still counts.
+
+use crate::lower::lowering::{Locals, Lowering};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::tree::ast::{Expr, ExprKind, Relation};
+use zeroset_ir::{Constant, Node, NodeId};
+use zeroset_ops::{Domain, Op};
+
+impl<'a> Lowering<'a> {
+    /// The function that is ≤ 0 inside the solid that a condition describes, and above 0 elsewhere;
+    /// defined everywhere.
+    pub(crate) fn solid(&mut self, condition: &'a Expr) -> Fallible<NodeId> {
+        // What is positive where the opposite holds.
+        let (node, _) = self.margin(condition, true, Purpose::Face, &[])?;
+        Ok(node)
+    }
+
+    /// A function that is positive or, unless the condition is strict, 0 just where `condition`, or
+    /// with `negated` its opposite, holds; and whether that is strict.
+    pub(crate) fn margin(
+        &mut self,
+        condition: &'a Expr,
+        negated: bool,
+        purpose: Purpose,
+        locals: &Locals<'a>,
+    ) -> Fallible<(NodeId, bool)> {
+        let mut margins = Vec::new();
+        let all = match &condition.kind {
+            ExprKind::Not(inner) => return self.margin(inner, !negated, purpose, locals),
+            ExprKind::And(items) | ExprKind::Or(items) => {
+                for item in items {
+                    margins.push(self.margin(item, negated, purpose, locals)?);
+                }
+                matches!(condition.kind, ExprKind::And(_))
+            }
+            ExprKind::Compare(first, rest) => {
+                for (left, relation, right) in comparisons(first, rest) {
+                    let Some((low, high, strict)) = sides(left, relation, right) else {
+                        let kind = match (purpose, relation) {
+                            (Purpose::Face, Relation::Equal) => ErrorKind::EquationInCondition,
+                            (Purpose::Face, _) => ErrorKind::UnequalOutsideBraces,
+                            (Purpose::Restriction, Relation::Equal) => {
+                                ErrorKind::RestrictionIsEquation
+                            }
+                            (Purpose::Restriction, _) => ErrorKind::MixedRestriction,
+                        };
+                        return Err(Error::new(left.span.to(right.span), kind));
+                    };
+                    let (low, high) = if negated { (high, low) } else { (low, high) };
+                    let difference = self.difference(high, low, locals)?;
+                    let outside = match purpose {
+                        Purpose::Face => 1,
+                        Purpose::Restriction => -1,
+                    };
+                    let margin = self.otherwise_outside(difference, outside);
+                    margins.push((margin, strict != negated));
+                }
+                true
+            }
+            _ => return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
+        };
+        let strict = margins[0].1;
+        if purpose == Purpose::Restriction && margins.iter().any(|(_, other)| *other != strict) {
+            return Err(Error::new(condition.span, ErrorKind::MixedRestriction));
+        }
+        let nodes: Vec<NodeId> = margins.into_iter().map(|(node, _)| node).collect();
+        Ok((self.fold(if all == negated { Op::Max } else { Op::Min }, &nodes), strict))
+    }
+
+    /// `node` where it is defined, else a number that means outside; `node` alone if it cannot be
+    /// undefined.
+    pub(crate) fn otherwise_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
+        for (_, node) in self.graph.since(self.total.len()) {
+            let total = match node {
+                Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => true,
+                Node::Apply(op, operands) => {
+                    let each = operands.iter().all(|operand| self.total[operand.index()]);
+                    each && match op.row().domain {
+                        Domain::All => true,
+                        Domain::Power => {
+                            let exponent = self.graph.number(operands[1]);
+                            exponent.and_then(Constant::as_integer).is_some_and(|n| n >= 0)
+                        }
+                        Domain::Nonneg
+                        | Domain::Positive
+                        | Domain::LastNonzero
+                        | Domain::LastNonneg
+                        | Domain::LastPositive
+                        | Domain::Unit
+                        | Domain::UnitInside
+                        | Domain::FromOne
+                        | Domain::CosineNonzero
+                        | Domain::AnyNonzero => false,
+                    }
+                }
+            };
+            self.total.push(total);
+        }
+        if self.total[node.index()] {
+            return node;
+        }
+        let outside = self.graph.integer(outside);
+        self.graph.apply(Op::Otherwise, &[node, outside])
+    }
+
+    /// `root`, defined only where `condition` holds.
+    pub(crate) fn restrict(
+        &mut self,
+        root: NodeId,
+        condition: &'a Expr,
+        locals: &Locals<'a>,
+    ) -> Fallible<NodeId> {
+        match &condition.kind {
+            ExprKind::And(items) => {
+                items.iter().try_fold(root, |root, item| self.restrict(root, item, locals))
+            }
+            ExprKind::Compare(first, rest) => {
+                let mut root = root;
+                for (left, relation, right) in comparisons(first, rest) {
+                    let (op, bound) = match sides(left, relation, right) {
+                        Some((low, high, strict)) => {
+                            (restriction(strict), self.difference(high, low, locals)?)
+                        }
+                        None if relation == Relation::Unequal => {
+                            (Op::WhereNonzero, self.difference(left, right, locals)?)
+                        }
+                        None => {
+                            let span = left.span.to(right.span);
+                            return Err(Error::new(span, ErrorKind::RestrictionIsEquation));
+                        }
+                    };
+                    root = self.graph.apply(op, &[root, bound]);
+                }
+                Ok(root)
+            }
+            ExprKind::Or(_) | ExprKind::Not(_) => {
+                let (bound, strict) =
+                    self.margin(condition, false, Purpose::Restriction, locals)?;
+                Ok(self.graph.apply(restriction(strict), &[root, bound]))
+            }
+            _ => Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition)),
+        }
+    }
+
+    /// The solid `root` where `condition` holds as well, so that the cut is a face of it. A cut
+    /// that has no inside (`!=`) only takes points away.
+    pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
+        match &condition.kind {
+            ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),
+            _ if strictness(condition, false).is_some() => {
+                let other = self.solid(condition)?;
+                Ok(self.graph.apply(Op::Max, &[root, other]))
+            }
+            _ => self.restrict(root, condition, &[]),
+        }
+    }
+}
+
+/// What a margin is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// Where it is 0 is the face of a solid.
+    Face,
+    /// Its sign decides what is defined, or which of two values is taken.
+    Restriction,
+}
+
+/// Each comparison of a chain with its sides.
+pub(crate) fn comparisons<'a>(
+    first: &'a Expr,
+    rest: &'a [(Relation, Expr)],
+) -> impl Iterator<Item = (&'a Expr, Relation, &'a Expr)> {
+    let left = std::iter::once(first).chain(rest.iter().map(|(_, side)| side));
+    left.zip(rest).map(|(left, (relation, right))| (left, *relation, right))
+}
+
+/// The lower and the higher side of an inequality, and whether it is strict; `None` for others.
+pub(crate) fn sides<'a>(
+    left: &'a Expr,
+    relation: Relation,
+    right: &'a Expr,
+) -> Option<(&'a Expr, &'a Expr, bool)> {
+    match relation {
+        Relation::Less => Some((left, right, true)),
+        Relation::LessEqual => Some((left, right, false)),
+        Relation::Greater => Some((right, left, true)),
+        Relation::GreaterEqual => Some((right, left, false)),
+        Relation::Equal | Relation::Unequal => None,
+    }
+}
+
+/// The operation that restricts to where a margin is positive, or not negative.
+fn restriction(strict: bool) -> Op {
+    if strict { Op::WherePositive } else { Op::WhereNonneg }
+}
+
+/// Whether each inequality that a condition, or with `negated` its opposite, is made of is strict;
+/// `None` for a condition that is made of others, too.
+fn strictness(condition: &Expr, negated: bool) -> Option<Vec<bool>> {
+    match &condition.kind {
+        ExprKind::And(items) | ExprKind::Or(items) => {
+            let each: Option<Vec<_>> = items.iter().map(|item| strictness(item, negated)).collect();
+            Some(each?.concat())
+        }
+        ExprKind::Not(inner) => strictness(inner, !negated),
+        ExprKind::Compare(first, rest) => comparisons(first, rest)
+            .map(|(left, relation, right)| Some(sides(left, relation, right)?.2 != negated))
+            .collect(),
+        _ => None,
+    }
+}
+
+/// Whether a condition is one margin: of inequalities that are all strict or all not.
+pub(crate) fn has_one_sign(condition: &Expr) -> bool {
+    strictness(condition, false).is_some_and(|all| all.windows(2).all(|pair| pair[0] == pair[1]))
+}

@@ -1,0 +1,414 @@
+//! From trees to the expression graph: definitions expanded, nothing simplified.
+//!
+//! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose
+//! sum is bounded here, and which take a further piece of stack where little is left. Every
+//! expansion is remembered by its arguments, so repeated use costs nothing.
+
+use crate::limits::Limits;
+use crate::lower::prelude;
+use crate::lower::value::{Tensor, component, numbers, vector};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::Note;
+use crate::span::Span;
+use crate::tree::ast::{Chain, Definition, Expr, ExprKind, Function, NamedValue, Relation, Sign};
+use rustc_hash::FxHashMap;
+use zeroset_ir::{Constant, Graph, NodeId};
+use zeroset_ops::Op;
+
+/// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers
+/// of calls.
+const LEVELS: usize = 5;
+/// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
+const VISITS: usize = 16;
+
+/// Stack that must be left at each level, in bytes: a level itself takes a kilobyte, and the
+/// choices between numbers in it a hundred.
+const RED_ZONE: usize = 1 << 18;
+/// The stack that is added where less is left: definitions nest deeper than brackets, by a thousand
+/// levels.
+const SEGMENT: usize = 1 << 21;
+
+/// What a defined name lowers to.
+#[derive(Clone, Debug)]
+pub(crate) enum NameBinding<'a> {
+    /// The parameter with this number.
+    Parameter(u32),
+    /// A number that does not change.
+    Number(Constant),
+    /// A definition, expanded where it is used.
+    Definition(&'a Definition),
+}
+
+/// Values by the names of a function's parameters.
+pub(crate) type Locals<'a> = [(&'a str, Tensor)];
+
+/// Lowers the trees of one document into one graph.
+pub(crate) struct Lowering<'a> {
+    pub graph: Graph,
+    /// What was noticed on the way.
+    pub notes: Vec<Note>,
+    names: FxHashMap<&'a str, NameBinding<'a>>,
+    time: Option<u32>,
+    is_constant: bool,
+    limits: &'a Limits,
+    expanded: FxHashMap<(Function, Vec<Tensor>), Tensor>,
+    values: FxHashMap<&'a str, Tensor>,
+    levels: usize,
+    visits: usize,
+    /// Per node, as far as has been asked, whether it is defined everywhere.
+    pub(crate) total: Vec<bool>,
+}
+
+impl<'a> Lowering<'a> {
+    pub(crate) fn new(
+        names: FxHashMap<&'a str, NameBinding<'a>>,
+        time: Option<u32>,
+        limits: &'a Limits,
+    ) -> Self {
+        Self { names, time, is_constant: false, ..Self::constant(limits) }
+    }
+
+    /// For an expression in which nothing may vary.
+    pub(crate) fn constant(limits: &'a Limits) -> Self {
+        Self {
+            graph: Graph::new(),
+            notes: Vec::new(),
+            names: FxHashMap::default(),
+            time: None,
+            is_constant: true,
+            limits,
+            expanded: FxHashMap::default(),
+            values: FxHashMap::default(),
+            levels: 0,
+            visits: 0,
+            total: Vec::new(),
+        }
+    }
+
+    /// The node of a number.
+    pub(crate) fn value(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
+        self.number(expr, &[])
+    }
+
+    /// The function whose zeros are drawn for a plain formula or an equation; `None` for a
+    /// condition.
+    pub(crate) fn equation(&mut self, expr: &'a Expr) -> Fallible<Option<NodeId>> {
+        match &expr.kind {
+            ExprKind::Compare(left, rest) => match rest.as_slice() {
+                [(Relation::Equal, right)] => self.difference(left, right, &[]).map(Some),
+                _ => Ok(None),
+            },
+            ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => Ok(None),
+            _ => self.value(expr).map(Some),
+        }
+    }
+
+    /// `left − right`, without the subtraction where one side is the number 0.
+    pub(crate) fn difference(
+        &mut self,
+        left: &'a Expr,
+        right: &'a Expr,
+        locals: &Locals<'a>,
+    ) -> Fallible<NodeId> {
+        let zero =
+            |expr: &Expr| expr.number().and_then(Constant::decimal).is_some_and(|c| c.is_zero());
+        if zero(right) {
+            return self.number(left, locals);
+        }
+        let right_node = self.number(right, locals)?;
+        if zero(left) {
+            return Ok(self.graph.apply(Op::Neg, &[right_node]));
+        }
+        let left_node = self.number(left, locals)?;
+        Ok(self.graph.apply(Op::Sub, &[left_node, right_node]))
+    }
+
+    /// `op` over all `nodes`, from the left.
+    pub(crate) fn fold(&mut self, op: Op, nodes: &[NodeId]) -> NodeId {
+        nodes[1..].iter().fold(nodes[0], |all, node| self.graph.apply(op, &[all, *node]))
+    }
+
+    /// Counts a visit, and fails where the formula has grown too large.
+    fn enter(&mut self, span: Span) -> Fallible<()> {
+        let limit = self.limits.nodes;
+        self.visits += 1;
+        if self.graph.len() > limit || self.visits > limit.saturating_mul(VISITS) {
+            return Err(Error::new(span, ErrorKind::TooLarge { limit }));
+        }
+        if self.levels > self.limits.depth * LEVELS {
+            let limit = self.limits.depth;
+            return Err(Error::new(span, ErrorKind::TooDeep { limit }));
+        }
+        Ok(())
+    }
+
+    /// The node of an expression that must be a number.
+    pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
+        match self.value_of(expr, locals)? {
+            Tensor::Number(node) => Ok(node),
+            Tensor::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
+            Tensor::Matrix(_) => Err(Error::new(expr.span, ErrorKind::MatrixValue)),
+        }
+    }
+
+    /// The value of an expression: a number or a vector.
+    #[inline(never)]
+    pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
+        self.enter(expr.span)?;
+        self.levels += 1;
+        let node = match stacker::remaining_stack() {
+            Some(..RED_ZONE) => self.lower_on_more_stack(expr, locals),
+            _ => self.lower(expr, locals),
+        };
+        self.levels -= 1;
+        node
+    }
+
+    #[inline(never)]
+    fn lower_on_more_stack(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
+        stacker::grow(SEGMENT, || self.lower(expr, locals))
+    }
+
+    /// Each kind in a function by itself, so that what nests in one does not take the stack of all.
+    #[inline(never)]
+    fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
+        match &expr.kind {
+            ExprKind::Number(text) => Ok(self.decimal(text)),
+            ExprKind::Name(value) => self.named(value, expr.span, locals),
+            ExprKind::Negate(inner) => self.negated(inner, locals),
+            ExprKind::Chain(kind, first, rest) => self.chain(*kind, first, rest, locals),
+            ExprKind::Power(base, exponent) => {
+                let operands = [base.as_ref(), exponent.as_ref()];
+                let operands = self.values_of(operands.into_iter(), locals)?;
+                self.native(Op::Pow, &operands, expr.span)
+            }
+            ExprKind::Call(function, arguments) => {
+                let values = self.values_of(arguments.iter(), locals)?;
+                self.call(function, values, expr.span)
+            }
+            ExprKind::Choice(pieces, otherwise) => {
+                self.choice(pieces, otherwise.as_deref(), locals)
+            }
+            ExprKind::Component(vector, letters) => {
+                let value = self.value_of(vector, locals)?;
+                component(value, letters, expr.span)
+            }
+            ExprKind::Series(series) => self.series(series, expr.span, locals),
+            ExprKind::Compare(..) | ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => {
+                Err(Error::new(expr.span, ErrorKind::ConditionAsValue))
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn decimal(&mut self, text: &str) -> Tensor {
+        let constant = Constant::decimal(text).expect("the grammar lets only decimals through");
+        Tensor::Number(self.graph.constant(constant))
+    }
+
+    #[inline(never)]
+    fn negated(&mut self, inner: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
+        let value = self.value_of(inner, locals)?;
+        self.by_component(&[value], inner.span, |all, parts| Ok(all.opposite(parts[0])))
+    }
+
+    #[inline(never)]
+    pub(crate) fn values_of(
+        &mut self,
+        exprs: impl Iterator<Item = &'a Expr>,
+        locals: &Locals<'a>,
+    ) -> Fallible<Vec<Tensor>> {
+        exprs.map(|expr| self.value_of(expr, locals)).collect()
+    }
+
+    /// A sum or a product, from the left.
+    #[inline(never)]
+    fn chain(
+        &mut self,
+        kind: Chain,
+        first: &'a Expr,
+        rest: &'a [(Sign, Expr)],
+        locals: &Locals<'a>,
+    ) -> Fallible<Tensor> {
+        let mut all = self.value_of(first, locals)?;
+        for (sign, next) in rest {
+            let op = kind.op(*sign);
+            let operands = [all, self.value_of(next, locals)?];
+            self.note_product(op, &operands[0], &operands[1], first.span.to(next.span));
+            all = self.native(op, &operands, next.span)?;
+        }
+        Ok(all)
+    }
+
+    /// The opposite of a number; that of a negative number is a number, so that `x^-2` has one for
+    /// its exponent.
+    fn opposite(&mut self, inner: NodeId) -> NodeId {
+        let exact = self.graph.number(inner).and_then(Constant::exact);
+        match exact.map(|value| Constant::rational(-value)) {
+            Some(constant) => self.graph.constant(constant),
+            None => self.graph.apply(Op::Neg, &[inner]),
+        }
+    }
+
+    #[inline(never)]
+    fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<Tensor> {
+        let varies = || {
+            let name = value.name().to_owned();
+            Error::new(span, ErrorKind::NotConstant { name })
+        };
+        match value {
+            NamedValue::Coordinate(_) | NamedValue::Time if self.is_constant => Err(varies()),
+            NamedValue::Coordinate(axis) => Ok(Tensor::Number(self.graph.variable(*axis))),
+            NamedValue::Time => Ok(Tensor::Number(match self.time {
+                Some(number) => self.graph.parameter(number),
+                None => self.graph.integer(0),
+            })),
+            NamedValue::Constant(constant) => {
+                Ok(Tensor::Number(self.graph.constant(Constant::Named(*constant))))
+            }
+            NamedValue::Local(name) => {
+                let found = locals.iter().rfind(|(local, _)| local == name);
+                found.map(|(_, value)| value.clone()).ok_or_else(varies)
+            }
+            NamedValue::Defined(name) => {
+                if let Some(value) = self.values.get(name.as_str()) {
+                    return Ok(value.clone());
+                }
+                let (name, binding) = self.names.get_key_value(name.as_str()).ok_or_else(varies)?;
+                let (name, definition) = match binding {
+                    NameBinding::Parameter(number) => {
+                        return Ok(Tensor::Number(self.graph.parameter(*number)));
+                    }
+                    NameBinding::Number(value) => {
+                        return Ok(Tensor::Number(self.graph.constant(value.clone())));
+                    }
+                    NameBinding::Definition(definition) => (*name, *definition),
+                };
+                let is_typed = definition.name.span != Span::default();
+                let value = self.value_of(&definition.body, &[]);
+                let value = value.map_err(|error| at_use(error, span, is_typed))?;
+                self.values.insert(name, value.clone());
+                Ok(value)
+            }
+        }
+    }
+
+    /// A function of values.
+    #[inline(never)]
+    pub(crate) fn call(
+        &mut self,
+        function: &Function,
+        mut arguments: Vec<Tensor>,
+        span: Span,
+    ) -> Fallible<Tensor> {
+        match function {
+            Function::Native(op) if op.arity() < arguments.len() => {
+                let first = arguments.remove(0);
+                arguments
+                    .into_iter()
+                    .try_fold(first, |all, next| self.native(*op, &[all, next], span))
+            }
+            Function::Native(op) if op.arity() > arguments.len() => {
+                Ok(Tensor::Number(self.fold(*op, arguments[0].parts())))
+            }
+            Function::Native(op) => self.native(*op, &arguments, span),
+            Function::Length => {
+                let nodes = numbers(&arguments, span)?;
+                Ok(Tensor::Number(self.length(&nodes)))
+            }
+            Function::Root => {
+                let nodes = numbers(&arguments, span)?;
+                self.root(nodes[0], nodes[1], span).map(Tensor::Number)
+            }
+            Function::Vector(size) => vector(usize::from(*size), &arguments, span),
+            Function::Matrix(size) => self.matrix(usize::from(*size), &arguments, span),
+            Function::OfVectors(function) => self.of_vectors(*function, &arguments, span),
+            Function::Iterate(function) => self.iterate(function, arguments, span),
+            Function::Composed(index)
+                if zeroset_ops::COMPOSED[*index].name == "hypot"
+                    && matches!(arguments.as_slice(), [Tensor::Vector(_)]) =>
+            {
+                Ok(Tensor::Number(self.length(arguments[0].parts())))
+            }
+            Function::Composed(index) => {
+                let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
+                self.expand(function, arguments, names, prelude::body(*index), span)
+            }
+            Function::Defined(name) => {
+                let Some(NameBinding::Definition(definition)) = self.names.get(name.as_str())
+                else {
+                    let name = name.clone();
+                    return Err(Error::new(span, ErrorKind::NotConstant { name }));
+                };
+                let definition: &'a Definition = definition;
+                let names = definition.parameters.iter().flatten().map(|name| name.text.as_str());
+                self.expand(function, arguments, names, &definition.body, span)
+            }
+        }
+    }
+
+    /// The body of a function with `names` replaced by its arguments.
+    #[inline(never)]
+    fn expand(
+        &mut self,
+        function: &Function,
+        arguments: Vec<Tensor>,
+        names: impl Iterator<Item = &'a str>,
+        body: &'a Expr,
+        span: Span,
+    ) -> Fallible<Tensor> {
+        let key = (function.clone(), arguments);
+        if let Some(value) = self.expanded.get(&key) {
+            return Ok(value.clone());
+        }
+        let locals: Vec<(&str, Tensor)> = names.zip(key.1.iter().cloned()).collect();
+        let (is_typed, noted) = (!matches!(function, Function::Composed(_)), self.notes.len());
+        let value = self.value_of(body, &locals);
+        let value = value.map_err(|error| at_use(error, span, is_typed))?;
+        if !is_typed {
+            self.notes.truncate(noted);
+        }
+        self.expanded.insert(key, value.clone());
+        Ok(value)
+    }
+
+    /// The n-th root of `radicand`: of negative numbers too where n is odd.
+    #[inline(never)]
+    fn root(&mut self, radicand: NodeId, index: NodeId, span: Span) -> Fallible<NodeId> {
+        let whole = self.graph.number(index).and_then(Constant::as_integer);
+        let one = self.graph.integer(1);
+        let Some(n) = whole else {
+            let exponent = self.graph.apply(Op::Div, &[one, index]);
+            return Ok(self.graph.apply(Op::Pow, &[radicand, exponent]));
+        };
+        let positive = match n.unsigned_abs() {
+            0 => return Err(Error::new(span, ErrorKind::ZerothRoot)),
+            1 => radicand,
+            2 => self.graph.apply(Op::Sqrt, &[radicand]),
+            3 => self.graph.apply(Op::Cbrt, &[radicand]),
+            n => {
+                let exponent = i64::try_from(n).ok().and_then(|n| Constant::ratio(1, n));
+                let exponent =
+                    self.graph.constant(exponent.unwrap_or_else(|| Constant::integer(0)));
+                if n % 2 == 0 {
+                    self.graph.apply(Op::Pow, &[radicand, exponent])
+                } else {
+                    let sign = self.graph.apply(Op::Sign, &[radicand]);
+                    let size = self.graph.apply(Op::Abs, &[radicand]);
+                    let power = self.graph.apply(Op::Pow, &[size, exponent]);
+                    self.graph.apply(Op::Mul, &[sign, power])
+                }
+            }
+        };
+        Ok(if n < 0 { self.graph.apply(Op::Div, &[one, positive]) } else { positive })
+    }
+}
+
+/// Errors of size inside a definition are shown where it is used: that is what can be changed. So
+/// are all errors where the definition is not typed, whose places are those of another text.
+fn at_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
+    if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
+        error.span = span;
+    }
+    error
+}

@@ -1,0 +1,225 @@
+//! Vectors, which are expanded to their components: the graph knows numbers only.
+//!
+//! An operation on vectors is done component by component, a number beside a vector counting for
+//! each. What mixes components has a name: `length`, `dot`, `cross`, `normalize`.
+
+use crate::lower::lowering::Lowering;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{Note, NoteKind};
+use crate::span::Span;
+use crate::tree::ast::LETTERS;
+use zeroset_ir::NodeId;
+use zeroset_ops::{Op, VectorFunction};
+
+/// What an expression lowers to.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Tensor {
+    Number(NodeId),
+    /// Two to four components.
+    Vector(Vec<NodeId>),
+    /// The elements of a square matrix, column by column.
+    Matrix(Vec<NodeId>),
+}
+
+impl Tensor {
+    fn size(&self) -> usize {
+        self.parts().len()
+    }
+
+    /// The component at `index`, which must be below their number; or the number itself.
+    fn part(&self, index: usize) -> NodeId {
+        match self {
+            Self::Number(node) => *node,
+            Self::Vector(nodes) | Self::Matrix(nodes) => nodes[index],
+        }
+    }
+
+    /// All components, or the number alone.
+    pub(crate) fn parts(&self) -> &[NodeId] {
+        match self {
+            Self::Number(node) => std::slice::from_ref(node),
+            Self::Vector(nodes) | Self::Matrix(nodes) => nodes,
+        }
+    }
+
+    /// The elements of what must be a matrix.
+    fn elements(&self, span: Span) -> Fallible<&[NodeId]> {
+        match self {
+            Self::Matrix(nodes) => Ok(nodes),
+            Self::Number(_) | Self::Vector(_) => Err(Error::new(span, ErrorKind::NotAMatrix)),
+        }
+    }
+
+    fn is_matrix(&self) -> bool {
+        matches!(self, Self::Matrix(_))
+    }
+
+    fn new(mut nodes: Vec<NodeId>) -> Self {
+        if nodes.len() == 1 { Self::Number(nodes.remove(0)) } else { Self::Vector(nodes) }
+    }
+}
+
+/// The nodes of values that must be numbers.
+pub(crate) fn numbers(values: &[Tensor], span: Span) -> Fallible<Vec<NodeId>> {
+    let node = |value: &Tensor| match value {
+        Tensor::Number(node) => Ok(*node),
+        Tensor::Vector(_) | Tensor::Matrix(_) => Err(Error::new(span, ErrorKind::Vector)),
+    };
+    values.iter().map(node).collect()
+}
+
+impl Lowering<'_> {
+    /// What `apply` makes of the components of `operands` that stand at the same place, for each.
+    pub(crate) fn by_component(
+        &mut self,
+        operands: &[Tensor],
+        span: Span,
+        mut apply: impl FnMut(&mut Self, &[NodeId]) -> Fallible<NodeId>,
+    ) -> Fallible<Tensor> {
+        let size = common_size(operands, span)?;
+        let mut nodes = Vec::with_capacity(size);
+        for index in 0..size {
+            let parts: Vec<NodeId> = operands.iter().map(|value| value.part(index)).collect();
+            nodes.push(apply(self, &parts)?);
+        }
+        let has_matrix = operands.iter().any(Tensor::is_matrix);
+        Ok(if has_matrix { Tensor::Matrix(nodes) } else { Tensor::new(nodes) })
+    }
+
+    /// An operation, component by component.
+    pub(crate) fn native(&mut self, op: Op, operands: &[Tensor], span: Span) -> Fallible<Tensor> {
+        if operands.iter().any(Tensor::is_matrix) {
+            return self.of_matrices(op, operands, span);
+        }
+        self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
+    }
+
+    /// Notes that a product of two vectors is no scalar product.
+    pub(crate) fn note_product(&mut self, op: Op, left: &Tensor, right: &Tensor, span: Span) {
+        let is_vector = |value: &Tensor| matches!(value, Tensor::Vector(_));
+        let are_vectors = is_vector(left) && is_vector(right);
+        if op == Op::Mul && are_vectors && self.notes.is_empty() {
+            self.notes.push(Note { span, kind: NoteKind::ProductOfVectors });
+        }
+    }
+
+    /// The root of the sum of squares.
+    pub(crate) fn length(&mut self, nodes: &[NodeId]) -> NodeId {
+        let two = self.graph.integer(2);
+        let squares: Vec<NodeId> =
+            nodes.iter().map(|node| self.graph.apply(Op::Pow, &[*node, two])).collect();
+        let sum = self.fold(Op::Add, &squares);
+        self.graph.apply(Op::Sqrt, &[sum])
+    }
+
+    /// A function that mixes components.
+    pub(crate) fn of_vectors(
+        &mut self,
+        function: VectorFunction,
+        arguments: &[Tensor],
+        span: Span,
+    ) -> Fallible<Tensor> {
+        match function {
+            VectorFunction::Transpose => {
+                Ok(Tensor::Matrix(Self::transposed(arguments[0].elements(span)?)))
+            }
+            VectorFunction::Determinant => {
+                Ok(Tensor::Number(self.determinant(arguments[0].elements(span)?)))
+            }
+            // As numpy and Mathematica have it.
+            VectorFunction::Dot if arguments.iter().any(Tensor::is_matrix) => {
+                self.of_matrices(Op::Mul, arguments, span)
+            }
+            VectorFunction::Dot => self.dot(&arguments[0], &arguments[1], span).map(Tensor::Number),
+            VectorFunction::Normalize => {
+                let length = self.length(arguments[0].parts());
+                self.native(Op::Div, &[arguments[0].clone(), Tensor::Number(length)], span)
+            }
+            VectorFunction::Distance => {
+                let difference = self.native(Op::Sub, arguments, span)?;
+                Ok(Tensor::Number(self.length(difference.parts())))
+            }
+            VectorFunction::Reflect => {
+                let dot = self.dot(&arguments[0], &arguments[1], span)?;
+                let two = self.graph.integer(2);
+                let twice = Tensor::Number(self.graph.apply(Op::Mul, &[two, dot]));
+                let along = self.native(Op::Mul, &[twice, arguments[1].clone()], span)?;
+                self.native(Op::Sub, &[arguments[0].clone(), along], span)
+            }
+            VectorFunction::Cross => {
+                let (a @ [_, _, _], b @ [_, _, _]) = (arguments[0].parts(), arguments[1].parts())
+                else {
+                    return Err(Error::new(span, ErrorKind::CrossSize));
+                };
+                let mut part = |i: usize, j: usize| {
+                    let first = self.graph.apply(Op::Mul, &[a[i], b[j]]);
+                    let second = self.graph.apply(Op::Mul, &[a[j], b[i]]);
+                    self.graph.apply(Op::Sub, &[first, second])
+                };
+                Ok(Tensor::Vector(vec![part(1, 2), part(2, 0), part(0, 1)]))
+            }
+        }
+    }
+
+    fn dot(&mut self, left: &Tensor, right: &Tensor, span: Span) -> Fallible<NodeId> {
+        let products = self.native(Op::Mul, &[left.clone(), right.clone()], span)?;
+        Ok(self.fold(Op::Add, products.parts()))
+    }
+}
+
+/// A vector of `size` components: of as many in all, or of one that is repeated.
+pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<Tensor> {
+    let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
+    let given = nodes.len();
+    // `vec2(p)` takes the first components of a longer vector.
+    let is_cut = arguments.len() == 1 && given > size;
+    if given != size && given != 1 && !is_cut {
+        return Err(Error::new(span, ErrorKind::VectorSize { size, given }));
+    }
+    nodes.resize(size, nodes[0]);
+    Ok(Tensor::new(nodes))
+}
+
+/// The components that `letters` name.
+pub(crate) fn component(value: Tensor, letters: &str, span: Span) -> Fallible<Tensor> {
+    if let (Tensor::Matrix(nodes), Some(column)) = (&value, LETTERS.find(letters)) {
+        let rows = nodes.len().isqrt();
+        if letters.len() == 1 && (column + 1) * rows <= nodes.len() {
+            return Ok(Tensor::Vector(nodes[column * rows..(column + 1) * rows].to_vec()));
+        }
+    }
+    let Tensor::Vector(nodes) = value else {
+        let letters = letters.to_owned();
+        return Err(Error::new(span, ErrorKind::ComponentOfNumber { letters }));
+    };
+    let mut found = Vec::with_capacity(letters.len());
+    for letter in letters.chars() {
+        let Some(node) = LETTERS.find(letter).and_then(|index| nodes.get(index)) else {
+            let kind = ErrorKind::NoComponent { letter, size: nodes.len() };
+            return Err(Error::new(span, kind));
+        };
+        found.push(*node);
+    }
+    Ok(Tensor::new(found))
+}
+
+/// The number of components of all operands; that of numbers is 1.
+fn common_size(operands: &[Tensor], span: Span) -> Fallible<usize> {
+    let mut size = 1;
+    if operands.iter().any(Tensor::is_matrix)
+        && operands.iter().any(|value| value.size() > 1 && !value.is_matrix())
+    {
+        return Err(Error::new(span, ErrorKind::Matrix));
+    }
+    for operand in operands {
+        match (size, operand.size()) {
+            (_, 1) => {}
+            (1, given) => size = given,
+            (size, given) if size == given => {}
+            (first, second) => {
+                return Err(Error::new(span, ErrorKind::VectorSizes { first, second }));
+            }
+        }
+    }
+    Ok(size)
+}

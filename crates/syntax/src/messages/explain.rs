@@ -1,0 +1,379 @@
+//! Why something is an error and what to do about it, in words.
+
+use crate::messages::error::{Error, ErrorKind, Suggestion};
+use crate::settings::PRESETS;
+use crate::settings::setting;
+
+/// Longest piece of corrected text that is quoted.
+const QUOTED: usize = 60;
+
+impl Error {
+    /// A few words to stand at the caret.
+    pub fn label(&self) -> Option<&'static str> {
+        Some(match &self.kind {
+            ErrorKind::Unclosed { .. } => "opened here",
+            ErrorKind::UnclosedBar => "this bar",
+            ErrorKind::MissingAfter { .. } => "expected a value after this",
+            ErrorKind::MissingBefore { .. } => "expected a value before this",
+            ErrorKind::TooDeep { .. } | ErrorKind::NoStack => "nesting limit exceeded here",
+            ErrorKind::UnknownName { .. } => "no value has this name",
+            ErrorKind::UnknownFunction { .. } => "no function has this name",
+            ErrorKind::SeveralEquals => "the second one",
+            ErrorKind::ConditionAsValue => "this is true or false, not a number",
+            ErrorKind::ValueAsCondition { .. } => "this is a number",
+            _ => return None,
+        })
+    }
+
+    /// Why this is an error.
+    pub fn reason(&self) -> Option<&'static str> {
+        Some(match &self.kind {
+            ErrorKind::TooLong { .. }
+            | ErrorKind::TooManySymbols { .. }
+            | ErrorKind::TooDeep { .. } => "the limit keeps parsing fast and safe on any input",
+            ErrorKind::TooManySurfaces { .. } => {
+                "each line that is not a definition draws a surface"
+            }
+            ErrorKind::TooLarge { .. } => "each use of a definition inserts a copy of it",
+            ErrorKind::NotUtf8 { .. } => "formulas are UTF-8 text",
+            ErrorKind::NothingToDraw { .. } => {
+                "a line `name = …` is a definition; any other line is drawn, \
+                 and so is a function of (x, y, z) or (x, y)"
+            }
+            ErrorKind::UnexpectedCharacter { character } => return character_reason(*character),
+            ErrorKind::AmbiguousBars => {
+                "opening and closing bars look alike, so this has more than one reading"
+            }
+            ErrorKind::NumberAfterFactor | ErrorKind::LostSuperscript { .. } => {
+                "a number goes before what it multiplies; \
+                 after it, it is often a superscript lost in copying"
+            }
+            ErrorKind::NumberAfterNumber => "a product of two numbers needs an explicit `*`",
+            ErrorKind::Tuple | ErrorKind::Vector => {
+                "a surface is one equation between numbers, in x, y and z; \
+                 there are no parametric forms"
+            }
+            ErrorKind::Calculus => {
+                "formulas are computed as they stand, nothing is derived from them"
+            }
+            ErrorKind::Program { .. } => "a formula is read as a whole, not run step by step",
+            ErrorKind::IntegerDivision => {
+                "it begins a comment, and what follows looks like a divisor"
+            }
+            ErrorKind::RangeNotWhole => "a sum is written out before anything is drawn",
+            ErrorKind::TooManyTerms { .. } => "each term becomes a part of the formula",
+            ErrorKind::Comma => "commas separate the arguments of a function, inside its brackets",
+            ErrorKind::NeedsArgument { count: 1, .. } if self.suggestion.is_some() => {
+                "an argument without brackets cannot start with a sign"
+            }
+            ErrorKind::Complex => "all values are real; `i` has no value here",
+            ErrorKind::NotAFunction { .. } => {
+                "brackets after a value multiply, and a product has no commas"
+            }
+            ErrorKind::InversePower { .. } => {
+                "`^-1` means the inverse only for sin, cos, tan, sinh, cosh and tanh"
+            }
+            ErrorKind::Reserved { is_function: true, .. } => "it is a function of the language",
+            ErrorKind::Reserved { .. } => "it is a word of the language",
+            ErrorKind::Recursion { .. } => {
+                "a definition is expanded where it is used, and this would never end"
+            }
+            ErrorKind::EquationInCondition => {
+                "an equation describes a surface; \
+                 `and`, `or` and `not` combine solids, which have an inside"
+            }
+            ErrorKind::SeveralEquals | ErrorKind::MixedChain => {
+                "an equation sets two sides equal; only inequalities form chains"
+            }
+            ErrorKind::UnequalOutsideBraces => {
+                "the complement of a surface has no boundary to draw"
+            }
+            ErrorKind::RestrictionIsEquation => {
+                "two surfaces meet in a curve, and curves are not drawn"
+            }
+            ErrorKind::MixedRestriction => {
+                "the boundary would belong to one part of the region and not to the other"
+            }
+            ErrorKind::DefinitionIsCondition => "a definition is used in place of a number",
+            ErrorKind::RestrictedDefinition => "braces go after a formula that is drawn",
+            ErrorKind::NotConstant { .. } => {
+                "sliders, ranges and settings need a value known in advance"
+            }
+            ErrorKind::UndefinedConstant => "it is undefined or too large, like 1/0 or 9^9^9^9",
+            ErrorKind::OverrideCoordinate { .. } | ErrorKind::CoordinateFunction { .. } => {
+                "x, y and z are the coordinates of space"
+            }
+            ErrorKind::ConditionAsValue => {
+                "comparisons combine with `and`, `or` and `not`, not with arithmetic"
+            }
+            _ => return None,
+        })
+    }
+
+    /// What to write instead. `text` is the text that the error's spans are places of.
+    pub fn help(&self, text: &str) -> Option<String> {
+        if let ErrorKind::UnexpectedCharacter { character } = self.kind
+            && let Some(help) = character_help(character)
+        {
+            return Some(help.to_owned());
+        }
+        let Some(meant) = &self.suggestion else {
+            return self.advice();
+        };
+        let replacement = &meant.replacement;
+        Some(match &self.kind {
+            ErrorKind::Unopened { .. } => return self.advice(),
+            ErrorKind::UnknownName { name, .. } if is_clause(name) => return self.advice(),
+            ErrorKind::UnknownName { .. }
+            | ErrorKind::UnknownFunction { .. }
+            | ErrorKind::UnknownOverride { .. }
+            | ErrorKind::BadColor
+            | ErrorKind::BadColorMap
+            | ErrorKind::BadSetting { .. }
+            | ErrorKind::BadLook => format!("did you mean `{replacement}`?"),
+            ErrorKind::UnexpectedCharacter { .. } => format!("write `{replacement}`"),
+            _ => match text.get(meant.span.range()) {
+                // A sign alone says little without the one it replaces.
+                Some(typed)
+                    if !typed.is_empty()
+                        && meant.span == self.span
+                        && typed.chars().count() <= 3 =>
+                {
+                    format!("write `{replacement}` in place of `{typed}`")
+                }
+                _ => format!("write `{}`", self.corrected(text, meant)),
+            },
+        })
+    }
+
+    /// What to do about an error of this kind.
+    fn advice(&self) -> Option<String> {
+        Some(match &self.kind {
+            ErrorKind::UnknownName { name, .. } if is_clause(name) => {
+                "to restrict a formula, write the condition in braces: `x + y = z {z > 0}`"
+                    .to_owned()
+            }
+            ErrorKind::UnknownName { name, letter: None } => {
+                format!("give it a value with a line `{name} = 1` or with `-D {name}=1`")
+            }
+            ErrorKind::UnknownName { name, letter: Some(letter) } => {
+                let product = name.chars().map(String::from).collect::<Vec<_>>().join("*");
+                format!(
+                    "to read it as `{product}`, give `{letter}` a value \
+                     with a line `{letter} = 1` or with `-D {letter}=1`"
+                )
+            }
+            ErrorKind::Recursion { cycle } if cycle.len() == 1 => {
+                "write a sum as `sum(k = 1..5, …)`, a function applied again as `iterate(f, 5, x)`"
+                    .to_owned()
+            }
+            ErrorKind::UnknownFunction { name } if name == "erf" => {
+                "no proven bounds are known here; an approximation within 0.0005 is \
+                 `erf(a) = tanh(1.128379a + 0.100906a^3)`, as a line of its own"
+                    .to_owned()
+            }
+            ErrorKind::UnknownFunction { name } if name == "gamma" => {
+                "no proven bounds are known here; for whole numbers write the product, \
+                 `product(k = 1..4, k)`"
+                    .to_owned()
+            }
+            ErrorKind::UnknownFunction { name } => format!(
+                "define it with a line `{name}(a) = …`, or give `{name}` a value to multiply with"
+            ),
+            ErrorKind::NothingToDraw { last, parameters: Some(count), .. } => {
+                let arguments: Vec<&str> =
+                    ["x", "y", "z"].into_iter().cycle().take(*count).collect();
+                format!(
+                    "`{last}` is not built in, so this line defines it; to draw where it is 0, \
+                     add a line that is just `{last}({})`",
+                    arguments.join(", ")
+                )
+            }
+            ErrorKind::NothingToDraw { last, is_number: true, .. } => {
+                format!("add a line that uses `{last}`, such as `x^2 + y^2 + z^2 = {last}^2`")
+            }
+            ErrorKind::NothingToDraw { last, is_number: false, .. } => {
+                format!("to draw where `{last}` is 0, add a line that is just `{last}`")
+            }
+            ErrorKind::NeedsArgument { name, count: 1 } => format!("write `{name}(…)`"),
+            ErrorKind::NeedsArgument { name, .. } => {
+                format!("write `{name}(…, …)`: without brackets a function takes only one argument")
+            }
+            ErrorKind::WrongCount { usage, .. } => usage.clone()?,
+            ErrorKind::FormUsage { usage, .. } => format!("write it as in `{usage}`"),
+            ErrorKind::InversePower { name } => format!("for the reciprocal, write `1/{name}(…)`"),
+            ErrorKind::BadView => format!(
+                "write `view front` ({}) or `view eye (2, -3, 1.5) target (0, 0, 0)`",
+                PRESETS.join(", ")
+            ),
+            ErrorKind::BadVector { key } => format!("write `{key} (1, 2, 3)`"),
+            ErrorKind::BadDomain => setting("domain")?.hint.to_owned(),
+            ErrorKind::BadColor => setting("background")?.hint.to_owned(),
+            ErrorKind::BadLook => setting("look")?.hint.to_owned(),
+            ErrorKind::BadSetting { hint, .. } => (*hint).to_owned(),
+            ErrorKind::BadColorMap => {
+                "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, \
+                 `spectral`, `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
+                    .to_owned()
+            }
+            kind => fixed_advice(kind)?.to_owned(),
+        })
+    }
+
+    /// The text that the error points at, with the suggestion put in.
+    fn corrected(&self, text: &str, meant: &Suggestion) -> String {
+        let whole = self.span.to(meant.span);
+        let (Some(before), Some(after)) =
+            (text.get(whole.start..meant.span.start), text.get(meant.span.end..whole.end))
+        else {
+            return meant.replacement.clone();
+        };
+        let corrected = format!("{before}{}{after}", meant.replacement);
+        if corrected.is_empty() || corrected.chars().count() > QUOTED || corrected.contains('\n') {
+            return meant.replacement.clone();
+        }
+        corrected
+    }
+}
+
+/// Whether a word begins a condition in other languages.
+fn is_clause(word: &str) -> bool {
+    matches!(word, "for" | "if" | "where" | "when")
+}
+
+/// What to do about an error, where that does not depend on the text.
+fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
+    Some(match kind {
+        ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
+        ErrorKind::Unclosed { .. } => "write the bracket that closes it where it should end",
+        ErrorKind::Mismatched { .. } => "close each bracket by its own kind, the inner one first",
+        ErrorKind::Unopened { .. } => "remove it, or open a bracket before it",
+        ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => "write `abs(…)` in place of bars",
+        ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`",
+        ErrorKind::Comma => {
+            "put each surface and each value on a line of its own; join conditions with `and`, \
+             and restrict a formula in braces: `z = x*y {x < 1}`"
+        }
+        ErrorKind::Tuple => {
+            "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
+        }
+        ErrorKind::Vector => "take its `length(…)`, or a component such as `.x`",
+        ErrorKind::Calculus => "write the derivative or the integral out, as a formula",
+        ErrorKind::Program { .. } => {
+            "write a choice as `c ? a : b`, a loop as `sum(k = 1..3, …)` or `iterate(f, 3, x)`"
+        }
+        ErrorKind::TooManySteps { .. } => "let the loop end earlier",
+        ErrorKind::Array => {
+            "give each element a name of its own, or use a vector such as `vec3(a, b, c)`"
+        }
+        ErrorKind::LoopEnd => {
+            "let it count between numbers, as in `for (int i = 0; i < 5; i++)` or `for i in range(5):`"
+        }
+        ErrorKind::OutParameter { .. } => {
+            "call it in a statement of its own, and give it names or components: `fold(p.xz);`"
+        }
+        ErrorKind::NoEffect => "remove it, or set a name to its value",
+        ErrorKind::IntegerDivision => {
+            "write `floor(a/b)` for a division, or put the comment on a line of its own"
+        }
+        ErrorKind::VectorSize { .. } => "give as many numbers as it has components, or one for all",
+        ErrorKind::VectorSizes { .. } => "take components, as in `p.xy`",
+        ErrorKind::ComponentOfNumber { .. } => "a product is written `*`",
+        ErrorKind::NoComponent { .. } => "components are .x, .y, .z and .w, in this order",
+        ErrorKind::CrossSize => "write `cross(vec3(…), vec3(…))`",
+        ErrorKind::Matrix => {
+            "add matrices of one size, or multiply with a number, a matrix or a vector: `m*p.xy`"
+        }
+        ErrorKind::MatrixValue => "take its `determinant(…)`, or a component of `m*p`",
+        ErrorKind::NotAMatrix => "write a matrix column by column, as in `mat2(c, s, -s, c)`",
+        ErrorKind::MatrixSize { .. } => "give all elements, or one for the diagonal",
+        ErrorKind::MatrixShape => "a column of values is a vector; write out any other product",
+        ErrorKind::PieceWithoutCondition => {
+            "write `{x < 0: a, b}`: conditions first, then a value for all other points"
+        }
+        ErrorKind::RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
+        ErrorKind::Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
+        ErrorKind::RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
+        ErrorKind::WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
+        ErrorKind::Degree { .. } => "write it in digits, or the polynomial itself",
+        ErrorKind::Parametric => {
+            "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
+        }
+        ErrorKind::PlotCoordinates => {
+            "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
+             or with `r`, `theta` and `z`"
+        }
+        ErrorKind::Solid { formula } => formula,
+        ErrorKind::InWords => {
+            "write signs: `x^2` for x squared, `sqrt(x)` for a square root, `+`, `-`, `*`, `/`, and `=` for equals"
+        }
+        ErrorKind::Remark => "write a remark behind `#`",
+        ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
+        ErrorKind::TooManyTerms { .. } => "end the range earlier",
+        ErrorKind::Complex => "rewrite the formula with real and imaginary parts",
+        ErrorKind::Reserved { .. } => "choose another name",
+        ErrorKind::TooManySurfaces { .. } => "draw fewer at a time",
+        ErrorKind::ZerothRoot => "the second argument of `root(a, n)` says which root to take",
+        ErrorKind::ConditionAsValue => "compare outside the arithmetic, as in `x + 1 < y`",
+        ErrorKind::ValueAsCondition { .. } => "compare it with something, as in `x^2 + y^2 < 1`",
+        ErrorKind::EquationInCondition => {
+            "use `<=` or `>=`, or restrict the equation: `x + y = z {z > 0}`"
+        }
+        ErrorKind::SeveralEquals => "to draw two equations, put each on a line of its own",
+        ErrorKind::MixedChain => "restrict the equation: `x + y = z {z < 1}`",
+        ErrorKind::UnequalOutsideBraces => "exclude points from an equation: `x*y = 1 {x != 0}`",
+        ErrorKind::RestrictionNotCondition => "compare it with something, as in `{z > 0}`",
+        ErrorKind::RestrictionIsEquation => "use `<`, `<=`, `>`, `>=` or `!=` in braces",
+        ErrorKind::MixedRestriction => "use `<` and `>` throughout, or `<=` and `>=` throughout",
+        ErrorKind::DefinitionIsCondition => {
+            "define left minus right, `d = x^2 - 1`, and draw `d <= 0`"
+        }
+        ErrorKind::RangeOutsideDefinition => {
+            "to limit a coordinate, write a line such as `domain x in [-2, 2]`"
+        }
+        ErrorKind::HalfFraction => "write `\\frac{a}{b}`",
+        ErrorKind::BadRange => "write `r = 2 in [0, 5]`",
+        ErrorKind::EmptyRange => "write the smaller number first",
+        ErrorKind::OutsideRange => "choose a value between the ends",
+        ErrorKind::OverrideNotAName { .. } => "write `-D name=value`, such as `-D r=2`",
+        ErrorKind::OverrideCoordinate { .. } => "to crop the picture, set a domain",
+        ErrorKind::CoordinateFunction { .. } => "give the function another name, such as `f`",
+        ErrorKind::UnknownOverride { .. } => "use it in the formula, or drop the setting",
+        ErrorKind::OverrideFunction { .. } => "change its definition in the text instead",
+        _ => return None,
+    })
+}
+
+fn character_reason(character: char) -> Option<&'static str> {
+    Some(match character {
+        '!' => "a factorial is one of a constant whole number",
+        '\'' | '′' | '’' | '∂' | '∫' | '∑' | '∏' => {
+            "there are no derivatives and integrals; write them out"
+        }
+        '∞' => "all values are finite",
+        '±' => "a formula has one value at each point",
+        '°' => "angles are in radians",
+        '_' => "names start with a letter",
+        '"' | '`' | '“' | '”' => "there is no quoted text",
+        _ => return None,
+    })
+}
+
+fn character_help(character: char) -> Option<&'static str> {
+    Some(match character {
+        '\'' | '′' | '’' => "write the derivative out; a name with a prime is written `x1`",
+        '!' => "write the number in digits, as in `5!`; there is no gamma function",
+        '"' | '`' | '“' | '”' => "write the formula without quotation marks",
+        '@' => "a function is written `f(x, y) = …`",
+        '$' => "dollar signs stand around a formula, not in it",
+        '?' => "a choice is written `c ? a : b` or `{c: a, b}`",
+        '%' => "the remainder is written `mod(a, b)`",
+        '~' => "write `not`, or `=`",
+        '_' => "a subscript is a part of a name, `x_1`; a norm is `length((x, y, z))`",
+        '°' => "write `30*pi/180` for 30 degrees",
+        '±' => "write two formulas, one a line, or square both sides",
+        '\\' => "a LaTeX command has a name, such as `\\sin`",
+        '.' => "a product is written `*`, a method as a function: `dot(a, b)`",
+        _ => return None,
+    })
+}

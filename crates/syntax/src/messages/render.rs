@@ -1,0 +1,71 @@
+//! Errors and notes as text with carets, for people.
+
+use crate::messages::error::{Error, Errors, Origin};
+use crate::messages::note::Note;
+use crate::span::Span;
+use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet, Title};
+
+/// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the
+/// terminal.
+const WIDTH: usize = 100;
+/// Bytes kept after the start of what is pointed at, where a line is very long.
+const CONTEXT: usize = 400;
+
+impl Errors {
+    /// All errors as text with carets. `source_name` is the file's name, if there is one; `text` is
+    /// what was read. Without `color` the result is plain text.
+    pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
+        let rendered: Vec<String> =
+            self.iter().map(|error| error.render(source_name, text, color)).collect();
+        rendered.join("\n\n")
+    }
+}
+
+impl Error {
+    /// This error as text with a caret, without a line break at the end.
+    pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
+        let (source_name, text) = match &self.origin {
+            Origin::Document => (source_name, text),
+            Origin::Override(given) => (Some("-D"), given.as_str()),
+        };
+        let help = self.help(text);
+        let more = [(Level::NOTE, self.reason()), (Level::HELP, help.as_deref())];
+        let title = Level::ERROR.primary_title(self.message());
+        draw(title, (source_name, text, self.span), self.label(), more, color)
+    }
+}
+
+impl Note {
+    /// This note as text with a caret, without a line break at the end.
+    pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
+        let title = Level::NOTE.primary_title(self.message());
+        draw(title, (source_name, text, self.span), None, [], color)
+    }
+}
+
+/// A title, the place that it is about with a label, and what else is said of it.
+fn draw<'a>(
+    title: Title<'a>,
+    (source_name, text, span): (Option<&'a str>, &'a str, Span),
+    label: Option<&'a str>,
+    more: impl IntoIterator<Item = (Level<'a>, Option<&'a str>)>,
+    color: bool,
+) -> String {
+    let place = span.start.min(text.len());
+    let line = 1 + text[..place].matches('\n').count();
+    // Whole lines are shown, or less of the last where it is very long; columns are counted from
+    // the start of the first.
+    let start = text[..place].rfind('\n').map_or(0, |at| at + 1);
+    let end = span.end.clamp(place, text.len());
+    let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);
+    let shown = &text[start..line_end.min(text.floor_char_boundary(place + CONTEXT))];
+    let clip = |at: usize| at.saturating_sub(start).min(shown.len());
+    let annotation = AnnotationKind::Primary.span(clip(span.start)..clip(span.end)).label(label);
+    let snippet = Snippet::source(shown).line_start(line).path(source_name);
+    let mut group = title.element(snippet.annotation(annotation));
+    for (level, said) in more {
+        group = group.elements(said.map(|said| level.message(said)));
+    }
+    let renderer = if color { Renderer::styled() } else { Renderer::plain() };
+    renderer.term_width(WIDTH).render(&[group])
+}

@@ -1,0 +1,239 @@
+//! What the lines about the picture say: each is read as its row of the table of settings tells,
+//! and kept until names have values.
+//!
+//! What they mean for a picture is not decided here.
+
+use crate::lex::spelling::typed_setting;
+use crate::lex::token_kind::TokenKind;
+use crate::limits::Limits;
+use crate::lower::constant::evaluate;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::picture::paint::{Contours, TypedColor, with_point_names};
+use crate::picture::scene::{DomainLine, SrgbColor, ViewLine, bad};
+use crate::settings::{SETTINGS, SettingKind, setting_word};
+use crate::span::Span;
+use crate::tree::ast::Expr;
+use crate::tree::builder::Builder;
+use crate::tree::grammar::{Pair, Rule, parts};
+use crate::tree::scope::{Scope, nearest};
+use crate::tree::statement::ParsedStatement;
+use rustc_hash::FxHashSet;
+use zeroset_ir::Constant;
+
+/// What a document says of the picture beside where and from where to look. What is `None` is not
+/// said.
+#[derive(Clone, Debug, Default)]
+pub struct PictureLines {
+    /// a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is kept.
+    pub clip: Option<[Constant; 4]>,
+    /// Where the light is, in world units.
+    pub light: Option<[Constant; 3]>,
+    /// Whether there are shadows.
+    pub shadows: Option<bool>,
+    /// Whether the domain's box and axes are drawn.
+    pub axes: Option<bool>,
+    /// Whether it is told which value has which color.
+    pub legend: Option<bool>,
+    /// Lines along which a value stays the same.
+    pub contours: Option<Contours>,
+}
+
+/// Where a line stands that sets something about the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SettingLine {
+    /// Its first word, in its first spelling.
+    pub word: &'static str,
+    /// All of it, without its end and without a comment.
+    pub span: Span,
+    /// The opacity behind a color.
+    pub share: Option<Span>,
+}
+
+/// What the lines of a text say, before names have values.
+#[derive(Default)]
+pub(crate) struct CollectedLines {
+    pub domain: Option<DomainLine>,
+    pub view: Option<ViewLine>,
+    pub look: Option<&'static str>,
+    pub background: Option<SrgbColor>,
+    pub picture: PictureLines,
+    /// Each perhaps with an opacity of its own.
+    pub colors: Vec<(usize, (TypedColor, Option<f64>))>,
+    pub opacities: Vec<(usize, f64)>,
+    pub hidden: Vec<(usize, bool)>,
+    /// Where they stand.
+    pub lines: Vec<SettingLine>,
+    pub contours: Option<Contours<Expr>>,
+    /// With the names of a point's own, once it was needed.
+    scope: Option<Scope>,
+    /// Names of the document that values of points depend on.
+    pub used: FxHashSet<String>,
+}
+
+impl CollectedLines {
+    /// Reads one line.
+    pub fn read(
+        &mut self,
+        text: &str,
+        line: ParsedStatement<'_>,
+        scope: &Scope,
+        limits: &Limits,
+    ) -> Fallible<()> {
+        let span = line.raw.lexed.span;
+        let first = line.raw.lexed.tokens[0];
+        // The ranges of a plot have no word; a `domain` line counts more.
+        let is_made = first.span.start == first.span.end;
+        let setting = typed_setting(&text[first.span.range()])
+            .or_else(|| SETTINGS.iter().find(|row| TokenKind::of_setting(row.kind) == first.kind))
+            .ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
+        let scope = match setting.kind {
+            SettingKind::Color | SettingKind::Contours => {
+                self.scope.get_or_insert_with(|| with_point_names(scope))
+            }
+            _ => scope,
+        };
+        let mut builder = Builder::new(text, &line.raw.lexed, scope, &[], limits);
+        let (pair, at, word) = (line.pair, span.start, setting.word);
+        let mut share = None;
+        match setting.kind {
+            SettingKind::Domain => {
+                let domain = builder.domain(pair)?;
+                if !is_made || self.domain.is_none() {
+                    self.domain = Some(domain);
+                }
+            }
+            SettingKind::View => self.view = Some(builder.view(pair)?),
+            SettingKind::Color => {
+                let (color, opacity) = builder.color_line(pair)?;
+                share = opacity.map(|(_, span)| span);
+                self.colors.push((at, (color, opacity.map(|(opacity, _)| opacity))));
+            }
+            SettingKind::Look => self.look = Some(builder.look(pair)?),
+            SettingKind::Background => self.background = Some(builder.color(pair)?),
+            SettingKind::Clip => self.picture.clip = Some(builder.numbers(pair, word)?),
+            SettingKind::Light => self.picture.light = Some(builder.numbers(pair, word)?),
+            SettingKind::Opacity => {
+                let share = pair.into_inner().find(|part| part.as_rule() == Rule::opacity);
+                let share = share.ok_or_else(|| bad("opacity", span))?;
+                self.opacities.push((at, builder.opacity(share)?));
+            }
+            SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, word)?)),
+            SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
+            SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
+            SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
+            SettingKind::Contours => self.contours = Some(builder.contours(pair)?),
+        }
+        self.used.extend(builder.used);
+        let word = setting_word(setting.word).unwrap_or(setting.word);
+        self.lines.push(SettingLine { word, span, share });
+        Ok(())
+    }
+}
+
+/// What holds for a drawing at `place`: what the last line above it says; but where no drawing is
+/// below the last line (that at `last` is the last drawing), the first line below it.
+pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
+    let follow = lines.last().is_some_and(|(at, _)| *at > last);
+    let found = if follow {
+        lines.iter().find(|(at, _)| *at > place)
+    } else {
+        lines.iter().rfind(|(at, _)| *at < place)
+    };
+    found.map(|(_, said)| said)
+}
+
+impl Builder<'_> {
+    /// As many numbers, of a line that begins with `word`.
+    fn numbers<const COUNT: usize>(
+        &mut self,
+        line: Pair<'_>,
+        word: &'static str,
+    ) -> Fallible<[Constant; COUNT]> {
+        let mut parts = parts(line);
+        if let [point] = &parts[..]
+            && point.as_rule() == Rule::point
+        {
+            parts = point.clone().into_inner().collect();
+        }
+        let mut numbers = Vec::new();
+        for part in parts {
+            if !matches!(part.as_rule(), Rule::expression) {
+                return Err(bad(word, self.span(&part)));
+            }
+            let number = self.value(part)?;
+            numbers.push(evaluate(&number, self.limits)?);
+        }
+        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad(word, self.lexed.span))
+    }
+
+    /// The values that stand in a line that begins with `word`.
+    pub(crate) fn values<'i>(
+        &mut self,
+        word: &'static str,
+        parts: impl IntoIterator<Item = Pair<'i>>,
+    ) -> Fallible<Vec<Expr>> {
+        let value = |part: Pair<'i>| match part.as_rule() {
+            Rule::expression => self.value(part),
+            _ => Err(bad(word, self.span(&part))),
+        };
+        parts.into_iter().map(value).collect()
+    }
+
+    /// Whether something is on: the word alone means that it is.
+    fn switch(&mut self, line: Pair<'_>, word: &'static str) -> Fallible<bool> {
+        match &parts(line)[..] {
+            [] => Ok(true),
+            [part] => {
+                let place = self.span(part);
+                match self.word(part).as_str() {
+                    "on" => Ok(true),
+                    "off" => Ok(false),
+                    typed => {
+                        let meant = nearest(typed, ["on", "off"].into_iter());
+                        Err(bad(word, place).suggest_any(place, meant))
+                    }
+                }
+            }
+            _ => Err(bad(word, self.lexed.span)),
+        }
+    }
+
+    /// A share from 0 to 1.
+    pub(crate) fn opacity(&mut self, pair: Pair<'_>) -> Fallible<f64> {
+        let span = self.span(&pair);
+        let mut parts = pair.into_inner();
+        let number = self.term(&mut parts.next().expect("an opacity has a number").into_inner());
+        let value = evaluate(&number?, self.limits)?.bounds();
+        let whole = match parts.next() {
+            Some(_) => 100.0,
+            None => 1.0,
+        };
+        let share = value.lo.midpoint(value.hi) / whole;
+        if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(bad("opacity", span)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Options, read};
+
+    #[test]
+    fn words_in_letters_of_full_width_are_the_same_words() {
+        for (wide, plain) in [
+            ("ｌｉｇｈｔ 1, 2, 3", "light 1, 2, 3"),
+            ("ｌｉｇｈｔ 1, 2, 3, 4", "light 1, 2, 3, 4"),
+            ("ｓｈａｄｏｗｓ ｏｆｆ", "shadows off"),
+            ("ｃｏｌｏｕｒ ｒｅｄ", "colour red"),
+            ("ｖｉｅｗ ｆｒｏｎｔ", "view front"),
+            ("ｖｉｅｗ ｅｙｅ (4, 3, 6) ｆｏｖ 40", "view eye (4, 3, 6) fov 40"),
+        ] {
+            let said = |line: &str| {
+                let read = read(&format!("x + y\n{line}"), &Options::default());
+                let said =
+                    read.map(|d| format!("{:?}", (d.view, d.picture, d.surfaces[0].color.clone())));
+                said.map_err(|errors| errors.iter().map(|e| e.kind.clone()).collect::<Vec<_>>())
+            };
+            assert_eq!(said(wide), said(plain), "{wide}");
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! `domain`, `view`, `look` and `background` lines and plain colors, as data: what they mean for a
+//! picture is not decided here.
+
+use crate::tree::grammar::{Pair, Rule};
+
+use crate::limits::Limits;
+use crate::lower::constant::{evaluate, evaluate_range};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::settings::{COLOR_MAPS, LOOKS, PRESETS, setting};
+use crate::span::Span;
+use crate::tree::ast::Expr;
+use crate::tree::builder::Builder;
+use crate::tree::scope::nearest;
+use csscolorparser::NAMED_COLORS;
+use zeroset_interval::Interval;
+use zeroset_ir::Constant;
+
+/// A range between two numbers, in world units.
+pub type ConstantRange = (Constant, Constant);
+
+/// Where to look for the surface.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant)] // a document has one
+pub enum DomainLine {
+    /// To be found by search.
+    Auto,
+    /// A range for each coordinate, in world units; `None` where the line leaves one out.
+    Box([Option<ConstantRange>; 3]),
+    /// The ball of this radius about the origin, in world units.
+    Ball(Constant),
+}
+
+/// Where to look from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ViewLine {
+    /// A named direction, one of [`PRESETS`].
+    pub preset: Option<&'static str>,
+    /// The eye, in world units.
+    pub eye: Option<[Constant; 3]>,
+    /// The point looked at, in world units.
+    pub target: Option<[Constant; 3]>,
+    /// What points up in the picture.
+    pub up: Option<[Constant; 3]>,
+    /// The vertical field of view, in degrees.
+    pub fov: Option<Constant>,
+    /// The height of an orthographic picture, in world units.
+    pub ortho: Option<Constant>,
+}
+
+/// A color, as sRGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SrgbColor {
+    /// Red, green, blue.
+    pub rgb: [u8; 3],
+}
+
+impl SrgbColor {
+    /// The color with this name, in any case: one of those of CSS, which a `color` line takes.
+    pub fn named(name: &str) -> Option<Self> {
+        let (_, rgb) =
+            NAMED_COLORS.entries().find(|(known, _)| known.as_str().eq_ignore_ascii_case(name))?;
+        Some(Self { rgb: *rgb })
+    }
+
+    /// The color that is written `#rgb`, `#rrggbb`, or as its name.
+    pub fn typed(text: &str) -> Option<Self> {
+        if !text.starts_with('#') {
+            return Self::named(text);
+        }
+        // Four and eight digits would say how opaque it is.
+        let color = csscolorparser::parse(text).ok().filter(|_| matches!(text.len(), 4 | 7))?;
+        let [r, g, b, _] = color.to_rgba8();
+        Some(Self { rgb: [r, g, b] })
+    }
+}
+
+impl Builder<'_> {
+    pub(crate) fn domain(&mut self, line: Pair<'_>) -> Fallible<DomainLine> {
+        let mut axes = [const { None }; 3];
+        let mut numbers = Vec::new();
+        for part in line.into_inner() {
+            let span = self.span(&part);
+            match part.as_rule() {
+                Rule::automatic => return Ok(DomainLine::Auto),
+                Rule::bounds => {
+                    let (low, high) = self.bounds(part)?;
+                    let bounds = evaluate_range(&low, &high, span, self.limits)?;
+                    return Ok(DomainLine::Box([0; 3].map(|_| Some(bounds.clone()))));
+                }
+                Rule::axis_range => {
+                    let axis = part.as_str().chars().next().unwrap_or('x');
+                    let bounds = part.into_inner().last().expect("an axis has bounds");
+                    let place = self.span(&bounds);
+                    let (low, high) = self.bounds(bounds)?;
+                    let bounds = evaluate_range(&low, &high, place, self.limits)?;
+                    if axes[axis as usize - 'x' as usize].replace(bounds).is_some() {
+                        return Err(Error::new(span, ErrorKind::RepeatedAxis { axis }));
+                    }
+                }
+                Rule::ball => return self.ball(part).map(DomainLine::Ball),
+                Rule::expression => numbers.push(self.value(part)?),
+                _ => {}
+            }
+        }
+        if let (Some(first), Some(last)) = (numbers.first(), numbers.last()) {
+            axes = plain_domain(&numbers, first.span.to(last.span), self.limits)?;
+        }
+        Ok(DomainLine::Box(axes))
+    }
+
+    fn ball(&mut self, pair: Pair<'_>) -> Fallible<Constant> {
+        let span = self.span(&pair);
+        let mut parts = pair.into_inner();
+        let word = parts.next().expect("a ball has a name");
+        if self.word(&word) != "ball" {
+            return Err(Error::new(span, ErrorKind::BadDomain));
+        }
+        let radius = self.sum(parts.next().expect("a ball has a radius"))?;
+        let radius = evaluate(&radius, self.limits)?;
+        if radius.bounds().lo <= 0.0 {
+            return Err(Error::new(span, ErrorKind::EmptyDomain));
+        }
+        Ok(radius)
+    }
+
+    pub(crate) fn view(&mut self, line: Pair<'_>) -> Fallible<ViewLine> {
+        let mut view = ViewLine::default();
+        for part in line.into_inner() {
+            match part.as_rule() {
+                Rule::preset => {
+                    let typed = self.word(&part);
+                    view.preset = PRESETS.into_iter().find(|name| *name == typed);
+                }
+                Rule::setting => self.setting(part, &mut view)?,
+                _ => {}
+            }
+        }
+        Ok(view)
+    }
+
+    fn setting(&mut self, pair: Pair<'_>, view: &mut ViewLine) -> Fallible<()> {
+        let span = self.span(&pair);
+        let mut inner = pair.into_inner();
+        let key = inner.next().expect("a setting has a key");
+        let name = self.word(&key);
+        if key.as_rule() == Rule::number_key {
+            let mut number = self.term(&mut inner)?;
+            number.span = span;
+            let value = Some(evaluate(&number, self.limits)?);
+            match name.as_str() {
+                "fov" => view.fov = value,
+                _ => view.ortho = value,
+            }
+            return Ok(());
+        }
+        let numbers = inner.map(|number| evaluate(&self.value(number)?, self.limits));
+        let Ok(vector) = <[Constant; 3]>::try_from(numbers.collect::<Fallible<Vec<_>>>()?) else {
+            return Err(Error::new(span, ErrorKind::BadVector { key: name }));
+        };
+        match name.as_str() {
+            "eye" => view.eye = Some(vector),
+            "target" => view.target = Some(vector),
+            _ => view.up = Some(vector),
+        }
+        Ok(())
+    }
+
+    pub(crate) fn look(&self, line: Pair<'_>) -> Fallible<&'static str> {
+        let given = line.into_inner().next().expect("a look line has a name");
+        self.one_of(&given, &LOOKS, ErrorKind::BadLook)
+    }
+
+    /// The name that is given, in any case; the error is of `kind` where it is none of `names`.
+    pub(crate) fn one_of(
+        &self,
+        given: &Pair<'_>,
+        names: &[&'static str],
+        kind: ErrorKind,
+    ) -> Fallible<&'static str> {
+        let (span, typed) = (self.span(given), self.word(given));
+        let found = names.iter().find(|name| name.eq_ignore_ascii_case(&typed));
+        found.copied().ok_or_else(|| {
+            Error::new(span, kind).suggest_any(span, nearest(&typed, names.iter().copied()))
+        })
+    }
+
+    pub(crate) fn color(&self, line: Pair<'_>) -> Fallible<SrgbColor> {
+        self.plain(&line.into_inner().next().expect("a color line has a color"))
+    }
+
+    /// A color that is the same everywhere.
+    pub(crate) fn plain(&self, given: &Pair<'_>) -> Fallible<SrgbColor> {
+        let (span, typed) = (self.span(given), self.word(given));
+        SrgbColor::typed(&typed).ok_or_else(|| {
+            if let Some(map) = COLOR_MAPS.iter().find(|map| map.eq_ignore_ascii_case(&typed)) {
+                return bad("color", span).suggest(span, format!("{map}(z)"));
+            }
+            let meant = nearest(&typed, NAMED_COLORS.keys().map(|known| known.as_str()));
+            Error::new(span, ErrorKind::BadColor).suggest_any(span, meant)
+        })
+    }
+}
+
+/// The error for a line that does not hold what its `word` takes.
+pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
+    let hint = setting(word).map_or("", |setting| setting.hint);
+    Error::new(span, ErrorKind::BadSetting { word, hint })
+}
+
+/// `domain 3` or six numbers.
+fn plain_domain(
+    numbers: &[Expr],
+    span: Span,
+    limits: &Limits,
+) -> Fallible<[Option<ConstantRange>; 3]> {
+    let range = |low: &Expr, high: &Expr| evaluate_range(low, high, span, limits).map(Some);
+    match numbers {
+        [half] => {
+            let half = evaluate(half, limits)?;
+            if half.bounds().lo <= 0.0 {
+                return Err(Error::new(span, ErrorKind::EmptyDomain));
+            }
+            let Interval { lo, hi } = half.bounds();
+            let enclosed = || Constant::enclosed(Interval { lo: -hi, hi: -lo });
+            let opposite = half.exact().map_or_else(enclosed, |value| Constant::rational(-value));
+            Ok([0; 3].map(|_| Some((opposite.clone(), half.clone()))))
+        }
+        [x0, x1, y0, y1, z0, z1] => Ok([range(x0, x1)?, range(y0, y1)?, range(z0, z1)?]),
+        _ => Err(Error::new(span, ErrorKind::BadDomain)),
+    }
+}

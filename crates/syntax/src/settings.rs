@@ -1,0 +1,109 @@
+//! Lines that set something about the picture: the table of them.
+
+/// Directions that a `view` line can name.
+pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
+
+/// What a `look` line may name.
+pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
+
+/// Color maps that a `color` line can name.
+pub const COLOR_MAPS: [&str; 12] = [
+    "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "spectral", "sinebow", "rainbow",
+    "blues", "greys", "redblue",
+];
+
+/// A word that begins a line about the picture.
+pub(crate) struct SettingRow {
+    pub word: &'static str,
+    /// What it sets.
+    pub kind: SettingKind,
+    /// What to write.
+    pub hint: &'static str,
+}
+
+/// What a line about the picture sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SettingKind {
+    Domain,
+    View,
+    Color,
+    Look,
+    Background,
+    Clip,
+    Light,
+    Opacity,
+    Hidden,
+    Shadows,
+    Axes,
+    Legend,
+    Contours,
+}
+
+/// A word with numbers behind it, or with `on` or `off`.
+const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> SettingRow {
+    SettingRow { word, kind, hint }
+}
+
+const COLOR: SettingRow = SettingRow {
+    word: "color",
+    kind: SettingKind::Color,
+    hint: "write a name of CSS such as `orange`, `#ff8800`, or a color map such as `viridis(z)`; \
+           perhaps how opaque it is behind that, as `50%`",
+};
+
+/// Every such word.
+pub(crate) const SETTINGS: &[SettingRow] = &[
+    SettingRow {
+        word: "domain",
+        kind: SettingKind::Domain,
+        hint: "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
+               `domain x in [-2, 2], y in [-1, 1]` or six numbers",
+    },
+    SettingRow {
+        word: "view",
+        kind: SettingKind::View,
+        hint: "write a side such as `view front`, or `view eye (4, 3, 6) target (0, 0, 0) fov 40`",
+    },
+    COLOR,
+    SettingRow { word: "colour", ..COLOR },
+    SettingRow {
+        word: "look",
+        kind: SettingKind::Look,
+        hint: "there are `studio`, `flat`, `paper` and `night`",
+    },
+    SettingRow {
+        word: "background",
+        kind: SettingKind::Background,
+        hint: "write a name of CSS such as `orange`, or `#ff8800`",
+    },
+    plain("clip", SettingKind::Clip, "write a, b, c and d: `clip 1, 0, 0, 0.5` keeps x <= 0.5"),
+    plain("light", SettingKind::Light, "write where it is: `light 4, -3, 6`"),
+    plain("opacity", SettingKind::Opacity, "write a share from 0 to 1, or from `0%` to `100%`"),
+    plain(
+        "hidden",
+        SettingKind::Hidden,
+        "write `hidden` above what is not to be seen, and `hidden off` above what is",
+    ),
+    plain("shadows", SettingKind::Shadows, "write `shadows on` or `shadows off`"),
+    plain("axes", SettingKind::Axes, "write `axes on` or `axes off`"),
+    plain("legend", SettingKind::Legend, "write `legend on` or `legend off`"),
+    plain(
+        "contours",
+        SettingKind::Contours,
+        "write what is the same along a line, how far the lines are apart, or both: \
+               `contours z`, `contours 0.5`, `contours z, 0.5`",
+    ),
+];
+
+/// The setting that `word` begins.
+pub(crate) fn setting(word: &str) -> Option<&'static SettingRow> {
+    SETTINGS.iter().find(|setting| setting.word == word)
+}
+
+/// What a line about the picture sets that begins with `word`: the word itself, or its first
+/// spelling; `None` if there is no such line.
+pub fn setting_word(word: &str) -> Option<&'static str> {
+    let found = setting(word)?;
+    let first = SETTINGS.iter().find(|other| other.kind == found.kind);
+    first.map(|setting| setting.word)
+}

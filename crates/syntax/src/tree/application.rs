@@ -1,0 +1,363 @@
+//! Functions and what they are applied to: brackets, or the implicit product up to the next
+//! function.
+
+use crate::lex::spelling::short_formula;
+use crate::lex::token_kind::TokenKind::{Minus, Number};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::NoteKind;
+use crate::span::Span;
+use crate::tree::ast::{Expr, ExprKind, Function, NamedValue};
+use crate::tree::builder::{Builder, number_only, product_of, quotient_of};
+use crate::tree::delimited::{is_vector, native};
+use crate::tree::grammar::{Pair, Rule};
+use crate::tree::juxtaposition::{FactorItem, FactorItems};
+use crate::tree::print::factor_text;
+use crate::tree::scope::{Callee, is_variadic};
+use zeroset_ir::NamedConstant;
+use zeroset_ops::Op;
+
+impl Builder<'_> {
+    /// A function and what it is applied to: brackets, or the implicit product up to the next
+    /// function.
+    pub(crate) fn application(
+        &mut self,
+        callee: &Callee,
+        span: Span,
+        items: &mut FactorItems<'_>,
+    ) -> Fallible<Expr> {
+        let mut callee = callee.clone();
+        let mut exponent = None;
+        if let Some(FactorItem::Caret(..) | FactorItem::Superscript(_)) = items.front() {
+            let power = self.function_exponent(items)?;
+            if is_minus_one(&power) {
+                callee = self.inverse(&callee, span.to(power.span))?;
+            } else {
+                exponent = Some(power);
+            }
+        }
+        let brackets = match items.front() {
+            Some(FactorItem::Group(pair) | FactorItem::Closed(pair))
+                if matches!(pair.as_rule(), Rule::group | Rule::braces) =>
+            {
+                Some(pair.clone())
+            }
+            _ => None,
+        };
+        let (arguments, place) = if let Some(pair) = brackets {
+            items.pop_front();
+            let place = self.span(&pair);
+            let arguments = self.arguments(pair, place)?;
+            (self.with_radicand(&mut callee, span, arguments, items)?, place)
+        } else {
+            let argument = self.bare_argument(&callee, span, items)?;
+            let place = argument.span;
+            (vec![argument], place)
+        };
+        let call = self.call(&callee, span, arguments, place)?;
+        Ok(match exponent {
+            None => call,
+            Some(exponent) => {
+                let place = call.span;
+                Expr::new(ExprKind::Power(Box::new(call), Box::new(exponent)), place)
+            }
+        })
+    }
+
+    /// The second pair of brackets in `root(3)(x)` of `AsciiMath` and in `sqrt[3](x)`, which
+    /// Mathematica has as a product.
+    #[inline(never)] // keeps the stack frames of nested calls small
+    fn with_radicand(
+        &mut self,
+        callee: &mut Callee,
+        span: Span,
+        mut arguments: Vec<Expr>,
+        items: &mut FactorItems<'_>,
+    ) -> Fallible<Vec<Expr>> {
+        let Some(FactorItem::Group(radicand) | FactorItem::Closed(radicand)) = items.front() else {
+            return Ok(arguments);
+        };
+        let is_group = radicand.as_rule() == Rule::group;
+        let has_index = match callee {
+            Callee::BuiltIn(name) if name == "root" => is_group,
+            Callee::BuiltIn(name) if name == "sqrt" => {
+                self.text[span.range()].starts_with('s')
+                    && self.text[span.end..].trim_start().starts_with('[')
+                    && (is_group || radicand.as_rule() == Rule::braces)
+            }
+            _ => false,
+        };
+        // Elsewhere square brackets are brackets like any others.
+        let is_index = |one: &Expr| {
+            one.whole_number().is_some()
+                || matches!(one.kind, ExprKind::Name(NamedValue::Defined(_)))
+        };
+        let is_whole = callee.name() == "root" || arguments.iter().all(is_index);
+        if has_index && is_whole && arguments.len() == 1 {
+            *callee = Callee::BuiltIn("root".to_owned());
+            let place = self.span(radicand);
+            let mut of = self.arguments(radicand.clone(), place)?;
+            items.pop_front();
+            of.append(&mut arguments);
+            return Ok(of);
+        }
+        Ok(arguments)
+    }
+
+    /// The arguments in brackets, or the only one in braces.
+    #[inline(never)]
+    fn arguments(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
+        if pair.as_rule() == Rule::group {
+            return pair.into_inner().map(|argument| self.argument(argument)).collect();
+        }
+        Ok(vec![self.deeper(span, 1, |b| b.closed(pair, span))?])
+    }
+
+    /// The exponent between a function and its argument, `sin^2 x`.
+    #[inline(never)]
+    fn function_exponent(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        let signs = match items.pop_front() {
+            Some(FactorItem::Superscript(number)) => return Ok(number),
+            Some(FactorItem::Caret(signs, _)) => signs,
+            _ => Vec::new(),
+        };
+        let exponent = self.power(items)?;
+        number_only(&exponent)?;
+        self.signed(&signs, |_| Ok(exponent))
+    }
+
+    #[inline(never)]
+    fn inverse(&mut self, callee: &Callee, span: Span) -> Fallible<Callee> {
+        let name = callee.name().to_owned();
+        let has_inverse = matches!(callee, Callee::BuiltIn(_))
+            && matches!(
+                name.as_str(),
+                "sin" | "cos" | "tan" | "sec" | "csc" | "cot" | "sinh" | "cosh" | "tanh"
+            );
+        if !has_inverse {
+            return Err(Error::new(span, ErrorKind::InversePower { name }));
+        }
+        let inverse = format!("a{name}");
+        let kind = NoteKind::InverseFunction { name, inverse: inverse.clone() };
+        self.note(span, kind);
+        Ok(Callee::BuiltIn(inverse))
+    }
+
+    /// The argument of a function without brackets.
+    #[inline(never)]
+    fn bare_argument(
+        &mut self,
+        callee: &Callee,
+        span: Span,
+        items: &mut FactorItems<'_>,
+    ) -> Fallible<Expr> {
+        let forms = self.scope.signatures(callee);
+        if items.is_empty() || forms.function(1).is_none() {
+            let name = callee.name().to_owned();
+            let kind = ErrorKind::NeedsArgument { name, count: forms.least() };
+            return Err(self.suggest_brackets(Error::new(span, kind), span));
+        }
+        let mut factors = Vec::new();
+        while !items.is_empty() {
+            if let (Some(FactorItem::Function(..)), false) = (items.front(), factors.is_empty()) {
+                break;
+            }
+            self.factor(items, &mut factors)?;
+        }
+        if let [_, second, ..] = factors.as_slice()
+            && spaced(&factors)
+        {
+            let second = second.span;
+            let read: Vec<String> = factors.iter().map(factor_text).collect();
+            let name = callee.name().to_owned();
+            let read = short_formula(&read.join("*"));
+            self.note(span.to(second), NoteKind::FunctionOfProduct { name, read });
+        }
+        self.note_powers(&factors);
+        let product = product_of(factors)?;
+        number_only(&product)?;
+        if matches!(callee, Callee::BuiltIn(name) if matches!(name.as_str(), "sqrt" | "cbrt"))
+            && items.is_empty()
+            && self.root_goes_on(&product)
+        {
+            let name = callee.name().to_owned();
+            let read = short_formula(&product.to_string());
+            self.note(span.to(product.span), NoteKind::FunctionOfProduct { name, read });
+        }
+        Ok(product)
+    }
+
+    /// `sin -x` is a difference; if that fails, brackets are what was meant.
+    fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
+        let next = self.lexed.tokens.partition_point(|token| token.span.start < span.end);
+        match &self.lexed.tokens[next..] {
+            [sign, operand, ..]
+                if sign.kind == Minus
+                    && sign.span.end == operand.span.start
+                    && (operand.kind == Number || operand.kind.is_name())
+                    && operand.span.end - span.end <= 40 =>
+            {
+                let argument = &self.text[sign.span.to(operand.span).range()];
+                error.suggest(Span::new(span.end, operand.span.end), format!("({argument})"))
+            }
+            _ => error,
+        }
+    }
+
+    /// A call with its arguments counted.
+    #[inline(never)]
+    pub(crate) fn call(
+        &mut self,
+        callee: &Callee,
+        span: Span,
+        arguments: Vec<Expr>,
+        place: Span,
+    ) -> Fallible<Expr> {
+        let forms = self.scope.signatures(callee);
+        let mut arguments = arguments;
+        self.note_form(callee, span);
+        let typed = &self.text[span.range()];
+        match (callee, arguments.as_mut_slice()) {
+            (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
+                self.note(span, NoteKind::NaturalLogarithm);
+            }
+            // SymPy and MATLAB have the mean at 0.
+            (Callee::BuiltIn(name), [_]) if name == "heaviside" && typed == "Heaviside" => {
+                let number = |digits| Expr::of_digits(digits, span);
+                arguments.push(number("1").over(number("2"), span));
+            }
+            // `Clip[x, {a, b}]`
+            (
+                Callee::BuiltIn(_),
+                [_, Expr { kind: ExprKind::Call(Function::Vector(2), ends), .. }],
+            ) if typed == "Clip" => {
+                let ends = ends.clone();
+                arguments.truncate(1);
+                arguments.extend(ends);
+            }
+            // Typst has fractions so.
+            (Callee::BuiltIn(name), [_, _]) if name == "frac" => {
+                return quotient_of(arguments);
+            }
+            (Callee::Logarithm(base), [_]) => {
+                let base = Expr::of_digits(base.as_str(), span);
+                let argument = arguments.remove(0);
+                return Ok(logarithm(argument, base, span.to(place)));
+            }
+            // Mathematica has the base first, Python last.
+            (Callee::BuiltIn(name), [_, _]) if name == "log" => {
+                let before = &self.text[..span.start];
+                let is_first = typed == "Log" && self.text[span.end..].starts_with('[');
+                let is_last = ["math.", "sp.", "sympy.", "mpmath.", "mp."]
+                    .iter()
+                    .any(|module| before.ends_with(module));
+                if is_first || is_last {
+                    if is_first {
+                        arguments.swap(0, 1);
+                    }
+                    let base = arguments.remove(1);
+                    return Ok(logarithm(arguments.remove(0), base, span.to(place)));
+                }
+            }
+            (Callee::BuiltIn(name), [first, second]) if name == "arctan" && typed == "ArcTan" => {
+                std::mem::swap(first, second);
+                let kind = ExprKind::Call(Function::Native(Op::Atan2), arguments.clone());
+                let read = short_formula(&Expr::new(kind, span.to(place)).to_string());
+                self.note(span.to(place), NoteKind::ArcTanOfPoint { read });
+            }
+            _ => {}
+        }
+        // The largest component of a vector.
+        if let (Callee::BuiltIn(_), [only]) = (callee, arguments.as_slice())
+            && let Some(function @ Function::Native(Op::Min | Op::Max)) = forms.function(2)
+            && is_vector(only)
+        {
+            return Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)));
+        }
+        let Some(function) = forms.function(arguments.len()) else {
+            return Err(self.wrong_count(callee, span, place, arguments.len()));
+        };
+        let before = &self.text[..span.start];
+        if let (Callee::BuiltIn(name), [argument]) = (callee, arguments.as_mut_slice())
+            && name == "sinc"
+            && (before.ends_with("np.") || before.ends_with("numpy."))
+        {
+            // That of numpy is sin(πa)/(πa).
+            let pi = ExprKind::Name(NamedValue::Constant(NamedConstant::Pi));
+            let pi = Expr::new(pi, argument.span);
+            *argument = product_of([pi, argument.clone()])?;
+            self.note(span.to(place), NoteKind::SincOfNumpy);
+        }
+        Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
+    }
+
+    /// Notes on functions that other languages understand otherwise.
+    pub(crate) fn note_form(&mut self, callee: &Callee, span: Span) {
+        if let Callee::BuiltIn(name) = callee {
+            match name.as_str() {
+                "acot" | "arccot" => self.note(span, NoteKind::ArcCotangent),
+                "sinc" => self.note(span, NoteKind::Sinc),
+                _ => {}
+            }
+        }
+    }
+
+    /// The error for a number of arguments that a function does not take.
+    pub(crate) fn wrong_count(
+        &self,
+        callee: &Callee,
+        span: Span,
+        place: Span,
+        given: usize,
+    ) -> Box<Error> {
+        let kind = ErrorKind::WrongCount {
+            name: callee.name().to_owned(),
+            expected: self.scope.signatures(callee).to_string(),
+            given,
+            usage: usage(callee),
+        };
+        Error::new(span.to(place), kind)
+    }
+}
+
+/// ln(argument)/ln(base)
+fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
+    let ln = |expr: Expr| {
+        let place = expr.span;
+        native(Op::Ln, expr, place)
+    };
+    ln(argument).over(ln(base), span)
+}
+
+/// How a function of the language is called, with its line of help.
+fn usage(callee: &Callee) -> Option<String> {
+    let Callee::BuiltIn(name) = callee else {
+        return None;
+    };
+    if let "log" | "ln" = name.as_str() {
+        return Some(
+            "logarithms are natural; write `ln(a)/ln(b)` for the logarithm of a to base b"
+                .to_owned(),
+        );
+    }
+    if let Some(composed) = zeroset_ops::composed(name).next() {
+        return Some(format!("`{name}({})`: {}", composed.parameters.join(", "), composed.doc));
+    }
+    let row = zeroset_ops::natives(name).last()?;
+    let operands = ["a", "b", "c"][..row.op.arity()].join(", ");
+    let more = if is_variadic(row.op) { ", …" } else { "" };
+    Some(format!("`{name}({operands}{more})`: {}", row.doc))
+}
+
+/// Whether factors behind a function may be meant to be outside it: with a blank before a name that
+/// is no number's, as in `sin x y`.
+fn spaced(factors: &[Expr]) -> bool {
+    let is_name = |expr: &Expr| !matches!(expr.kind, ExprKind::Number(_));
+    factors.windows(2).any(|pair| {
+        let apart = pair[0].span.end < pair[1].span.start;
+        apart && is_name(&pair[0]) && is_name(&pair[1])
+    })
+}
+
+fn is_minus_one(expr: &Expr) -> bool {
+    matches!(&expr.kind, ExprKind::Negate(inner) if inner.number() == Some("1"))
+}

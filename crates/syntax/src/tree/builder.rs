@@ -1,0 +1,526 @@
+//! From the grammar's parts to the syntax tree. Rows of factors are shaped in `juxtaposition`.
+
+use crate::lex::scanner::LexedStatement;
+use crate::lex::spelling::{plain_text, short_formula};
+use crate::lex::token::span_of;
+use crate::lex::token_kind::TokenKind::*;
+use crate::limits::Limits;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{MOST_NOTES, Note, NoteKind};
+use crate::span::Span;
+use crate::tree::aliases::Aliases;
+use crate::tree::ast::{Chain, Expr, ExprKind, Function, Name, Relation, Sign};
+use crate::tree::diagnose::recognise;
+use crate::tree::grammar::{Pair, Pairs, Rule, first_kind};
+use crate::tree::print::factor_text;
+use crate::tree::scope::{Callee, Scope};
+use rustc_hash::FxHashSet;
+use zeroset_ops::VectorFunction;
+
+/// Builds the trees of one statement.
+pub(crate) struct Builder<'a> {
+    /// The whole text.
+    pub text: &'a str,
+    pub lexed: &'a LexedStatement,
+    pub scope: &'a Scope,
+    /// Parameters of the function being defined.
+    pub locals: Vec<Name>,
+    /// Names that stand for what was made of them.
+    pub aliases: Aliases,
+    pub limits: &'a Limits,
+    depth: usize,
+    /// How many of the locals are parameters; the others count sums.
+    parameters: usize,
+    pub notes: Vec<Note>,
+    /// Names of the document that were used.
+    pub used: FxHashSet<String>,
+}
+
+/// Signs before a term or in an exponent.
+pub(crate) type Signs = Vec<(Sign, Span)>;
+
+impl<'a> Builder<'a> {
+    pub(crate) fn new(
+        text: &'a str,
+        lexed: &'a LexedStatement,
+        scope: &'a Scope,
+        locals: &'a [Name],
+        limits: &'a Limits,
+    ) -> Self {
+        let (notes, used) = (lexed.notes.clone(), FxHashSet::default());
+        let (locals, aliases) = (locals.to_vec(), Aliases::default());
+        let parameters = locals.len();
+        Self { text, lexed, scope, locals, aliases, limits, depth: 0, parameters, notes, used }
+    }
+
+    /// What `name` was made into, if anything; the last that it was made into.
+    pub(crate) fn alias(&mut self, name: &str) -> Option<ExprKind> {
+        // An index of a sum hides it.
+        let hidden = self.locals.iter().rposition(|local| local.text == name);
+        let kind = self.aliases.find(name)?;
+        if hidden.is_some_and(|at| at >= self.parameters) {
+            return None;
+        }
+        self.used.extend(kind.defined().map(str::to_owned));
+        Some(kind.clone())
+    }
+
+    pub(crate) fn span(&self, pair: &Pair<'_>) -> Span {
+        let (start, end) = (pair.as_span().start(), pair.as_span().end());
+        let tokens = &self.lexed.tokens[self.lexed.index(start)..self.lexed.index(end)];
+        span_of(tokens).unwrap_or(Span::at(self.lexed.span.end))
+    }
+
+    /// What was typed for `pair`.
+    pub(crate) fn typed(&self, pair: &Pair<'_>) -> &'a str {
+        &self.text[self.span(pair).range()]
+    }
+
+    /// The same in plain letters.
+    pub(crate) fn word(&self, pair: &Pair<'_>) -> String {
+        plain_text(self.typed(pair))
+    }
+
+    pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
+        // One more than a document keeps tells it that there are more.
+        if self.notes.len() > MOST_NOTES {
+            return;
+        }
+        let once = kind.is_about_a_name();
+        if !once || self.notes.iter().all(|note| note.kind != kind) {
+            self.notes.push(Note { span, kind });
+        }
+    }
+
+    /// Runs `build` that many levels deeper.
+    pub(crate) fn deeper<T>(
+        &mut self,
+        span: Span,
+        levels: usize,
+        build: impl FnOnce(&mut Self) -> Fallible<T>,
+    ) -> Fallible<T> {
+        self.room(span, levels)?;
+        self.depth += levels;
+        let built = build(self);
+        self.depth -= levels;
+        built
+    }
+
+    /// Fails unless `levels` more levels are allowed here.
+    pub(crate) fn room(&self, span: Span, levels: usize) -> Fallible<()> {
+        let limit = self.limits.depth;
+        if self.depth + levels > limit {
+            return Err(Error::new(span, ErrorKind::TooDeep { limit }));
+        }
+        Ok(())
+    }
+
+    /// The number that the whole statement is.
+    pub(crate) fn only_expression(&mut self) -> Fallible<Expr> {
+        let statement = recognise(self.text, self.lexed, Rule::constant)?;
+        self.value(statement.into_inner().next().expect("a constant is an expression"))
+    }
+
+    /// An expression that must be a number.
+    pub(crate) fn value(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let expr = self.expression(pair)?;
+        number_only(&expr)?;
+        Ok(expr)
+    }
+
+    /// The ends of a range.
+    pub(crate) fn bounds(&mut self, pair: Pair<'_>) -> Fallible<(Expr, Expr)> {
+        let mut ends = pair.into_inner();
+        let mut end = || ends.next().expect("bounds hold two expressions");
+        Ok((self.value(end())?, self.value(end())?))
+    }
+
+    /// An expression: a number or a condition.
+    pub(crate) fn expression(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let span = self.span(&pair);
+        if pair.as_rule() != Rule::expression {
+            // A range or a generator where a value is wanted.
+            let found = crate::lex::spelling::short_name(self.typed(&pair));
+            return Err(Error::new(span, ErrorKind::Unexpected { found }));
+        }
+        let mut parts = parts_of(pair);
+        self.deeper(span, 1, |b| match parts.as_slice() {
+            [_] => b.sum(parts.remove(0)),
+            _ => b.condition(&parts),
+        })
+    }
+
+    // What nests does so through the functions from here on to those that read brackets: of each,
+    // what is not on that way is a function by itself, or the stack would have room for it at every
+    // level.
+
+    #[inline(never)]
+    fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
+        let mut any = Vec::new();
+        for parts in parts.split(|part| first_kind(part) == Some(Or)) {
+            let mut all = Vec::new();
+            for parts in parts.split(|part| first_kind(part) == Some(And)) {
+                let expr = match parts {
+                    [only] => self.sum(only.clone()),
+                    _ => self.negation(parts),
+                };
+                push(&mut all, expr)?;
+            }
+            push(&mut any, joined(all, "and"))?;
+        }
+        joined(any, "or")
+    }
+
+    #[inline(never)]
+    fn negation(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
+        let count = parts.iter().take_while(|part| part.as_rule() == Rule::not).count();
+        let (words, chain) = parts.split_at(count);
+        if let Some(first) = words.first() {
+            self.room(self.span(first), count)?;
+        }
+        let sides = self.chain(chain)?;
+        self.denied(sides, words)
+    }
+
+    /// A chain of comparisons, with each `not` before it.
+    #[inline(never)]
+    fn denied(&self, sides: Sides, words: &[Pair<'_>]) -> Fallible<Expr> {
+        let mut expr = compared(sides)?;
+        for word in words.iter().rev() {
+            condition_only(&expr, "not")?;
+            let span = self.span(word).to(expr.span);
+            expr = Expr::new(ExprKind::Not(Box::new(expr)), span);
+        }
+        Ok(expr)
+    }
+
+    /// What is compared, with the relation before each side, and where that is.
+    fn chain(&mut self, parts: &[Pair<'_>]) -> Fallible<Sides> {
+        let mut sides = Vec::new();
+        let mut place = Span::at(0);
+        let mut relation_before = Relation::Equal;
+        for (index, part) in parts.iter().enumerate() {
+            if index % 2 == 0 {
+                sides.push((relation_before, place, self.sum(part.clone())?));
+            } else {
+                (relation_before, place) = (relation(part), self.span(part));
+            }
+        }
+        Ok(sides)
+    }
+
+    #[inline(never)]
+    pub(crate) fn sum(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let mut pairs = pair.into_inner();
+        let mut before = Sign::Direct;
+        let mut terms = Vec::new();
+        loop {
+            terms.push((before, self.term(&mut pairs)?));
+            // A term ends before a plus or a minus.
+            match pairs.next() {
+                Some(operator) => before = sign(&operator),
+                None => return chain_of(Chain::Sum, terms),
+            }
+        }
+    }
+
+    /// A product with the signs before it.
+    pub(crate) fn term(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
+        let signs = self.signs(pairs);
+        let of_term = |pair: &Pair<'_>| !matches!(first_kind(pair), Some(Plus | Minus));
+        if signs.is_empty() || pairs.clone().take_while(of_term).any(|pair| is_remainder(&pair)) {
+            return self.product(signs, pairs);
+        }
+        self.signed(&signs, |b| b.product(Signs::new(), pairs))
+    }
+
+    /// Takes the signs that stand next.
+    #[inline(never)]
+    pub(crate) fn signs(&self, pairs: &mut Pairs<'_>) -> Signs {
+        let mut signs = Signs::new();
+        while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() == Rule::sign) {
+            signs.push((sign(&pair), self.span(&pair)));
+            pairs.next();
+        }
+        signs
+    }
+
+    /// What `build` makes, negated once for every minus sign of `signs`.
+    pub(crate) fn signed(
+        &mut self,
+        signs: &[(Sign, Span)],
+        build: impl FnOnce(&mut Self) -> Fallible<Expr>,
+    ) -> Fallible<Expr> {
+        let Some((_, first)) = signs.first() else {
+            return build(self);
+        };
+        let minus = signs.iter().filter(|(sign, _)| *sign == Sign::Inverse);
+        negated(self.deeper(*first, minus.count(), build)?, signs)
+    }
+
+    /// A product; `before` are signs before it that are part of what the first remainder is taken
+    /// of.
+    #[inline(never)]
+    fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
+        let mut joint = Joint { sign: Sign::Direct, function: None };
+        let mut factors: Vec<(Sign, Expr)> = Vec::new();
+        loop {
+            let signs = self.signs(pairs);
+            let run = self.run(pairs)?;
+            self.join(&mut factors, joint, &signs, run)?;
+            if pairs.peek().is_some_and(|pair| is_remainder(&pair)) {
+                // Of all that is left of it, as in every language that writes it so.
+                let signs = std::mem::take(&mut before);
+                let whole = self
+                    .signed(&signs, |_| chain_of(Chain::Product, std::mem::take(&mut factors)))?;
+                factors.push((Sign::Direct, whole));
+            }
+            match self.joint(pairs) {
+                Some(next) => joint = next,
+                None => return chain_of(Chain::Product, factors),
+            }
+        }
+    }
+
+    /// Takes the operator that joins a further run to a product.
+    #[inline(never)]
+    fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<Joint> {
+        let operator = pairs.peek()?;
+        let (sign, function) = match first_kind(&operator)? {
+            Star => (Sign::Direct, None),
+            Slash => (Sign::Inverse, None),
+            DotProduct => (Sign::Direct, Some(Function::OfVectors(VectorFunction::Dot))),
+            Remainder => {
+                // Nobody takes the word for another remainder.
+                if self.typed(&operator).contains('%') {
+                    self.note(self.span(&operator), NoteKind::Remainder);
+                }
+                let remainder = self.scope.signatures(&Callee::BuiltIn("mod".to_owned()));
+                (Sign::Direct, remainder.function(2))
+            }
+            _ => return None,
+        };
+        pairs.next();
+        Some(Joint { sign, function })
+    }
+
+    /// Joins a run to the factors before it.
+    #[inline(never)]
+    fn join(
+        &mut self,
+        factors: &mut Vec<(Sign, Expr)>,
+        mut joint: Joint,
+        signs: &Signs,
+        run: Vec<Expr>,
+    ) -> Fallible<()> {
+        let mut run = run.into_iter();
+        let first = run.next().expect("a run has a first factor");
+        let first = self.signed(signs, |_| Ok(first))?;
+        let others: Vec<Expr> = run.collect();
+        let first = match (factors.pop(), joint.function) {
+            (Some((sign, left)), Some(function)) => {
+                joint.sign = sign;
+                let span = left.span.to(first.span);
+                Expr::new(ExprKind::Call(function, vec![left, first]), span)
+            }
+            (before, _) => {
+                factors.extend(before);
+                first
+            }
+        };
+        if joint.sign == Sign::Inverse {
+            self.note_division(factors, &first, &others);
+        }
+        factors.push((joint.sign, first));
+        factors.extend(others.into_iter().map(|f| (Sign::Direct, f)));
+        Ok(())
+    }
+
+    /// Notes a division that may be meant to end elsewhere.
+    fn note_division(&mut self, before: &[(Sign, Expr)], divisor: &Expr, others: &[Expr]) {
+        let Some((_, numerator)) = before.last() else {
+            return;
+        };
+        let (kind, end) = match others.last() {
+            Some(last) => (Some(implicit_division(numerator, divisor, others)), last.span),
+            None => (divided_power(numerator, divisor), divisor.span),
+        };
+        if let Some(kind) = kind {
+            self.note(numerator.span.to(end), kind);
+        }
+    }
+}
+
+/// How a run is joined to the factors before it.
+struct Joint {
+    sign: Sign,
+    /// What is made of the last factor and the next.
+    function: Option<Function>,
+}
+
+/// What is compared: the relation before each side, and where that is.
+type Sides = Vec<(Relation, Span, Expr)>;
+
+#[inline(never)]
+fn parts_of(pair: Pair<'_>) -> Vec<Pair<'_>> {
+    pair.into_inner().collect()
+}
+
+#[inline(never)]
+fn push(all: &mut Vec<Expr>, expr: Fallible<Expr>) -> Fallible<()> {
+    all.push(expr?);
+    Ok(())
+}
+
+/// A chain of comparisons; a side alone is itself.
+fn compared(mut sides: Sides) -> Fallible<Expr> {
+    let (_, _, first) = sides.remove(0);
+    let Some((_, _, last)) = sides.last() else { return Ok(first) };
+    let span = first.span.to(last.span);
+    let mut equals = sides.iter().filter(|(relation, ..)| *relation == Relation::Equal);
+    if let Some((_, place, _)) = equals.next() {
+        if let Some((_, place, _)) = equals.next() {
+            return Err(Error::new(*place, ErrorKind::SeveralEquals));
+        }
+        if sides.len() > 1 {
+            return Err(Error::new(*place, ErrorKind::MixedChain));
+        }
+    }
+    numbers_only(std::iter::once(&first).chain(sides.iter().map(|(.., side)| side)))?;
+    let rest = sides.into_iter().map(|(relation, _, side)| (relation, side)).collect();
+    Ok(Expr::new(ExprKind::Compare(Box::new(first), rest), span))
+}
+
+/// The opposite of a number for each minus sign.
+#[inline(never)]
+fn negated(mut expr: Expr, signs: &[(Sign, Span)]) -> Fallible<Expr> {
+    number_only(&expr)?;
+    for (_, span) in signs.iter().rev().filter(|(sign, _)| *sign == Sign::Inverse) {
+        let span = span.to(expr.span);
+        expr = expr.negated(span);
+    }
+    Ok(expr)
+}
+
+/// The note on `1/2x`: the divisor may be meant to be the whole product.
+fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteKind {
+    let product = |factors: &mut dyn Iterator<Item = &Expr>| {
+        short_formula(&factors.map(factor_text).collect::<Vec<_>>().join("*"))
+    };
+    let top = short_formula(&factor_text(numerator));
+    let bottom = short_formula(&factor_text(divisor));
+    let tail = product(&mut others.iter());
+    let whole = product(&mut std::iter::once(divisor).chain(others));
+    NoteKind::ImplicitDivision {
+        read: format!("({top}/{bottom})*{tail}"),
+        other: format!("{top}/({whole})"),
+    }
+}
+
+/// The note on `x^1/3`: an exponent of 1 is only ever written as the top of a fraction.
+fn divided_power(power: &Expr, divisor: &Expr) -> Option<NoteKind> {
+    let ExprKind::Power(base, exponent) = &power.kind else {
+        return None;
+    };
+    let index = divisor.whole_number().filter(|index| *index >= 2)?;
+    if exponent.number() != Some("1") {
+        return None;
+    }
+    let read = format!("({}^1)/{index}", short_formula(&factor_text(base)));
+    Some(NoteKind::DividedPower { read, root: root_text(base, index) })
+}
+
+/// How a root of `radicand` is written.
+pub(crate) fn root_text(radicand: &Expr, index: u32) -> String {
+    let radicand = short_formula(&radicand.to_string());
+    match index {
+        2 => format!("sqrt({radicand})"),
+        3 => format!("cbrt({radicand})"),
+        _ => format!("root({radicand}, {index})"),
+    }
+}
+
+/// Whether this is the operator that takes remainders.
+fn is_remainder(pair: &Pair<'_>) -> bool {
+    first_kind(pair) == Some(Remainder)
+}
+
+/// A sum or a product of one or more operands, several of which must be numbers; the sign of the
+/// first does not count.
+#[inline(never)]
+pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(Sign, Expr)>) -> Fallible<Expr> {
+    let (_, first) = operands.remove(0);
+    let Some((_, last)) = operands.last() else { return Ok(first) };
+    let span = first.span.to(last.span);
+    numbers_only(std::iter::once(&first).chain(operands.iter().map(|(_, operand)| operand)))?;
+    Ok(Expr::chain(kind, first, operands, span))
+}
+
+/// The product of one or more factors.
+pub(crate) fn product_of(factors: impl IntoIterator<Item = Expr>) -> Fallible<Expr> {
+    chain_of(Chain::Product, factors.into_iter().map(|part| (Sign::Direct, part)).collect())
+}
+
+/// The first part over each of the others.
+pub(crate) fn quotient_of(parts: impl IntoIterator<Item = Expr>) -> Fallible<Expr> {
+    chain_of(Chain::Product, parts.into_iter().map(|part| (Sign::Inverse, part)).collect())
+}
+
+#[inline(never)]
+pub(crate) fn sign(pair: &Pair<'_>) -> Sign {
+    if first_kind(pair) == Some(Plus) { Sign::Direct } else { Sign::Inverse }
+}
+
+pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
+    match first_kind(pair) {
+        Some(Equals) => Relation::Equal,
+        Some(NotEqual) => Relation::Unequal,
+        Some(Less) => Relation::Less,
+        Some(LessEqual) => Relation::LessEqual,
+        Some(Greater) => Relation::Greater,
+        Some(GreaterEqual) => Relation::GreaterEqual,
+        other => unreachable!("the grammar has no relation {other:?}"),
+    }
+}
+
+/// One operand, or several joined by `word`.
+#[inline(never)]
+pub(crate) fn joined(mut operands: Vec<Expr>, word: &'static str) -> Fallible<Expr> {
+    if operands.len() == 1 {
+        return Ok(operands.remove(0));
+    }
+    for operand in &operands {
+        condition_only(operand, word)?;
+    }
+    let span = operands[0].span.to(operands[operands.len() - 1].span);
+    // `(a and b) and c` is the same as `a and b and c`.
+    let first = operands.remove(0);
+    let mut all = match (first.kind, word) {
+        (ExprKind::And(inner), "and") | (ExprKind::Or(inner), "or") => inner,
+        (kind, _) => vec![Expr::new(kind, first.span)],
+    };
+    all.extend(operands);
+    let kind = if word == "and" { ExprKind::And(all) } else { ExprKind::Or(all) };
+    Ok(Expr::new(kind, span))
+}
+
+/// Fails on a comparison, which is not a number.
+pub(crate) fn number_only(expr: &Expr) -> Fallible<()> {
+    if expr.is_condition() {
+        return Err(Error::new(expr.span, ErrorKind::ConditionAsValue));
+    }
+    Ok(())
+}
+
+/// Fails on the first comparison.
+pub(crate) fn numbers_only<'e>(exprs: impl IntoIterator<Item = &'e Expr>) -> Fallible<()> {
+    exprs.into_iter().try_for_each(number_only)
+}
+
+/// Fails on a number, which does not hold or fail to hold.
+pub(crate) fn condition_only(expr: &Expr, word: &'static str) -> Fallible<()> {
+    if !expr.is_condition() {
+        return Err(Error::new(expr.span, ErrorKind::ValueAsCondition { word }));
+    }
+    Ok(())
+}

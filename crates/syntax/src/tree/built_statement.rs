@@ -1,0 +1,46 @@
+//! Statements with their trees, and those that a text does not spell out: what branches, loops and
+//! calls are written out to.
+
+use crate::messages::note::Note;
+use crate::span::Span;
+use crate::tree::ast::{Expr, ExprKind, Function, LETTERS, Statement};
+use rustc_hash::FxHashSet;
+
+/// A statement with its trees, what was noticed while building them, and the names that it uses.
+#[derive(Clone)]
+pub(crate) struct BuiltStatement {
+    pub statement: Statement,
+    pub span: Span,
+    pub notes: Vec<Note>,
+    pub used: FxHashSet<String>,
+}
+
+impl BuiltStatement {
+    /// A statement that the text does not spell out.
+    pub(crate) fn synthesized(statement: Statement, span: Span) -> Self {
+        let parts = statement.expressions().into_iter().flat_map(Expr::all_parts);
+        let used = parts.filter_map(|part| part.kind.defined()).map(str::to_owned).collect();
+        Self { statement, span, notes: Vec::new(), used }
+    }
+}
+
+/// A vector of which some components are set.
+pub(crate) fn with_parts(
+    letters: &str,
+    before: &ExprKind,
+    size: usize,
+    value: &ExprKind,
+    span: Span,
+) -> ExprKind {
+    let expr = |kind: &ExprKind| Expr::new(kind.clone(), span);
+    let part = |of: &ExprKind, letter: char| {
+        Expr::new(ExprKind::Component(Box::new(expr(of)), letter.to_string()), span)
+    };
+    let parts = LETTERS.chars().take(size).map(|letter| match letters.find(letter) {
+        Some(_) if letters.len() == 1 => expr(value),
+        Some(at) => part(value, LETTERS.chars().nth(at).unwrap_or('x')),
+        None => part(before, letter),
+    });
+    let function = Function::Vector(u8::try_from(size).unwrap_or(3));
+    ExprKind::Call(function, parts.collect())
+}

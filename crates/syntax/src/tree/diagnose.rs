@@ -1,0 +1,270 @@
+//! Statements as the grammar recognises them, and what is wrong with one that it refuses, inferred
+//! from where it stopped.
+
+use crate::lex::scanner::LexedStatement;
+use crate::lex::spelling::{short_name, typed_setting};
+use crate::lex::token::{Token, split};
+use crate::lex::token_kind::TokenKind::{self, *};
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::span::Span;
+use crate::tree::grammar::{Pair, Rule, Zeroset};
+use pest::Parser as _;
+use pest::error::{ErrorVariant, InputLocation};
+
+/// Bytes of the longest statement that is written anew.
+const LONGEST: usize = 60;
+
+/// Recognises a statement of `text`.
+pub(crate) fn recognise<'i>(
+    text: &str,
+    lexed: &'i LexedStatement,
+    rule: Rule,
+) -> Fallible<Pair<'i>> {
+    let mut pairs = Zeroset::parse(rule, &lexed.symbols).map_err(|refusal| {
+        // Where a thread has little of its stack left, pest stops.
+        if matches!(&refusal.variant, ErrorVariant::CustomError { .. }) {
+            return Error::new(lexed.span, ErrorKind::NoStack);
+        }
+        let (InputLocation::Pos(at) | InputLocation::Span((at, _))) = refusal.location;
+        diagnose(text, lexed, rule, lexed.index(at))
+    })?;
+    Ok(pairs.next().expect("a statement is one pair"))
+}
+
+/// The error behind the grammar's refusal of `lexed`; `next` is the index of the token at which it
+/// stopped.
+fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<Error> {
+    let found = lexed.tokens.get(next);
+    let word = lexed.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
+    let setting = match rule {
+        Rule::domain_line => Some(ErrorKind::BadDomain),
+        Rule::view_line => Some(ErrorKind::BadView),
+        Rule::color_line | Rule::background_line => Some(ErrorKind::BadColor),
+        Rule::look_line => Some(ErrorKind::BadLook),
+        Rule::setting_line => {
+            word.map(|setting| ErrorKind::BadSetting { word: setting.word, hint: setting.hint })
+        }
+        _ => None,
+    };
+    if let Some(kind) = setting {
+        return Error::new(found.map_or(lexed.span, |token| token.span), kind);
+    }
+    // A character without a meaning is reported before anything else.
+    let unknown = |token: &&Token| {
+        matches!(token.kind, Unknown | Percent) || (token.kind == Colon && !inside(lexed, token))
+    };
+    if let Some(token) = lexed.tokens.iter().find(unknown) {
+        return unknown_character(text, token.span);
+    }
+    let before = next.checked_sub(1).map(|index| lexed.tokens[index]);
+    let place = before.map_or(lexed.span, |token| token.span);
+    let here = found.map_or(place, |token| token.span);
+    let both = if before.is_some() { place.to(here) } else { here };
+    let typed = |span: Span| text[span.range()].to_owned();
+    let opens = |kind: TokenKind| kind.closer().is_some() || kind == OpenBar;
+    match (before.map_or(Blank, |token| token.kind), found.map_or(Blank, |token| token.kind)) {
+        (Blank, sign) if sign.is_operator() => {
+            Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })
+        }
+        (Equals, Less) | (Less, Equals) => foreign(text, both, "<="),
+        (Equals, Greater) | (Greater, Equals) => foreign(text, both, ">="),
+        (Equals, Equals) | (Minus, Greater) | (Less, Minus) => foreign(text, both, "="),
+        (Less, Greater) => foreign(text, both, "!="),
+        (Slash, Slash) => Error::new(both, ErrorKind::IntegerDivision),
+        (sign, Comma) if !sign.is_operator() || sign == Superscript => comma(text, lexed, next),
+        (In, _) => Error::new(both, ErrorKind::BadRange),
+        (_, In) => Error::new(Span::new(here.start, lexed.span.end), ErrorKind::BadRange),
+        _ if let Some(span) = half_fraction(&lexed.tokens[..next]) => {
+            Error::new(span, ErrorKind::HalfFraction)
+        }
+        // Outside brackets it would have ended the statement, so arguments are being separated.
+        (_, Semicolon) => {
+            Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
+        }
+        (CloseBrace, sign)
+            if (sign.is_arithmetic() || sign == Caret)
+                && braces_restrict(&lexed.tokens[..next]) =>
+        {
+            Error::new(here, ErrorKind::RestrictionInside)
+        }
+        (sign, _) if sign.is_operator() => {
+            Error::new(place, ErrorKind::MissingAfter { sign: typed(place) })
+        }
+        (open, sign) if opens(open) && sign.is_operator() => {
+            Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })
+        }
+        (open, close) if opens(open) && close.is_closer() => {
+            Error::new(both, ErrorKind::EmptyBrackets)
+        }
+        (_, Blank) => Error::new(Span::at(place.end), ErrorKind::Unfinished),
+        _ if let Some(span) = choice_in_braces(lexed, next) => {
+            Error::new(span, ErrorKind::PieceWithoutCondition)
+        }
+        _ => Error::new(here, ErrorKind::Unexpected { found: short_name(&typed(here)) }),
+    }
+}
+
+/// Braces behind a sign, open at `next`: a restriction follows what it restricts.
+fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
+    let before = &lexed.tokens[..next];
+    let open = before.iter().rposition(|token| token.kind == OpenBrace)?;
+    let sign = before.get(open.checked_sub(1)?)?;
+    sign.kind.is_operator().then(|| before[open].span.to(lexed.tokens[next].span))
+}
+
+/// Whether the braces that were closed last hold a comparison.
+fn braces_restrict(before: &[Token]) -> bool {
+    let open = before.iter().rposition(|token| token.kind == OpenBrace).unwrap_or(0);
+    before[open..].iter().any(|token| token.kind.is_relation())
+}
+
+/// Whether a colon is in a choice, where it has a meaning.
+fn inside(lexed: &LexedStatement, colon: &Token) -> bool {
+    let before = lexed.tokens.iter().take_while(|token| token.span.start < colon.span.start);
+    let mut depth = 0_i32;
+    for token in before {
+        depth += i32::from(token.kind == OpenChoice) - i32::from(token.kind == CloseChoice);
+    }
+    depth > 0
+}
+
+/// A sign of other languages, and what is written here.
+fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
+    let sign = text[span.range()].to_owned();
+    Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
+}
+
+/// A comma outside brackets: directly between two numbers it is a decimal comma. Behind a formula
+/// there may be values, behind an equation what restricts it, and behind a condition others.
+fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
+    let Token { span, .. } = lexed.tokens[index];
+    let before = lexed.tokens[index - 1].span;
+    match lexed.tokens.get(index + 1) {
+        Some(after)
+            if lexed.tokens[index - 1].kind == Number
+                && after.kind == Number
+                && before.end == span.start
+                && span.end == after.span.start =>
+        {
+            Error::new(before.to(after.span), ErrorKind::Comma).suggest(span, ".")
+        }
+        _ => {
+            let whole = lexed.span;
+            Error::new(span, ErrorKind::Comma).suggest_any(whole, listed(text, lexed, index))
+        }
+    }
+}
+
+/// What was meant by parts of a statement between commas, the first of which is at `first`.
+fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
+    let parts = split(&lexed.tokens, Comma);
+    let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
+    let texts: Vec<&str> = parts.iter().map(typed).collect::<Option<_>>()?;
+    let (formula, rest) = (*texts.first()?, texts.get(1..).filter(|rest| !rest.is_empty())?);
+    let has = |part: &[Token], is: fn(TokenKind) -> bool| part.iter().any(|token| is(token.kind));
+    let is_value = |part: &Vec<Token>| {
+        matches!(part.as_slice(), [name, equals, _, ..] if name.kind == TokenKind::Name && equals.kind == Equals)
+            && !has(part, TokenKind::is_inequality)
+    };
+    let is_condition = |part: &Vec<Token>| {
+        has(part, TokenKind::is_inequality) && !has(part, |kind| kind == Equals)
+    };
+    let all = |is: &dyn Fn(&Vec<Token>) -> bool| parts[1..].iter().all(is);
+    // A comma within the first part is another.
+    if lexed.tokens[..first].len() != parts[0].len() {
+        return None;
+    }
+    let meant = if all(&is_value) {
+        texts.join("; ")
+    } else if all(&is_condition) && is_condition(&parts[0]) {
+        texts.join(" and ")
+    } else if all(&is_condition) {
+        format!("{formula} {{{}}}", rest.join(" and "))
+    } else {
+        return None;
+    };
+    (meant.len() <= LONGEST && !meant.contains('\n')).then_some(meant)
+}
+
+/// The place of `\frac` if its second part is missing right behind `before`.
+fn half_fraction(before: &[Token]) -> Option<Span> {
+    if let [.., fraction, part] = before
+        && fraction.kind == Fraction
+        && part.kind.is_name()
+    {
+        return Some(fraction.span);
+    }
+    let mut depth = 0_usize;
+    for token in before.iter().rev() {
+        match token.kind {
+            CloseBrace => depth += 1,
+            OpenBrace => depth = depth.checked_sub(1)?,
+            _ if depth > 0 => {}
+            Fraction => return Some(token.span),
+            // Its first part, as in `\frac1x`.
+            Digit | Number => {}
+            _ => return None,
+        }
+    }
+    None
+}
+
+/// LaTeX commands and signs of calculus.
+const CALCULUS: &[&str] =
+    &[r"\int", r"\iint", r"\iiint", r"\oint", r"\partial", r"\nabla", r"\lim"];
+
+fn unknown_character(text: &str, span: Span) -> Box<Error> {
+    let typed = &text[span.range()];
+    if CALCULUS.contains(&typed) || matches!(typed, "∫" | "∬" | "∮" | "∂" | "∇") {
+        return Error::new(span, ErrorKind::Calculus);
+    }
+    let character = match typed {
+        r"\pm" | r"\mp" => '±',
+        _ => typed.chars().next().unwrap_or('?'),
+    };
+    let error = Error::new(span, ErrorKind::UnexpectedCharacter { character });
+    let meant = match character {
+        '‐' | '‑' => "-",
+        '⋆' => "*",
+        '：' | ':' | '≡' | '≈' => "=",
+        '&' => "and",
+        _ => return error,
+    };
+    error.suggest(span, meant)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::document::reading::{Options, read};
+    use crate::messages::error::ErrorKind;
+
+    #[test]
+    fn signs_that_only_look_like_ours_are_suggested() {
+        for (typed, meant) in [
+            ('\u{2010}', "-"),
+            ('\u{2011}', "-"),
+            ('⋆', "*"),
+            ('：', "="),
+            (':', "="),
+            ('≡', "="),
+            ('≈', "="),
+            ('&', "and"),
+        ] {
+            let errors = read(&format!("x {typed} 1"), &Options::default()).expect_err("no sign");
+            let mut errors = errors.iter().map(|error| error.suggestion.as_ref());
+            let suggestion = errors.next().flatten().map(|suggestion| &*suggestion.replacement);
+            assert_eq!(suggestion, Some(meant), "{typed}");
+        }
+    }
+
+    #[test]
+    fn signs_that_are_known_need_no_suggestion() {
+        for typed in "–—‒－＋＊∗•∕⁄＝（），".chars() {
+            if let Err(errors) = read(&format!("x {typed} 1"), &Options::default()) {
+                let unknown =
+                    |kind: &ErrorKind| matches!(kind, ErrorKind::UnexpectedCharacter { .. });
+                assert!(!errors.iter().any(|error| unknown(&error.kind)), "{typed}: {errors}");
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Arithmetic that other systems write as functions, `Plus[a, b]`, and functions that stand for a
+//! formula of ours: `Boole[c]`, `ChebyshevT[n, x]`.
+
+use crate::messages::error::{Error, ErrorKind, Fallible, plural};
+use crate::span::Span;
+use crate::tree::ast::{Chain, Expr, ExprKind, Function, Sign};
+use crate::tree::builder::{Builder, chain_of, product_of, quotient_of};
+use crate::tree::grammar::Pair;
+use zeroset_ops::{Op, VectorFunction};
+
+/// What a name stands for before brackets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ForeignFunction {
+    /// All values joined so, two if they are inverted.
+    Chain(Chain, Sign),
+    Minus,
+    /// The sum of a vector's components.
+    Total,
+    /// 1 where a condition holds, else 0.
+    Boole,
+    /// A Chebyshev polynomial of the first kind.
+    Chebyshev,
+    /// The remainder of C, which has the sign of what is divided.
+    Remainder,
+}
+
+/// The largest degree of a polynomial that is written out.
+const MOST_DEGREE: u32 = 30;
+
+/// The arithmetic that a function called `name` is elsewhere; `square` is whether its brackets are.
+pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFunction> {
+    Some(match name {
+        "Plus" => ForeignFunction::Chain(Chain::Sum, Sign::Direct),
+        "Times" => ForeignFunction::Chain(Chain::Product, Sign::Direct),
+        "Minus" if square => ForeignFunction::Minus,
+        "Subtract" if square => ForeignFunction::Chain(Chain::Sum, Sign::Inverse),
+        "Divide" | "Rational" => ForeignFunction::Chain(Chain::Product, Sign::Inverse),
+        "Total" => ForeignFunction::Total,
+        "Boole" => ForeignFunction::Boole,
+        "fmod" => ForeignFunction::Remainder,
+        "ChebyshevT" | "chebyshevT" | "chebyshevt" | "chebyshev_t" => ForeignFunction::Chebyshev,
+        _ => return None,
+    })
+}
+
+impl Builder<'_> {
+    /// Such a function of what stands in its brackets.
+    pub(crate) fn foreign_call(
+        &mut self,
+        kind: ForeignFunction,
+        span: Span,
+        group: Pair<'_>,
+    ) -> Fallible<Expr> {
+        let place = span.to(self.span(&group));
+        let parts: Vec<Pair<'_>> = group.into_inner().collect();
+        if let (ForeignFunction::Boole, [only]) = (kind, parts.as_slice()) {
+            return Ok(self.condition_of(only.clone())?.flag(place));
+        }
+        let count = match kind {
+            ForeignFunction::Chain(_, Sign::Direct) => parts.len().max(1),
+            ForeignFunction::Minus | ForeignFunction::Total | ForeignFunction::Boole => 1,
+            ForeignFunction::Chain(_, Sign::Inverse)
+            | ForeignFunction::Chebyshev
+            | ForeignFunction::Remainder => 2,
+        };
+        if parts.len() != count {
+            let name = self.text[span.range()].to_owned();
+            let (expected, given) = (plural(count), parts.len());
+            let kind = ErrorKind::WrongCount { name, expected, given, usage: None };
+            return Err(Error::new(place, kind));
+        }
+        let values: Fallible<Vec<Expr>> =
+            parts.into_iter().map(|part| self.argument(part)).collect();
+        let mut values = values?.into_iter();
+        let Some(first) = values.next() else {
+            return Err(Error::new(place, ErrorKind::EmptyBrackets));
+        };
+        let expr = match kind {
+            ForeignFunction::Chain(chain, sign) => {
+                let all = std::iter::once(first).chain(values);
+                chain_of(chain, all.map(|value| (sign, value)).collect())?
+            }
+            ForeignFunction::Minus => first.negated(place),
+            ForeignFunction::Total => {
+                let one = Expr::of_digits("1", place);
+                let function = Function::OfVectors(VectorFunction::Dot);
+                Expr::new(ExprKind::Call(function, vec![first, one]), place)
+            }
+            ForeignFunction::Boole => first,
+            ForeignFunction::Remainder => remainder(first, values.next(), place)?,
+            ForeignFunction::Chebyshev => {
+                let degree = first.whole_number().filter(|degree| *degree <= MOST_DEGREE);
+                let Some(degree) = degree else {
+                    return Err(Error::new(first.span, ErrorKind::Degree { limit: MOST_DEGREE }));
+                };
+                chebyshev(degree, &values.next().unwrap_or(first), place)?
+            }
+        };
+        Ok(Expr::new(expr.kind, place))
+    }
+}
+
+/// a − b trunc(a/b)
+fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
+    let Some(b) = divisor else { return Ok(a) };
+    let quotient = quotient_of([a.clone(), b.clone()])?;
+    let whole = Expr::new(ExprKind::Call(Function::Native(Op::Trunc), vec![quotient]), span);
+    let multiple = product_of([b, whole])?;
+    chain_of(Chain::Sum, vec![(Sign::Direct, a), (Sign::Inverse, multiple)])
+}
+
+/// The Chebyshev polynomial of the first kind of that degree, written out: T(n + 1) = 2a T(n) − T(n
+/// − 1).
+fn chebyshev(degree: u32, a: &Expr, span: Span) -> Fallible<Expr> {
+    let (mut before, mut now): (Vec<i64>, Vec<i64>) = (vec![1], vec![0, 1]);
+    for _ in 0..degree {
+        let mut next = vec![0; now.len() + 1];
+        for (power, factor) in now.iter().enumerate() {
+            next[power + 1] += 2 * factor;
+        }
+        for (power, factor) in before.iter().enumerate() {
+            next[power] -= factor;
+        }
+        before = std::mem::replace(&mut now, next);
+    }
+    let number = |value: i64| Expr::of_digits(value.abs().to_string(), span);
+    let mut terms = Vec::new();
+    for (power, factor) in before.iter().enumerate().rev().filter(|(_, factor)| **factor != 0) {
+        let power_of = match power {
+            0 => None,
+            1 => Some(a.clone()),
+            _ => {
+                let exponent = number(i64::try_from(power).unwrap_or(0));
+                let kind = ExprKind::Power(Box::new(a.clone()), Box::new(exponent));
+                Some(Expr::new(kind, span))
+            }
+        };
+        let term = match power_of {
+            None => number(*factor),
+            Some(power) if factor.abs() == 1 => power,
+            Some(power) => {
+                let rest = vec![(Sign::Direct, power)];
+                Expr::chain(Chain::Product, number(*factor), rest, span)
+            }
+        };
+        terms.push((if *factor < 0 { Sign::Inverse } else { Sign::Direct }, term));
+    }
+    chain_of(Chain::Sum, terms)
+}

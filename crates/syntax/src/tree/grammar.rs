@@ -1,0 +1,30 @@
+//! The grammar, compiled in.
+
+use crate::lex::token_kind::TokenKind;
+
+pub(crate) use rules::{Rule, Zeroset};
+
+/// A recognised part of a statement.
+pub(crate) type Pair<'i> = pest::iterators::Pair<'i, Rule>;
+
+/// Parts of a statement that are still to be read.
+pub(crate) type Pairs<'i> = pest::iterators::Pairs<'i, Rule>;
+
+/// What stands behind the word of a line.
+pub(crate) fn parts(line: Pair<'_>) -> Vec<Pair<'_>> {
+    line.into_inner().filter(|part| part.as_rule() != Rule::EOI).collect()
+}
+
+/// The kind of the first token of a part.
+pub(crate) fn first_kind(part: &Pair<'_>) -> Option<TokenKind> {
+    part.as_str().chars().next().and_then(TokenKind::of_char)
+}
+
+/// A module of its own, because the generated items carry no documentation.
+#[allow(missing_docs, clippy::pedantic)]
+mod rules {
+    /// The parser generated from the grammar file.
+    #[derive(pest_derive::Parser)]
+    #[grammar = "../../grammar/zeroset.pest"]
+    pub(crate) struct Zeroset;
+}

@@ -1,0 +1,563 @@
+//! Runs: factors side by side without signs, where names decide what is a call and what a product.
+//!
+//! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
+//! `sin 2x cos y` becomes two calls, and `xyz` three factors.
+
+use crate::lex::lexer::method;
+use crate::lex::spelling::{decimal, in_name, plain_name, superscript_digit};
+use crate::lex::token_kind::TokenKind::Slash;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::NoteKind;
+use crate::span::Span;
+use crate::tree::ast::{Expr, ExprKind, LETTERS, NamedValue};
+use crate::tree::builder::{Builder, Signs, number_only, root_text};
+use crate::tree::delimited::native;
+use crate::tree::foreign_functions::{ForeignFunction, foreign_function};
+use crate::tree::grammar::{Pair, Pairs, Rule};
+use crate::tree::scope::{Callee, NameMeaning, coordinate, meaning, read_as};
+use crate::tree::special_forms::{Logic, logic};
+use std::collections::VecDeque;
+use zeroset_ir::NamedConstant;
+use zeroset_ops::{Op, SpecialForm};
+
+/// A piece of a run.
+pub(crate) enum FactorItem<'i> {
+    /// A number or a named value.
+    Leaf(Expr),
+    Function(Callee, Span),
+    /// What is no function, of what stands in the brackets that follow.
+    Special(SpecialCall, Span),
+    /// A function behind what it is applied to, with its other arguments.
+    Method(String, Span, Pair<'i>),
+    /// `.xz` behind a vector.
+    Component(String, Span),
+    /// Round or square brackets.
+    Group(Pair<'i>),
+    /// Anything that is one factor whatever surrounds it: braces, bars, `\frac`, `\sqrt{}`.
+    Closed(Pair<'i>),
+    /// `!` behind a whole number.
+    Factorial(Span),
+    /// `^`, and the signs of the exponent that follows.
+    Caret(Signs, Span),
+    /// The number that superscript digits stand for.
+    Superscript(Expr),
+    /// `√` or `∛`.
+    Radical(char, Span),
+}
+
+/// What is written like a function and is none.
+#[derive(Clone, Copy)]
+pub(crate) enum SpecialCall {
+    /// What takes more than numbers.
+    Form(&'static SpecialForm),
+    /// A condition.
+    Logic(Logic),
+    Foreign(ForeignFunction),
+}
+
+/// What is left of a run.
+pub(crate) type FactorItems<'i> = VecDeque<FactorItem<'i>>;
+
+impl Builder<'_> {
+    /// The factors of the run that comes next.
+    pub(crate) fn run(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Vec<Expr>> {
+        let mut items = self.items(pairs)?;
+        let mut factors = Vec::new();
+        while !items.is_empty() {
+            self.factor(&mut items, &mut factors)?;
+        }
+        self.note_powers(&factors);
+        Ok(factors)
+    }
+
+    /// A part of a fraction, or the last number of a sum, that is one name.
+    #[inline(never)] // not in the stack frames of nested fractions
+    pub(crate) fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let mut items = FactorItems::new();
+        self.item(pair, &mut items)?;
+        self.power(&mut items)
+    }
+
+    #[inline(never)] // not a part of the recursion, so not of its stack frames
+    fn items<'i>(&mut self, pairs: &mut Pairs<'i>) -> Fallible<FactorItems<'i>> {
+        let mut items = FactorItems::new();
+        while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() != Rule::operator) {
+            pairs.next();
+            self.item(pair, &mut items)?;
+        }
+        Ok(items)
+    }
+
+    fn item<'i>(&mut self, pair: Pair<'i>, items: &mut FactorItems<'i>) -> Fallible<()> {
+        let span = self.span(&pair);
+        let typed = self.typed(&pair);
+        items.push_back(match pair.as_rule() {
+            Rule::name => return self.name(typed, span, items),
+            Rule::number => FactorItem::Leaf(Expr::of_digits(decimal(typed), span)),
+            Rule::superscript => {
+                // `&sup2;` has its digit as it is.
+                let digit = |c: char| superscript_digit(c).or(Some(c).filter(char::is_ascii_digit));
+                let digits: String = typed.chars().filter_map(digit).collect();
+                let digits = Expr::of_digits(digits, span);
+                FactorItem::Superscript(if typed.starts_with('⁻') {
+                    digits.negated(span)
+                } else {
+                    digits
+                })
+            }
+            Rule::caret => FactorItem::Caret(self.signs(&mut pair.into_inner()), span),
+            Rule::factorial => FactorItem::Factorial(span),
+            Rule::radical => FactorItem::Radical(typed.chars().next().unwrap_or('√'), span),
+            Rule::group => FactorItem::Group(pair),
+            Rule::component => FactorItem::Component(letters(typed), span),
+            Rule::method => {
+                let word = typed[1..].split(|c| !in_name(c)).next().unwrap_or("");
+                FactorItem::Method(method(word).unwrap_or(word).to_owned(), span, pair)
+            }
+            Rule::vulgar => {
+                // `2½` is five halves to some and one to others.
+                if let Some(FactorItem::Leaf(before)) = items.back()
+                    && before.number().is_some()
+                {
+                    return Err(Error::new(before.span.to(span), ErrorKind::NumberAfterNumber));
+                }
+                FactorItem::Closed(pair)
+            }
+            _ => FactorItem::Closed(pair),
+        });
+        Ok(())
+    }
+
+    /// Adds the items that a name stands for: usually one.
+    fn name(&mut self, typed: &str, span: Span, items: &mut FactorItems<'_>) -> Fallible<()> {
+        let name = plain_name(typed);
+        if let Some(lifted) = self.alias(&name) {
+            items.push_back(FactorItem::Leaf(Expr::new(lifted, span)));
+            return Ok(());
+        }
+        let behind = self.text[span.end..].trim_start_matches(BLANKS);
+        let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
+        if behind.starts_with(['(', '[']) || behind.starts_with(r"\begin{") {
+            let form = self.scope.form(&name, &self.locals).map(SpecialCall::Form);
+            let elsewhere = || {
+                let kind =
+                    foreign_function(&name, behind.starts_with('[')).map(SpecialCall::Foreign);
+                kind.or_else(|| logic(&name).map(SpecialCall::Logic))
+            };
+            let elsewhere = || elsewhere().filter(|_| !self.scope.is_defined(&name));
+            if let Some(word) = form.or_else(elsewhere) {
+                items.push_back(FactorItem::Special(word, span));
+                return Ok(());
+            }
+        }
+        match self.scope.meaning(&name, &self.locals) {
+            NameMeaning::Value(value) => items.push_back(self.leaf(value, span)),
+            NameMeaning::Function(callee) => {
+                if let Callee::Defined(name, _) = &callee {
+                    self.used.insert(name.clone());
+                }
+                if let Some(read) = read_as(&name, &callee) {
+                    self.note(span, NoteKind::ReadAs { name, read });
+                }
+                items.push_back(FactorItem::Function(callee, span));
+            }
+            NameMeaning::Product => {
+                // Of an exponent and a divisor only the first letter is one, which a note on these
+                // says.
+                let is_exponent = matches!(items.back(), Some(FactorItem::Caret(..)))
+                    && !matches!(items.iter().nth_back(1), Some(FactorItem::Function(..)));
+                let is_noted = is_exponent || items.is_empty() && self.follows(span, &[Slash]);
+                let letters: Vec<String> = name.chars().map(String::from).collect();
+                let mut at = span.start;
+                for letter in &letters {
+                    // A LaTeX command or subscript is never split, so every letter is where it was
+                    // typed.
+                    // Letters of print are longer.
+                    let is_plain = typed.len() == name.len();
+                    let place = if is_plain { Span::new(at, at + letter.len()) } else { span };
+                    at = place.end;
+                    if let NameMeaning::Value(value) = self.scope.meaning(letter, &self.locals) {
+                        items.push_back(self.leaf(value, place));
+                    }
+                }
+                if !is_noted {
+                    let product = letters.join("*");
+                    self.note(span, NoteKind::ProductOfNames { name, product });
+                }
+            }
+            NameMeaning::Unknown => {
+                if typed == "°" {
+                    items.push_back(FactorItem::Leaf(degree(span)));
+                    return Ok(());
+                }
+                // What makes a number of a number.
+                let is_called = self.text[span.end..].starts_with('(');
+                if is_called && matches!(typed, "float" | "double" | "f32" | "f64" | "S") {
+                    return Ok(());
+                }
+                // `2f` is a number of C#.
+                if typed == "f"
+                    && let Some(FactorItem::Leaf(before)) = items.back()
+                    && before.number().is_some()
+                    && before.span.end == span.start
+                {
+                    return Ok(());
+                }
+                // Beside a parameter x, X is no coordinate.
+                let lower = name.to_lowercase();
+                let is_hidden = self.locals.iter().any(|local| local.text == lower);
+                let (value, kind) = if TIMES.contains(&typed) {
+                    (NamedValue::Time, NoteKind::TimeOfShaders { name })
+                } else if typed == "E" {
+                    (NamedValue::Constant(NamedConstant::E), NoteKind::CapitalE)
+                } else if let Some(axis) = coordinate(&lower).filter(|_| !is_hidden) {
+                    (NamedValue::Coordinate(axis), NoteKind::CapitalCoordinates)
+                } else {
+                    return Err(self.unknown(&name, typed, span));
+                };
+                self.note(span, kind);
+                items.push_back(self.leaf(value, span));
+            }
+        }
+        Ok(())
+    }
+
+    fn leaf(&mut self, value: NamedValue, span: Span) -> FactorItem<'static> {
+        match &value {
+            NamedValue::Defined(name) => {
+                self.used.insert(name.clone());
+            }
+            NamedValue::Time => {
+                self.used.insert("t".to_owned());
+            }
+            NamedValue::Constant(constant) => {
+                if let Some(meaning) = meaning(*constant) {
+                    let name = constant.name();
+                    self.note(span, NoteKind::ConstantUsed { name, meaning });
+                }
+            }
+            NamedValue::Coordinate(_) | NamedValue::Local(_) => {}
+        }
+        FactorItem::Leaf(Expr::new(ExprKind::Name(value), span))
+    }
+
+    /// Reads one factor with its exponents onto the end of `factors`.
+    pub(crate) fn factor(
+        &mut self,
+        items: &mut FactorItems<'_>,
+        factors: &mut Vec<Expr>,
+    ) -> Fallible<()> {
+        if let (Some(next), Some(before)) = (items.front(), factors.last()) {
+            self.may_follow(next, before)?;
+        }
+        factors.push(self.power(items)?);
+        Ok(())
+    }
+
+    /// Fails where a factor cannot stand behind another without a sign.
+    #[inline(never)]
+    fn may_follow(&self, next: &FactorItem<'_>, before: &Expr) -> Fallible<()> {
+        match next {
+            FactorItem::Leaf(next) if next.number().is_some() => {
+                let (kind, sign) = match before.kind {
+                    ExprKind::Number(_) => (ErrorKind::NumberAfterNumber, "*"),
+                    // It has its exponent already.
+                    ExprKind::Power(..) => (ErrorKind::NumberAfterFactor, "*"),
+                    _ => (ErrorKind::NumberAfterFactor, "^"),
+                };
+                let between = Span::new(before.span.end, next.span.start);
+                Err(Error::new(before.span.to(next.span), kind).suggest(between, sign))
+            }
+            // Braces after a factor look like a restriction; read as a product they would hide a
+            // mistake.
+            FactorItem::Closed(pair) if pair.as_rule() == Rule::braces => {
+                Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is
+    /// above it.
+    pub(crate) fn power(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        let base = self.primary(items)?;
+        match items.front() {
+            Some(
+                FactorItem::Component(..)
+                | FactorItem::Method(..)
+                | FactorItem::Factorial(_)
+                | FactorItem::Caret(..)
+                | FactorItem::Superscript(_),
+            ) => self.behind(base, items),
+            _ => Ok(base),
+        }
+    }
+
+    /// What stands behind a factor and belongs to it.
+    #[inline(never)] // keeps the stack frames of nested factors without it small
+    fn behind(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        while let Some(FactorItem::Component(..)) = items.front() {
+            base = Self::component(base, items)?;
+            self.room(base.span, 1)?;
+        }
+        while let Some(FactorItem::Method(..)) = items.front() {
+            base = self.method(base, items)?;
+        }
+        if let Some(FactorItem::Factorial(sign)) = items.front() {
+            base = self.factorial(base, *sign)?;
+            items.pop_front();
+        }
+        match items.front() {
+            Some(FactorItem::Caret(..) | FactorItem::Superscript(_)) => self.exponents(base, items),
+            _ => Ok(base),
+        }
+    }
+
+    #[inline(never)]
+    fn component(base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        let Some(FactorItem::Component(letters, span)) = items.pop_front() else { return Ok(base) };
+        let span = base.span.to(span);
+        if is_coordinate(&base) {
+            let dot = Span::new(span.end - letters.len() - 1, span.end - letters.len());
+            let kind = ErrorKind::UnexpectedCharacter { character: '.' };
+            return Err(Error::new(dot, kind));
+        }
+        Ok(Expr::new(ExprKind::Component(Box::new(base), letters), span))
+    }
+
+    /// `a.pow(2)` as `pow(a, 2)`.
+    #[inline(never)] // keeps its text out of the stack frames of nested factors
+    fn method(&mut self, base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        let Some(FactorItem::Method(name, span, pair)) = items.pop_front() else { return Ok(base) };
+        let place = self.span(&pair);
+        self.room(place, 1)?;
+        let mut arguments = vec![base];
+        for part in pair.into_inner() {
+            if part.as_rule() == Rule::group {
+                for argument in part.into_inner() {
+                    arguments.push(self.deeper(place, 1, |b| b.argument(argument))?);
+                }
+            }
+        }
+        let callee = Callee::BuiltIn(name);
+        self.call(&callee, span, arguments, place)
+    }
+
+    #[inline(never)] // keeps the stack frames of nested factors without exponents small
+    fn exponents(&mut self, base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        let mut levels = 0;
+        let mut chain: Vec<(Signs, Expr)> = vec![(Signs::new(), base)];
+        while let Some(FactorItem::Caret(..) | FactorItem::Superscript(_)) = items.front() {
+            levels += 1 + chain.last().map_or(0, |(signs, _)| signs.len());
+            chain.push(match items.pop_front() {
+                Some(FactorItem::Caret(signs, span)) => {
+                    let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
+                    while let Some(FactorItem::Component(..)) = items.front() {
+                        exponent = Self::component(exponent, items)?;
+                    }
+                    if let Some(FactorItem::Factorial(sign)) = items.front() {
+                        exponent = self.factorial(exponent, *sign)?;
+                        items.pop_front();
+                    }
+                    (signs, exponent)
+                }
+                Some(FactorItem::Superscript(number)) => {
+                    self.room(number.span, levels)?;
+                    (Signs::new(), number)
+                }
+                _ => break,
+            });
+        }
+        self.raised(chain)
+    }
+
+    /// Powers from bases with their exponents, which go together from the right.
+    #[inline(never)]
+    fn raised(&mut self, mut chain: Vec<(Signs, Expr)>) -> Fallible<Expr> {
+        let (mut signs, mut expr) = chain.pop().expect("a chain starts with its base");
+        while let Some((signs_below, base)) = chain.pop() {
+            let exponent = self.signed(&signs, |_| Ok(expr))?;
+            number_only(&base)?;
+            number_only(&exponent)?;
+            self.odd_root(&base, &exponent);
+            let span = base.span.to(exponent.span);
+            expr = Expr::new(ExprKind::Power(Box::new(base), Box::new(exponent)), span);
+            signs = signs_below;
+        }
+        Ok(expr)
+    }
+
+    /// Notes that `x^(1/3)` is defined only for x ≥ 0, though the root exists for all x.
+    fn odd_root(&mut self, base: &Expr, exponent: &Expr) {
+        let Some((top, bottom)) = exponent.quotient() else {
+            return;
+        };
+        let (Some(top), Some(bottom)) = (top.whole_number(), bottom.whole_number()) else {
+            return;
+        };
+        if base.number().is_some() || bottom % 2 == 0 || top % bottom == 0 {
+            return;
+        }
+        let root = root_text(base, bottom);
+        let other = if top == 1 { root } else { format!("{root}^{top}") };
+        let kind = NoteKind::OddRoot { exponent: format!("{top}/{bottom}"), other };
+        self.note(exponent.span, kind);
+    }
+
+    #[inline(never)]
+    pub(crate) fn primary(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        match items.pop_front().expect("the grammar ends no run with a sign") {
+            FactorItem::Group(pair) => self.group(pair),
+            item => self.worded(item, items),
+        }
+    }
+
+    /// What a factor is that does not stand in brackets.
+    #[inline(never)] // keeps the stack frames of nested brackets small
+    fn worded(&mut self, item: FactorItem<'_>, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        match item {
+            FactorItem::Leaf(expr) => self.leaf_factor(expr, items),
+            FactorItem::Function(callee, span) => {
+                self.deeper(span, 1, |b| b.application(&callee, span, items))
+            }
+            FactorItem::Special(word, span) => {
+                let group = self.brackets(items, span)?;
+                self.deeper(span, 1, |b| match word {
+                    SpecialCall::Form(form) => b.form(form, span, group),
+                    SpecialCall::Logic(logic) => b.logic(logic, span, group),
+                    SpecialCall::Foreign(kind) => b.foreign_call(kind, span, group),
+                })
+            }
+            FactorItem::Closed(pair) => {
+                let span = self.span(&pair);
+                self.deeper(span, 1, |b| b.closed(pair, span))
+            }
+            FactorItem::Radical(radical, span) => {
+                self.deeper(span, 1, |b| b.radical(radical, span, items))
+            }
+            item => Err(self.misplaced(&item)),
+        }
+    }
+
+    /// The error for what must stand behind a factor.
+    #[inline(never)] // keeps the stack frames of nested factors small, as below
+    fn misplaced(&self, item: &FactorItem<'_>) -> Box<Error> {
+        let (span, sign) = match item {
+            FactorItem::Component(_, span) => {
+                let found = self.text[span.range()].to_owned();
+                return Error::new(*span, ErrorKind::Unexpected { found });
+            }
+            FactorItem::Method(name, span, _) => (*span, format!(".{name}")),
+            FactorItem::Factorial(span) => (*span, "!".to_owned()),
+            FactorItem::Caret(_, span) | FactorItem::Superscript(Expr { span, .. }) => {
+                (*span, "^".to_owned())
+            }
+            _ => unreachable!("all others begin a factor"),
+        };
+        Error::new(span, ErrorKind::MissingBefore { sign })
+    }
+
+    #[inline(never)]
+    fn radical(
+        &mut self,
+        radical: char,
+        span: Span,
+        items: &mut FactorItems<'_>,
+    ) -> Fallible<Expr> {
+        let inner = self.power(items)?;
+        number_only(&inner)?;
+        let place = span.to(inner.span);
+        if let Some(
+            FactorItem::Leaf(_)
+            | FactorItem::Group(_)
+            | FactorItem::Function(..)
+            | FactorItem::Special(SpecialCall::Form(_), _)
+            | FactorItem::Closed(_),
+        ) = items.front()
+        {
+            self.note(place, NoteKind::RadicalScope { radical });
+        }
+        if items.is_empty() && self.root_goes_on(&inner) {
+            self.note(place, NoteKind::RadicalScope { radical });
+        }
+        let op = if radical == '∛' { Op::Cbrt } else { Op::Sqrt };
+        Ok(native(op, inner, place))
+    }
+
+    /// A number or a value as a factor.
+    #[inline(never)]
+    fn leaf_factor(&mut self, expr: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+        if let Some((letter, span)) = self.index(&expr, items.front()) {
+            items.pop_front();
+            let span = expr.span.to(span);
+            let kind = ExprKind::Component(Box::new(expr), letter.to_string());
+            return Ok(Expr::new(kind, span));
+        }
+        self.not_a_call(expr, items.front())
+    }
+
+    /// The component that `p[0]` takes of a name: no product, which nobody writes so.
+    fn index(&self, expr: &Expr, next: Option<&FactorItem<'_>>) -> Option<(char, Span)> {
+        let Some(FactorItem::Group(pair)) = next else { return None };
+        let is_name = match &expr.kind {
+            ExprKind::Name(NamedValue::Local(_) | NamedValue::Defined(_)) => true,
+            ExprKind::Call(..) => self.text[expr.span.range()].ends_with(in_name),
+            _ => false,
+        };
+        let span = self.span(pair);
+        let digit = match self.text[span.range()].as_bytes() {
+            [b'[', digit @ b'0'..=b'3', b']'] => usize::from(digit - b'0'),
+            _ => return None,
+        };
+        let touches = expr.span.end == span.start;
+        (is_name && touches).then(|| LETTERS.chars().nth(digit).map(|letter| (letter, span)))?
+    }
+
+    /// The brackets behind a form.
+    fn brackets<'i>(&self, items: &mut FactorItems<'i>, span: Span) -> Fallible<Pair<'i>> {
+        if let Some(FactorItem::Group(pair)) = items.pop_front() {
+            return Ok(pair);
+        }
+        let name = self.text[span.range()].to_owned();
+        Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
+    }
+
+    /// A number or a value; brackets after a value multiply, unless they hold several arguments.
+    fn not_a_call(&mut self, expr: Expr, next: Option<&FactorItem<'_>>) -> Fallible<Expr> {
+        if let (ExprKind::Name(value), Some(FactorItem::Group(pair))) = (&expr.kind, next)
+            && pair.clone().into_inner().count() != 1
+        {
+            let name = value.name().to_owned();
+            let place = expr.span.to(self.span(pair));
+            return Err(Error::new(place, ErrorKind::NotAFunction { name }));
+        }
+        Ok(expr)
+    }
+}
+
+/// What a degree is.
+fn degree(span: Span) -> Expr {
+    let pi = Expr::new(ExprKind::Name(NamedValue::Constant(NamedConstant::Pi)), span);
+    pi.over(Expr::of_digits("180", span), span)
+}
+
+/// Whether a dot behind this is no component: behind a coordinate without brackets.
+fn is_coordinate(expr: &Expr) -> bool {
+    let is_bare = expr.span.end - expr.span.start == 1;
+    is_bare && matches!(expr.kind, ExprKind::Name(NamedValue::Coordinate(_)))
+}
+
+/// What time is called in shaders.
+const TIMES: [&str; 6] = ["iTime", "iGlobalTime", "u_time", "uTime", "time", "TIME"];
+
+/// Blanks between a name and its brackets.
+const BLANKS: [char; 2] = [' ', '\t'];
+
+/// The letters of `.rgb`, by position.
+fn letters(typed: &str) -> String {
+    let by_position = |letter: char| {
+        let found = ["rgba", "stpq"].iter().find_map(|set| set.find(letter));
+        found.and_then(|index| LETTERS.chars().nth(index)).unwrap_or(letter)
+    };
+    typed.chars().skip(1).map(by_position).collect()
+}

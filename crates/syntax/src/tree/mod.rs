@@ -1,0 +1,27 @@
+//! From tokens to syntax trees: the grammar's result is shaped into expressions in which every name
+//! is resolved.
+//!
+//! Nothing here knows values, graphs or pictures, or how programs become statements.
+//!
+//! The files that extend `Builder` call one another in a circle, because brackets may hold any
+//! expression: a sum holds juxtaposed factors, which hold calls, whose arguments are sums.
+
+pub(crate) mod aliases;
+pub(crate) mod application;
+pub mod ast;
+pub(crate) mod builder;
+pub(crate) mod built_statement;
+pub(crate) mod delimited;
+pub(crate) mod diagnose;
+pub(crate) mod foreign_functions;
+pub(crate) mod grammar;
+pub(crate) mod juxtaposition;
+pub(crate) mod print;
+pub(crate) mod raw_statement;
+pub(crate) mod scope;
+pub(crate) mod scope_hints;
+pub(crate) mod series;
+pub(crate) mod special_forms;
+pub(crate) mod statement;
+pub(crate) mod unknown_names;
+pub(crate) mod whole_numbers;

@@ -1,0 +1,240 @@
+//! Trees as canonical text: explicit `*`, no bracket that does not change the reading.
+//!
+//! Parsing what is printed gives an equal tree; a property test holds this module to it.
+
+use crate::lex::spelling::{in_name, token_kind};
+use crate::lex::token_kind::TokenKind;
+use crate::tree::ast::{
+    Chain, Definition, Expr, ExprKind, Function, NamedValue, Relation, Series, Sign, Statement,
+};
+use std::fmt;
+
+/// How tightly a printed expression holds together; a looser one inside a tighter place needs
+/// brackets.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Tightness {
+    Or,
+    And,
+    Not,
+    Compare,
+    Sum,
+    Product,
+    Power,
+    Atom,
+}
+
+fn tightness(expr: &Expr) -> Tightness {
+    match &expr.kind {
+        ExprKind::Or(_) => Tightness::Or,
+        ExprKind::And(_) => Tightness::And,
+        ExprKind::Not(_) => Tightness::Not,
+        ExprKind::Compare(..) => Tightness::Compare,
+        ExprKind::Negate(_) | ExprKind::Chain(Chain::Sum, ..) => Tightness::Sum,
+        ExprKind::Chain(Chain::Product, ..) => Tightness::Product,
+        ExprKind::Power(..) => Tightness::Power,
+        ExprKind::Number(_)
+        | ExprKind::Name(_)
+        | ExprKind::Call(..)
+        | ExprKind::Choice(..)
+        | ExprKind::Component(..)
+        | ExprKind::Series(_) => Tightness::Atom,
+    }
+}
+
+/// Writes `expr`, in brackets unless it is at least as tight as `needed`.
+fn write(f: &mut fmt::Formatter<'_>, expr: &Expr, needed: Tightness) -> fmt::Result {
+    if tightness(expr) >= needed { write!(f, "{expr}") } else { write!(f, "({expr})") }
+}
+
+fn list(f: &mut fmt::Formatter<'_>, items: &[Expr], joint: &str, needed: Tightness) -> fmt::Result {
+    for (index, item) in items.iter().enumerate() {
+        if index > 0 {
+            f.write_str(joint)?;
+        }
+        write(f, item, needed)?;
+    }
+    Ok(())
+}
+
+/// An expression as it stands in a product: in brackets if it is looser than a power.
+pub(crate) fn factor_text(expr: &Expr) -> String {
+    if tightness(expr) >= Tightness::Power { expr.to_string() } else { format!("({expr})") }
+}
+
+impl fmt::Display for Expr {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.kind {
+            ExprKind::Number(text) => f.write_str(text),
+            ExprKind::Name(value) => f.write_str(value.name()),
+            ExprKind::Negate(inner) => {
+                f.write_str("-")?;
+                write(f, inner, Tightness::Product)
+            }
+            ExprKind::Chain(kind, first, rest) => {
+                let (needed, signs) = match kind {
+                    Chain::Sum => (Tightness::Product, [" + ", " - "]),
+                    Chain::Product => (Tightness::Power, ["*", "/"]),
+                };
+                // A sign in front of the first term needs no brackets: -a + b is (-a) + b.
+                match (kind, &first.kind) {
+                    (Chain::Sum, ExprKind::Negate(_)) => write(f, first, Tightness::Sum)?,
+                    _ => write(f, first, needed)?,
+                }
+                for (sign, operand) in rest {
+                    f.write_str(signs[usize::from(*sign == Sign::Inverse)])?;
+                    write(f, operand, needed)?;
+                }
+                Ok(())
+            }
+            ExprKind::Power(base, exponent) => {
+                write(f, base, Tightness::Atom)?;
+                f.write_str("^")?;
+                write(f, exponent, Tightness::Power)
+            }
+            ExprKind::Choice(pieces, otherwise) => write_choice(f, pieces, otherwise.as_deref()),
+            ExprKind::Component(vector, letters) => {
+                // A dot behind a number or a coordinate is no component.
+                match vector.kind {
+                    ExprKind::Number(_) | ExprKind::Name(NamedValue::Coordinate(_)) => {
+                        write!(f, "({vector})")?;
+                    }
+                    _ => write(f, vector, Tightness::Atom)?,
+                }
+                write!(f, ".{letters}")
+            }
+            ExprKind::Series(series) => series.fmt(f),
+            ExprKind::Call(function, arguments) => {
+                write!(f, "{}(", function.name())?;
+                if let Function::Iterate(repeated) = function {
+                    write!(f, "{}, ", repeated.name())?;
+                }
+                list(f, arguments, ", ", Tightness::Or)?;
+                f.write_str(")")
+            }
+            ExprKind::Compare(first, rest) => {
+                write(f, first, Tightness::Sum)?;
+                for (relation, other) in rest {
+                    write!(f, " {} ", relation.symbol())?;
+                    write(f, other, Tightness::Sum)?;
+                }
+                Ok(())
+            }
+            ExprKind::And(items) => list(f, items, " and ", Tightness::Not),
+            ExprKind::Or(items) => list(f, items, " or ", Tightness::And),
+            ExprKind::Not(inner) => {
+                f.write_str("not ")?;
+                write(f, inner, Tightness::Atom)
+            }
+        }
+    }
+}
+
+fn write_choice(
+    f: &mut fmt::Formatter<'_>,
+    pieces: &[(Expr, Expr)],
+    otherwise: Option<&Expr>,
+) -> fmt::Result {
+    for (index, (condition, value)) in pieces.iter().enumerate() {
+        let joint = if index == 0 { "{" } else { ", " };
+        write!(f, "{joint}{condition}: {value}")?;
+    }
+    match otherwise {
+        Some(value) => write!(f, ", {value}}}"),
+        None => f.write_str("}"),
+    }
+}
+
+impl fmt::Display for Series {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { is_product, index, low, high, step, body } = self;
+        let name = if *is_product { "product" } else { "sum" };
+        write!(f, "{name}({} = {low}..{high}", index.text)?;
+        if let Some(step) = step {
+            write!(f, "..{step}")?;
+        }
+        write!(f, ", {body})")
+    }
+}
+
+impl fmt::Display for Definition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name.text)?;
+        if let Some(parameters) = &self.parameters {
+            let names: Vec<&str> = parameters.iter().map(|name| name.text.as_str()).collect();
+            write!(f, "({})", names.join(", "))?;
+        }
+        write!(f, " = {}", self.body)?;
+        match &self.range {
+            Some((low, high)) => write!(f, " in [{low}, {high}]"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for Statement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Define(definition) => definition.fmt(f),
+            Self::Draw { expr, restrictions } => {
+                // With a single `=` this would be a definition.
+                if let ExprKind::Compare(left, rest) = &expr.kind
+                    && let [(Relation::Equal, right)] = rest.as_slice()
+                    && may_be_defined(left)
+                {
+                    write!(f, "{left} == {right}")?;
+                } else {
+                    write_drawn(f, expr)?;
+                }
+                write_restrictions(f, restrictions)
+            }
+        }
+    }
+}
+
+/// Whether a left side has the form of what a definition names.
+fn may_be_defined(left: &Expr) -> bool {
+    match &left.kind {
+        ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
+        // Setting a component, in a program.
+        ExprKind::Component(vector, _) => matches!(vector.kind, ExprKind::Name(_)),
+        ExprKind::Call(Function::Defined(_), arguments) => {
+            arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
+        }
+        _ => false,
+    }
+}
+
+/// Writes what is drawn. A value that is named as a setting is in brackets where the line would be
+/// read as that setting.
+fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
+    let text = expr.to_string();
+    let (word, rest) = text.split_at(text.find(|c| !in_name(c)).unwrap_or(text.len()));
+    let is_keyword = token_kind(word).is_some_and(TokenKind::is_setting);
+    if is_keyword && (rest.is_empty() || rest.starts_with(" + ") || rest.starts_with(" - ")) {
+        write!(f, "({word}){rest}")
+    } else {
+        f.write_str(&text)
+    }
+}
+
+fn write_restrictions(f: &mut fmt::Formatter<'_>, restrictions: &[Expr]) -> fmt::Result {
+    if restrictions.is_empty() {
+        return Ok(());
+    }
+    f.write_str(" {")?;
+    list(f, restrictions, ", ", Tightness::Or)?;
+    f.write_str("}")
+}
+
+/// A drawing as it is shown to people, who see one `=` in every equation.
+pub(crate) struct Drawing<'a> {
+    pub expr: &'a Expr,
+    pub restrictions: &'a [Expr],
+}
+
+impl fmt::Display for Drawing<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_drawn(f, self.expr)?;
+        write_restrictions(f, self.restrictions)
+    }
+}

@@ -1,0 +1,355 @@
+//! What a name means: parameters of the function at hand, then the document's names, then the
+//! language's own.
+
+use crate::tree::ast::{Function, Name, NamedValue};
+use rustc_hash::FxHashMap;
+use zeroset_ir::{Axis, NamedConstant};
+use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, form, names, natives};
+
+/// The names that statements can see.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scope {
+    /// Names that the document or an override defines: the number of parameters, or `None` for a
+    /// value.
+    defined: FxHashMap<String, Option<usize>>,
+    /// Coordinates that the text does not define and that have a definition all the same.
+    implied: Vec<&'static str>,
+    /// Whether internal operations may be called; only the language's own prelude may.
+    internal: bool,
+}
+
+/// Longest name, in bytes, that is looked at letter by letter.
+const LONGEST_PRODUCT: usize = 64;
+
+/// Names that are other names here, if they are not products of letters that have values.
+const ELSEWHERE: &[(&str, &str)] = &[
+    ("tg", "tan"),
+    ("ctg", "cot"),
+    ("cotg", "cot"),
+    ("sh", "sinh"),
+    ("ch", "cosh"),
+    ("th", "tanh"),
+    ("cth", "coth"),
+    ("arctg", "atan"),
+    ("arcctg", "acot"),
+    ("arsh", "asinh"),
+    ("arch", "acosh"),
+    ("arth", "atanh"),
+    ("lg", "log10"),
+    ("M_PI", "pi"),
+    ("M_E", "e"),
+];
+
+/// What the language itself has by that name.
+pub(crate) fn built_in(name: &str) -> NameMeaning {
+    if ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name) {
+        return NameMeaning::Unknown;
+    }
+    Scope::default().meaning(name, &[])
+}
+
+/// The name that a name of other languages is read as, and that a note tells: constants need none.
+pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
+    let found = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
+    found.filter(|here| callee.name() == *here)
+}
+
+/// What a name stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum NameMeaning {
+    /// A number.
+    Value(NamedValue),
+    /// Something that takes arguments.
+    Function(Callee),
+    /// A row of one-letter values, multiplied.
+    Product,
+    /// Nothing.
+    Unknown,
+}
+
+/// A function before its arguments are counted.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Callee {
+    /// One that the document defines, with this number of parameters.
+    Defined(String, usize),
+    /// One of the language, by the name it was looked up with.
+    BuiltIn(String),
+    /// The logarithm to a base that is part of its name.
+    Logarithm(String),
+}
+
+impl Callee {
+    /// The name in messages.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Defined(name, _) | Self::BuiltIn(name) => name,
+            Self::Logarithm(_) => "log",
+        }
+    }
+}
+
+impl Scope {
+    /// The scope of the language's own prelude.
+    pub(crate) fn prelude() -> Self {
+        Self { internal: true, ..Self::default() }
+    }
+
+    /// Defines a value (`None`) or a function of that many parameters; a later definition replaces
+    /// an earlier one.
+    pub(crate) fn define(&mut self, name: &str, parameters: Option<usize>) {
+        self.defined.insert(name.to_owned(), parameters);
+    }
+
+    /// What `name` stands for where `locals` are the parameters of the function being defined.
+    pub(crate) fn meaning(&self, name: &str, locals: &[Name]) -> NameMeaning {
+        if let Some(value) = self.value(name, locals) {
+            return NameMeaning::Value(value);
+        }
+        if let Some(Some(count)) = self.defined.get(name) {
+            return NameMeaning::Function(Callee::Defined(name.to_owned(), *count));
+        }
+        if !signatures(name, self.internal).is_empty() {
+            return NameMeaning::Function(Callee::BuiltIn(name.to_owned()));
+        }
+        if let Some(base) = name.strip_prefix("log_")
+            && base.parse::<u32>().is_ok_and(|base| base >= 2)
+        {
+            return NameMeaning::Function(Callee::Logarithm(base.to_owned()));
+        }
+        let mut buffer = [0; 4];
+        if name.len() <= LONGEST_PRODUCT
+            && name.chars().all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
+        {
+            return NameMeaning::Product;
+        }
+        if let Some((_, here)) = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name) {
+            return self.meaning(here, locals);
+        }
+        let lower = name.to_lowercase();
+        if lower != name && lower.len() > 1 {
+            if let Some(constant) = named_constant(&lower) {
+                return NameMeaning::Value(NamedValue::Constant(constant));
+            }
+            if !signatures(&lower, false).is_empty() {
+                return NameMeaning::Function(Callee::BuiltIn(lower));
+            }
+        }
+        // `sqrtf` and others of C.
+        if let Some(double) = name.strip_suffix('f').filter(|double| double.len() > 2)
+            && !signatures(double, false).is_empty()
+        {
+            return NameMeaning::Function(Callee::BuiltIn(double.to_owned()));
+        }
+        NameMeaning::Unknown
+    }
+
+    fn value(&self, name: &str, locals: &[Name]) -> Option<NamedValue> {
+        if locals.iter().any(|local| local.text == name) {
+            return Some(NamedValue::Local(name.to_owned()));
+        }
+        if let Some(axis) = coordinate(name) {
+            return Some(NamedValue::Coordinate(axis));
+        }
+        match (name, self.defined.get(name)) {
+            ("t", _) => Some(NamedValue::Time),
+            (_, Some(None)) => Some(NamedValue::Defined(name.to_owned())),
+            (_, Some(Some(_))) => None,
+            (_, None) => match canonical(name).filter(|name| self.implied.contains(name)) {
+                Some(name) => Some(NamedValue::Defined(name.to_owned())),
+                None => named_constant(name).map(NamedValue::Constant),
+            },
+        }
+    }
+
+    /// Defines a name that the text does not define.
+    pub(crate) fn imply(&mut self, name: &'static str) {
+        if canonical(name).is_some() {
+            self.implied.push(name);
+        } else {
+            self.define(name, None);
+        }
+    }
+
+    /// Whether the document or an override defines `name`.
+    pub(crate) fn is_defined(&self, name: &str) -> bool {
+        self.defined.contains_key(name)
+    }
+
+    /// The form of the language that `name` stands for, unless it is defined otherwise.
+    pub(crate) fn form(&self, name: &str, locals: &[Name]) -> Option<&'static SpecialForm> {
+        if self.is_defined(name) || locals.iter().any(|local| local.text == name) {
+            return None;
+        }
+        form(name).or_else(|| form(&name.to_lowercase()))
+    }
+
+    /// The ways to call a function.
+    pub(crate) fn signatures(&self, callee: &Callee) -> Signatures {
+        match callee {
+            Callee::Defined(name, count) => {
+                let function = Function::Defined(name.clone());
+                Signatures(vec![Signature { function, count: *count, or_more: false }])
+            }
+            Callee::BuiltIn(name) => signatures(name, self.internal),
+            Callee::Logarithm(_) => signatures("ln", false),
+        }
+    }
+
+    /// The known name most like `name`, if any is near.
+    pub(crate) fn nearest(&self, name: &str, locals: &[Name], functions: bool) -> Option<String> {
+        let own = self.defined.iter();
+        let mut candidates: Vec<&str> = own
+            .filter(|(_, parameters)| !functions || parameters.is_some())
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let shorter = |name: &'static str| -> &str { name };
+        candidates.extend(names().map(shorter));
+        candidates.extend(ROOT_NAMES.iter().copied().map(shorter));
+        if !functions {
+            candidates.extend(["x", "y", "z", "t"]);
+            candidates.extend(locals.iter().map(|local| local.text.as_str()));
+            candidates.extend(NamedConstant::ALL.iter().map(|constant| shorter(constant.name())));
+        }
+        nearest(name, candidates.into_iter())
+    }
+}
+
+/// The axis along which `name` is the coordinate.
+pub(crate) fn coordinate(name: &str) -> Option<Axis> {
+    Axis::ALL.into_iter().find(|axis| axis.name() == name)
+}
+
+/// The candidate most like `name`: few edits for its length, then the nearest in length, so that a
+/// swapped pair of letters counts before a lost one, then the first in the alphabet.
+pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
+    // Comparing costs the product of the lengths, so names that no candidate can be near are not
+    // compared.
+    const LONGEST: usize = 24;
+    if name.len() > LONGEST {
+        return None;
+    }
+    let lower = name.to_lowercase();
+    let allowed = match lower.chars().count() {
+        0 => return None,
+        1..=2 => 0,
+        3..=5 => 1,
+        6..=8 => 2,
+        _ => 3,
+    };
+    candidates
+        .filter(|candidate| *candidate != name)
+        .map(|candidate| {
+            let edits = strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
+            let length = candidate.chars().count().abs_diff(lower.chars().count());
+            (edits, length, candidate)
+        })
+        .filter(|(edits, _, candidate)| {
+            *edits <= allowed && *edits < candidate.chars().count().max(1)
+        })
+        .min()
+        .map(|(_, _, candidate)| candidate.to_owned())
+}
+
+/// A function with the number of its arguments.
+struct Signature {
+    function: Function,
+    count: usize,
+    or_more: bool,
+}
+
+/// The ways to call a function, by number of arguments.
+pub(crate) struct Signatures(Vec<Signature>);
+
+impl Signatures {
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The function for `count` arguments, if it takes that many.
+    pub(crate) fn function(&self, count: usize) -> Option<Function> {
+        let exact = self.0.iter().find(|form| form.count == count);
+        let form = exact.or_else(|| self.0.iter().find(|form| form.or_more && form.count < count));
+        form.map(|form| form.function.clone())
+    }
+
+    /// The smallest number of arguments.
+    pub(crate) fn least(&self) -> usize {
+        self.0.first().map_or(0, |form| form.count)
+    }
+}
+
+impl std::fmt::Display for Signatures {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0.iter().any(|form| form.or_more) {
+            return write!(f, "{} or more arguments", self.least());
+        }
+        let counts: Vec<String> = self.0.iter().map(|form| form.count.to_string()).collect();
+        let plural = if counts == ["1"] { "" } else { "s" };
+        write!(f, "{} argument{plural}", counts.join(" or "))
+    }
+}
+
+/// Names of the n-th root; `root` needs a whole number and so is neither native nor composed.
+pub(crate) const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
+
+/// Whether an operation of two operands may be called with more, folding from the left.
+pub(crate) fn is_variadic(op: Op) -> bool {
+    matches!(op, Op::Min | Op::Max)
+}
+
+/// The ways to call the function of the language called `name`; none if there is no such function.
+pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
+    let form = |function, count| Signature { function, count, or_more: false };
+    let own = TABLE
+        .iter()
+        .filter(|row| internal && row.notation == Notation::Internal && row.name == name);
+    let native = natives(name).chain(own).map(|row| Signature {
+        or_more: is_variadic(row.op),
+        ..form(Function::Native(row.op), row.op.arity())
+    });
+    let composed = COMPOSED.iter().enumerate();
+    let composed = composed.filter(|(_, f)| f.name == name || f.aliases.contains(&name));
+    let mut forms: Vec<Signature> = native.collect();
+    for (index, composed) in composed {
+        forms.push(form(Function::Composed(index), composed.parameters.len()));
+        if composed.name == "hypot" {
+            forms.push(Signature { function: Function::Length, count: 4, or_more: true });
+        }
+    }
+    if ROOT_NAMES.contains(&name) {
+        forms.push(form(Function::Root, 2));
+    }
+    forms.sort_by_key(|form| form.count);
+    Signatures(forms)
+}
+
+/// The coordinate that `name` spells.
+pub(crate) fn canonical(name: &str) -> Option<&'static str> {
+    match name {
+        "r" => Some("r"),
+        "rho" | "ρ" | "varrho" => Some("rho"),
+        "theta" | "θ" | "ϑ" | "vartheta" => Some("theta"),
+        "phi" | "φ" | "ϕ" | "varphi" => Some("phi"),
+        _ => None,
+    }
+}
+
+/// What the name of a constant stands for, where a reader may not know it.
+pub(crate) fn meaning(constant: NamedConstant) -> Option<&'static str> {
+    match constant {
+        NamedConstant::Pi | NamedConstant::E => None,
+        NamedConstant::Tau => Some("2*pi = 6.2831853…"),
+        NamedConstant::Phi => Some("the golden ratio, (1 + sqrt(5))/2 = 1.6180339…"),
+    }
+}
+
+/// The constant of the language called `name`.
+fn named_constant(name: &str) -> Option<NamedConstant> {
+    match name {
+        "pi" | "π" => Some(NamedConstant::Pi),
+        "tau" | "τ" => Some(NamedConstant::Tau),
+        "e" => Some(NamedConstant::E),
+        "phi" | "φ" | "ϕ" | "varphi" => Some(NamedConstant::Phi),
+        _ => None,
+    }
+}

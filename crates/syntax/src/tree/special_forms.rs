@@ -1,0 +1,387 @@
+//! Forms: what looks like a function and takes more than numbers, in the spellings of several
+//! languages.
+
+use crate::lex::lexer::OTHERWISE;
+use crate::lex::spelling::plain_name;
+use crate::lex::token_kind::TokenKind::If;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::NoteKind;
+use crate::span::Span;
+use crate::tree::ast::{Expr, ExprKind, Function, Relation};
+use crate::tree::builder::{Builder, condition_only, joined, product_of};
+use crate::tree::grammar::{Pair, Rule};
+use crate::tree::scope::{Callee, NameMeaning};
+use zeroset_ops::{Meaning as Stands, SpecialForm, VectorFunction};
+
+/// A condition that is written as a function.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Logic {
+    And,
+    Or,
+    Not,
+    Compare(Relation),
+}
+
+/// The condition that a function called `name` stands for in other languages.
+pub(crate) fn logic(name: &str) -> Option<Logic> {
+    Some(match name {
+        "And" | "AND" | "logical_and" => Logic::And,
+        "Or" | "OR" | "logical_or" => Logic::Or,
+        "Not" | "logical_not" => Logic::Not,
+        "Eq" | "Equal" => Logic::Compare(Relation::Equal),
+        "Ne" | "Unequal" => Logic::Compare(Relation::Unequal),
+        "Lt" | "Less" => Logic::Compare(Relation::Less),
+        "Le" | "LessEqual" => Logic::Compare(Relation::LessEqual),
+        "Gt" | "Greater" => Logic::Compare(Relation::Greater),
+        "Ge" | "GreaterEqual" => Logic::Compare(Relation::GreaterEqual),
+        _ => return None,
+    })
+}
+
+/// The only part of `pair`, followed through parts that hold nothing else, if it is of that rule.
+pub(crate) fn sole<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
+    let mut pair = pair.clone();
+    loop {
+        if pair.as_rule() == rule {
+            return Some(pair);
+        }
+        let mut inner = pair.into_inner();
+        pair = inner.next()?;
+        if inner.next().is_some() {
+            return None;
+        }
+    }
+}
+
+/// The parts of a list or of brackets with more than one part.
+pub(crate) fn tuple<'i>(pair: &Pair<'i>) -> Option<Vec<Pair<'i>>> {
+    let inner = sole(pair, Rule::list).or_else(|| sole(pair, Rule::group))?;
+    let parts: Vec<Pair<'i>> = inner.into_inner().collect();
+    (parts.len() > 1 || parts.iter().any(|part| sole(part, Rule::list).is_some())).then_some(parts)
+}
+
+impl Builder<'_> {
+    /// A form with what stands in its brackets.
+    pub(crate) fn form(
+        &mut self,
+        form: &'static SpecialForm,
+        span: Span,
+        group: Pair<'_>,
+    ) -> Fallible<Expr> {
+        let place = span.to(self.span(&group));
+        let parts: Vec<Pair<'_>> = group.into_inner().collect();
+        let built = match form.meaning {
+            Stands::Choose => self.choose(&parts, place),
+            Stands::Pieces => self.pieces(&parts, span, place),
+            Stands::Sum | Stands::Product => {
+                self.series_call(form.meaning == Stands::Product, &parts, place)
+            }
+            Stands::Iterate => self.iterate(&parts, span, place),
+            Stands::Vector(size) => {
+                let built = self.of_values(Function::Vector(size), None, parts, place);
+                // `np.array([[a, b], [c, d]])`
+                built.map(|built| built.map(without_array))
+            }
+            Stands::Matrix(size) => self.matrix(size, span, parts, place),
+            Stands::OfVectors(function) => {
+                let count = Some(function.arity());
+                self.of_values(Function::OfVectors(function), count, parts, place)
+            }
+            Stands::Multiply => self.multiply(&parts, place),
+        };
+        let kind = || ErrorKind::FormUsage { name: form.name, usage: form.usage };
+        built?.ok_or_else(|| Error::new(place, kind()))
+    }
+
+    /// A function of values, of which there are `count` unless any number will do.
+    #[inline(never)]
+    fn of_values(
+        &mut self,
+        function: Function,
+        count: Option<usize>,
+        parts: Vec<Pair<'_>>,
+        place: Span,
+    ) -> Fallible<Option<Expr>> {
+        if parts.is_empty() || count.is_some_and(|count| count != parts.len()) {
+            return Ok(None);
+        }
+        let arguments: Fallible<Vec<Expr>> =
+            parts.into_iter().map(|part| self.argument(part)).collect();
+        Ok(Some(Expr::new(ExprKind::Call(function, arguments?), place)))
+    }
+
+    /// An argument: a value, or a vector in brackets of its own.
+    pub(crate) fn argument(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        if let Some(group) = sole(&pair, Rule::group)
+            && matches!(group.clone().into_inner().count(), 2..=4)
+        {
+            let span = self.span(&group);
+            return self.deeper(span, 1, |b| b.list(group, span));
+        }
+        self.value(pair)
+    }
+
+    /// A matrix; elsewhere than in shaders of OpenGL its elements are given row by row.
+    #[inline(never)]
+    fn matrix(
+        &mut self,
+        size: u8,
+        span: Span,
+        parts: Vec<Pair<'_>>,
+        place: Span,
+    ) -> Fallible<Option<Expr>> {
+        let typed = &self.text[span.range()];
+        let by_rows = ["float", "half", "Matrix"].iter().any(|stem| typed.starts_with(stem));
+        let built = self.of_values(Function::Matrix(size), None, parts, place)?;
+        let Some(built) = built.map(without_array) else { return Ok(None) };
+        let is_list = matches!(&built.kind, ExprKind::Call(_, all) if all.len() == 1);
+        Ok(Some(if by_rows && !is_list && built.span == place {
+            let function = Function::OfVectors(VectorFunction::Transpose);
+            Expr::new(ExprKind::Call(function, vec![built]), place)
+        } else {
+            built
+        }))
+    }
+
+    /// `mul(m, p)`, as shaders of Direct3D have it.
+    #[inline(never)]
+    fn multiply(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
+        let [left, right] = parts else { return Ok(None) };
+        let (left, right) = (self.argument(left.clone())?, self.argument(right.clone())?);
+        let product = product_of([left, right])?;
+        Ok(Some(Expr::new(product.kind, place)))
+    }
+
+    /// The rows of a matrix that is written as a list of lists.
+    fn rows(&mut self, parts: &[Pair<'_>], span: Span) -> Fallible<Option<Expr>> {
+        let size = parts.len();
+        let rows: Option<Vec<Vec<Pair<'_>>>> =
+            parts.iter().map(|part| tuple(part).filter(|row| row.len() == size)).collect();
+        let (Some(rows), Ok(count @ 2..=4)) = (rows, u8::try_from(size)) else { return Ok(None) };
+        let mut elements = Vec::new();
+        for column in 0..size {
+            for row in &rows {
+                elements.push(self.value(row[column].clone())?);
+            }
+        }
+        Ok(Some(Expr::new(ExprKind::Call(Function::Matrix(count), elements), span)))
+    }
+
+    /// A list as a vector, one of lists as a matrix.
+    #[inline(never)]
+    pub(crate) fn list(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        let inner: Vec<Pair<'_>> = pair.clone().into_inner().collect();
+        if let Some(matrix) = self.rows(&inner, span)? {
+            return Ok(matrix);
+        }
+        // A list of lists can be nothing else.
+        if inner.iter().any(|part| sole(part, Rule::list).is_some()) {
+            return Err(Error::new(span, ErrorKind::MatrixShape));
+        }
+        let parts: Fallible<Vec<Expr>> = pair.into_inner().map(|part| self.value(part)).collect();
+        let parts = parts?;
+        match u8::try_from(parts.len()) {
+            Ok(size @ 2..=4) => Ok(Expr::new(ExprKind::Call(Function::Vector(size), parts), span)),
+            _ => Err(Error::new(span, ErrorKind::Vector)),
+        }
+    }
+
+    /// Whether a part is the word for what holds where nothing else does.
+    fn is_otherwise(&self, pair: &Pair<'_>) -> bool {
+        pair.as_rule() == Rule::otherwise || OTHERWISE.contains(&self.typed(pair))
+    }
+
+    pub(crate) fn condition_of(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
+        let condition = self.expression(pair)?;
+        condition_only(&condition, "if")?;
+        Ok(condition)
+    }
+
+    /// Condition and value in turn, then a value.
+    #[inline(never)]
+    fn choose(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
+        if parts.len() < 2 {
+            return Ok(None);
+        }
+        let mut pieces = Vec::new();
+        let mut last = None;
+        for pair in parts.chunks(2) {
+            match pair {
+                [condition, value] if self.is_otherwise(condition) => {
+                    last = Some(self.argument(value.clone())?);
+                    break;
+                }
+                [condition, value] => {
+                    let condition = self.condition_of(condition.clone())?;
+                    pieces.push((condition, self.argument(value.clone())?));
+                }
+                [value, ..] => last = Some(self.argument(value.clone())?),
+                [] => {}
+            }
+        }
+        Ok(chosen(pieces, last, place))
+    }
+
+    /// Pieces in brackets of their own, the value first.
+    #[inline(never)]
+    fn pieces(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
+        let Some(first) = parts.first() else {
+            return Ok(None);
+        };
+        let of_lists = tuple(first).filter(|rows| rows.iter().all(|row| tuple(row).is_some()));
+        let (rows, last) = match (of_lists, parts) {
+            (Some(rows), [_]) => (rows, None),
+            (Some(rows), [_, last]) => (rows, Some(last.clone())),
+            (Some(_), _) => return Ok(None),
+            (None, _) if tuple(first).is_some() => (parts.to_vec(), None),
+            (None, _) => return self.choose(parts, place),
+        };
+        let is_list = parts.len() == 1 && sole(first, Rule::list).is_some();
+        let mut pieces = Vec::new();
+        let mut otherwise = last.map(|last| self.argument(last)).transpose()?;
+        for row in rows {
+            let Some([value, condition]) = tuple(&row).and_then(|row| <[_; 2]>::try_from(row).ok())
+            else {
+                return Ok(None);
+            };
+            if self.is_otherwise(&condition) {
+                otherwise = Some(self.argument(value)?);
+                break;
+            }
+            let value = self.argument(value)?;
+            pieces.push((self.condition_of(condition)?, value));
+        }
+        // In Mathematica it is 0 where no condition holds.
+        if is_list && otherwise.is_none() && self.text[span.range()].starts_with('P') {
+            self.note(span, NoteKind::ZeroElsewhere);
+            otherwise = Some(Expr::of_digits("0", span));
+        }
+        Ok(chosen(pieces, otherwise, place))
+    }
+
+    /// A choice as the grammar knows it.
+    #[inline(never)]
+    pub(crate) fn choice(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+        let mut pieces = Vec::new();
+        let mut last = None;
+        for piece in pair.into_inner() {
+            if let Some(value) = &last {
+                let value: &Expr = value;
+                return Err(Error::new(value.span, ErrorKind::PieceWithoutCondition));
+            }
+            let symbols = piece.as_str();
+            let mut parts = piece.into_inner();
+            let first = parts.next().expect("a piece has a value");
+            let condition_first = !symbols[first.as_str().len()..].starts_with(If.as_char());
+            match parts.next() {
+                None => {
+                    let value = self.expression(first)?;
+                    if value.is_condition() {
+                        // In Desmos it is 1 where such a condition holds.
+                        let one = Expr::of_digits("1", value.span);
+                        pieces.push((value, one));
+                    } else {
+                        last = Some(value);
+                    }
+                }
+                Some(second) => {
+                    let (condition, value) =
+                        if condition_first { (first, second) } else { (second, first) };
+                    if self.is_otherwise(&condition) {
+                        last = Some(self.value(value)?);
+                    } else {
+                        let condition = self.condition_of(condition)?;
+                        pieces.push((condition, self.value(value)?));
+                    }
+                }
+            }
+        }
+        chosen(pieces, last, span).ok_or_else(|| Error::new(span, ErrorKind::PieceWithoutCondition))
+    }
+
+    /// A condition that is written as a function.
+    #[inline(never)]
+    pub(crate) fn logic(&mut self, logic: Logic, span: Span, group: Pair<'_>) -> Fallible<Expr> {
+        let place = span.to(self.span(&group));
+        let parts: Vec<Pair<'_>> = group.into_inner().collect();
+        let needs = |word| Error::new(place, ErrorKind::ValueAsCondition { word });
+        match logic {
+            Logic::Not => {
+                let [only] = parts.as_slice() else { return Err(needs("not")) };
+                let condition = self.condition_of(only.clone())?;
+                Ok(Expr::new(ExprKind::Not(Box::new(condition)), place))
+            }
+            Logic::And | Logic::Or => {
+                let word = if matches!(logic, Logic::And) { "and" } else { "or" };
+                if parts.is_empty() {
+                    return Err(needs(word));
+                }
+                let conditions: Fallible<Vec<Expr>> =
+                    parts.into_iter().map(|part| self.condition_of(part)).collect();
+                joined(conditions?, word)
+            }
+            Logic::Compare(relation) => {
+                let [left, right] = parts.as_slice() else { return Err(needs("if")) };
+                let left = self.value(left.clone())?;
+                let right = self.value(right.clone())?;
+                Ok(left.compared(relation, right, place))
+            }
+        }
+    }
+
+    /// A function applied again and again: its name, how often, to what, and what stays.
+    #[inline(never)]
+    fn iterate(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
+        let [name, rest @ ..] = parts else { return Ok(None) };
+        let Some(name) = sole(name, Rule::name) else { return Ok(None) };
+        if rest.len() < 2 {
+            return Ok(None);
+        }
+        let mut arguments = Vec::new();
+        for part in rest {
+            arguments.push(self.argument(part.clone())?);
+        }
+        // Mathematica has what it starts from before the number.
+        if self.text[span.range()].eq_ignore_ascii_case("nest") {
+            arguments.swap(0, 1);
+        }
+        let (typed, at) = (self.typed(&name), self.span(&name));
+        let text = plain_name(typed);
+        let NameMeaning::Function(callee) = self.scope.meaning(&text, &self.locals) else {
+            return Err(self.unknown_function(&text, at));
+        };
+        if let Callee::Defined(name, _) = &callee {
+            self.used.insert(name.clone());
+        }
+        let count = arguments.len() - 1;
+        let Some(function) = self.scope.signatures(&callee).function(count) else {
+            return Err(self.wrong_count(&callee, at, place, count));
+        };
+        self.note_form(&callee, at);
+        let function = Function::Iterate(Box::new(function));
+        Ok(Some(Expr::new(ExprKind::Call(function, arguments), place)))
+    }
+}
+
+/// What stands in an array by itself, if that is a matrix.
+fn without_array(array: Expr) -> Expr {
+    match array.kind {
+        ExprKind::Call(Function::Vector(_) | Function::Matrix(_), mut only)
+            if matches!(
+                only.as_slice(),
+                [Expr { kind: ExprKind::Call(Function::Matrix(_), _), .. }]
+            ) =>
+        {
+            only.remove(0)
+        }
+        kind => Expr::new(kind, array.span),
+    }
+}
+
+/// A choice; its last value alone if it has no conditions, nothing if it has neither.
+fn chosen(pieces: Vec<(Expr, Expr)>, last: Option<Expr>, span: Span) -> Option<Expr> {
+    match (pieces.is_empty(), last) {
+        (true, last) => last,
+        (false, last) => Some(Expr::new(ExprKind::Choice(pieces, last.map(Box::new)), span)),
+    }
+}

@@ -1,0 +1,462 @@
+//! Statements: which kind each is, and its trees.
+
+use crate::lex::scanner::LexedStatement;
+use crate::lex::spelling::{is_definable, plain_name};
+use crate::lex::token::Token;
+use crate::lex::token_kind::TokenKind::*;
+use crate::limits::Limits;
+use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MOST};
+use crate::messages::note::{Note, NoteKind};
+use crate::span::Span;
+use crate::tree::ast::{Definition, Expr, ExprKind, Name, NamedValue, Relation, Statement};
+use crate::tree::builder::{Builder, relation};
+use crate::tree::built_statement::{BuiltStatement, with_parts};
+use crate::tree::diagnose::recognise;
+use crate::tree::grammar::{Pair, Rule};
+use crate::tree::raw_statement::{Head, RawStatement, Wrap};
+use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate};
+use rustc_hash::FxHashSet;
+use zeroset_ir::Axis;
+use zeroset_ops::Meaning as Stands;
+
+/// Each use of a name looks through the parameters, so their number is bounded.
+const MOST_PARAMETERS: usize = 64;
+
+/// A statement that the grammar has recognised.
+pub(crate) struct ParsedStatement<'i> {
+    pub raw: &'i RawStatement,
+    /// Its rule tells what the statement is.
+    pub pair: Pair<'i>,
+    pub head: Option<Head>,
+}
+
+/// Recognises each statement of `text`.
+pub(crate) fn lines<'i>(
+    text: &str,
+    statements: &'i [RawStatement],
+) -> Result<Vec<ParsedStatement<'i>>, Errors> {
+    if statements.is_empty() {
+        return Err(Error::new(Span::at(text.len()), ErrorKind::Empty).into());
+    }
+    let mut lines = Vec::new();
+    let mut errors = Vec::new();
+    for raw in statements {
+        let lexed = &raw.lexed;
+        let rule = if raw.head.is_some() { Rule::line } else { rule(lexed) };
+        match recognise(text, lexed, rule) {
+            Ok(pair) => {
+                let head = raw.head.clone().or_else(|| head(text, lexed, &pair));
+                lines.push(ParsedStatement { raw, pair, head });
+            }
+            Err(error) => errors.push(*error),
+        }
+        if errors.len() >= MOST {
+            break;
+        }
+    }
+    if errors.is_empty() { Ok(lines) } else { Err(Errors::new(errors)) }
+}
+
+/// What the first symbols of a statement make of it.
+fn rule(lexed: &LexedStatement) -> Rule {
+    let mut kinds = lexed.tokens.iter().map(|token| token.kind);
+    let rule = match kinds.next() {
+        Some(DomainWord) => Rule::domain_line,
+        Some(ViewWord) => Rule::view_line,
+        Some(ColorWord) => Rule::color_line,
+        Some(LookWord) => Rule::look_line,
+        Some(BackgroundWord) => Rule::background_line,
+        Some(SettingWord) => Rule::setting_line,
+        _ => return Rule::line,
+    };
+    let in_point = |kind| matches!(kind, Number | Comma | Minus | Plus | CloseParen);
+    // `view = 3` and `view(x) = …` are definitions like any other.
+    match kinds.next() {
+        // A point is made of numbers only.
+        Some(OpenParen) if rule == Rule::setting_line && kinds.all(in_point) => rule,
+        Some(OpenParen) if rule != Rule::domain_line => Rule::line,
+        Some(Plus | Minus | SquareRoot | CubeRoot | Not) => rule,
+        Some(kind) if kind.is_operator() => Rule::line,
+        _ => rule,
+    }
+}
+
+/// The only child of `pair`, if it is one pair of the given rule.
+fn only(pair: Pair<'_>, rule: Rule) -> Option<Pair<'_>> {
+    let mut inner = pair.into_inner();
+    let first = inner.next()?;
+    (inner.next().is_none() && first.as_rule() == rule).then_some(first)
+}
+
+/// The left side of a statement, if it has the form of a definition; `==` states and never defines.
+fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
+    let typed = |pair: &Pair<'_>| lexed.tokens[lexed.index(pair.as_span().start())].span;
+    let name = |pair: Pair<'_>| {
+        let span = typed(&pair);
+        let is_name = pair.as_rule() == Rule::name;
+        is_name.then(|| Name { text: plain_name(&text[span.range()]), span })
+    };
+    let expression = line.clone().into_inner().find(|p| p.as_rule() == Rule::expression)?;
+    let mut sides = expression.into_inner();
+    if sides.clone().any(|part| matches!(part.as_rule(), Rule::not | Rule::joint)) {
+        return None;
+    }
+    let mut left = sides.next()?.into_inner();
+    let sign = sides.next()?;
+    if relation(&sign) != Relation::Equal || &text[typed(&sign).range()] == "==" {
+        return None;
+    }
+    let defined = name(left.next()?)?;
+    let parameters = match left.next() {
+        None => None,
+        Some(group) if group.as_rule() == Rule::group => {
+            let arguments = group.into_inner();
+            let names =
+                arguments.map(|argument| name(only(only(argument, Rule::sum)?, Rule::name)?));
+            Some(names.collect::<Option<Vec<Name>>>().filter(|names| !names.is_empty())?)
+        }
+        Some(_) => return None,
+    };
+    left.next().is_none().then_some(Head { name: defined, parameters })
+}
+
+/// Decides for every line with a head whether it defines; those that do not lose their head.
+pub(crate) fn settle_heads(
+    text: &str,
+    lines: &mut [ParsedStatement<'_>],
+    scope: &mut Scope,
+    notes: &mut Vec<Note>,
+) {
+    for line in lines.iter_mut() {
+        if line.raw.head.is_some() {
+            continue;
+        }
+        if line.head.as_ref().is_some_and(|head| !may_define(head) || is_miscounted(head)) {
+            line.head = None;
+        }
+    }
+    settle_levels(text, lines, notes);
+    // Whether `hypot(a, b) = 2` draws depends on whether a and b have values, so values come first.
+    for line in lines.iter() {
+        let Some(head) = &line.head else { continue };
+        if line.raw.head.is_some() || !is_built_in(head) && head.name.text != "t" {
+            scope.define(&head.name.text, head.parameters.as_ref().map(Vec::len));
+        }
+    }
+    for line in lines.iter_mut() {
+        let own = line.head.as_ref().filter(|_| line.raw.head.is_none());
+        let Some(head) = own.filter(|head| is_built_in(head)) else {
+            continue;
+        };
+        let parameters = head.parameters.as_deref().unwrap_or_default();
+        let known = |name: &Name| {
+            matches!(scope.meaning(&name.text, &[]), NameMeaning::Value(_) | NameMeaning::Product)
+        };
+        if parameters.iter().all(known) {
+            let name = head.name.text.clone();
+            notes.push(Note { span: head.name.span, kind: NoteKind::BuiltInOnTheLeft { name } });
+            line.head = None;
+        } else {
+            scope.define(&head.name.text, Some(parameters.len()));
+        }
+    }
+}
+
+/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels, and `f(x, y) = z`
+/// below `f(x, y) = x^2` an equation.
+fn settle_levels(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
+    let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
+    let numbers = numbers(text, lines);
+    for line in lines.iter_mut() {
+        let Some(head) = &line.head else { continue };
+        let parameters = head.parameters.iter().flatten().map(|name| name.text.as_str());
+        if !parameters
+            .clone()
+            .eq(["x", "y", "z"].into_iter().take(parameters.clone().count().max(2)))
+        {
+            continue;
+        }
+        let key = (head.name.text.clone(), parameters.count());
+        let is_value = line.raw.head.is_none() && is_value(text, &line.raw.lexed, key.1, &numbers);
+        if is_value && defined.contains(&key) {
+            notes.push(Note { span: head.name.span, kind: NoteKind::LevelOf { name: key.0 } });
+            line.head = None;
+        } else {
+            defined.insert(key);
+        }
+    }
+}
+
+/// The names that are given a number, and nothing else.
+fn numbers(text: &str, lines: &[ParsedStatement<'_>]) -> FxHashSet<String> {
+    let named = lines.iter().filter(|line| {
+        line.head.as_ref().is_some_and(|head| head.parameters.is_none())
+            && right_side(&line.raw.lexed).all(|token| matches!(token.kind, Number | Minus))
+    });
+    let name =
+        |line: &ParsedStatement<'_>| text[line.head.as_ref()?.name.span.range()].to_owned().into();
+    named.filter_map(name).collect()
+}
+
+/// What stands behind the sign, but for conditions and ranges.
+fn right_side(lexed: &LexedStatement) -> impl Iterator<Item = &Token> {
+    let right = lexed.tokens.iter().skip_while(|token| token.kind != Equals).skip(1);
+    right.take_while(|token| !matches!(token.kind, OpenBrace | In))
+}
+
+/// Whether a right side is a number, or z where a function of x and y is given: no body of a
+/// function of coordinates, which takes the place of an earlier one.
+fn is_value(
+    text: &str,
+    lexed: &LexedStatement,
+    parameters: usize,
+    numbers: &FxHashSet<String>,
+) -> bool {
+    right_side(lexed).filter(|token| token.kind.is_name()).all(|token| {
+        let name = &text[token.span.range()];
+        parameters == 2 && name == "z"
+            || numbers.contains(name)
+            || matches!(
+                built_in(name),
+                NameMeaning::Function(_) | NameMeaning::Value(NamedValue::Constant(_))
+            )
+    })
+}
+
+/// Whether the left side could define anything: coordinates, and names made of them only, are
+/// drawn.
+fn may_define(head: &Head) -> bool {
+    let name = head.name.text.as_str();
+    if name == "t" {
+        return head.parameters.is_none();
+    }
+    !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
+}
+
+/// Whether the left side is a call of a function of the language, with as many arguments as that
+/// takes.
+fn is_built_in(head: &Head) -> bool {
+    accepts(head) == Some(true)
+}
+
+/// Whether the left side is a call of a function of the language on coordinates, but not on as many
+/// as it takes: an equation with a slip rather than a definition, whose parameters would hide the
+/// coordinates.
+fn is_miscounted(head: &Head) -> bool {
+    let mut parameters = head.parameters.iter().flatten();
+    parameters.all(|p| coordinate(&p.text).is_some()) && accepts(head) == Some(false)
+}
+
+/// Whether the function of the language called `head` takes that many arguments; `None` if there is
+/// none, or nothing is called.
+fn accepts(head: &Head) -> Option<bool> {
+    let count = head.parameters.as_ref()?.len();
+    if let Some(form) = zeroset_ops::form(&head.name.text) {
+        return match form.meaning {
+            Stands::Vector(_) | Stands::Matrix(_) => Some(true),
+            Stands::OfVectors(function) => Some(count == function.arity()),
+            Stands::Multiply => Some(count == 2),
+            Stands::Choose | Stands::Pieces | Stands::Sum | Stands::Product | Stands::Iterate => {
+                None
+            }
+        };
+    }
+    match built_in(&head.name.text) {
+        NameMeaning::Function(callee) => {
+            Some(Scope::default().signatures(&callee).function(count).is_some())
+        }
+        NameMeaning::Value(_) | NameMeaning::Product | NameMeaning::Unknown => None,
+    }
+}
+
+/// Builds the trees of one line.
+pub(crate) fn build(
+    text: &str,
+    line: ParsedStatement<'_>,
+    scope: &Scope,
+    limits: &Limits,
+) -> Fallible<BuiltStatement> {
+    let locals = line.head.as_ref().and_then(|head| head.parameters.as_deref());
+    let mut builder =
+        Builder::new(text, &line.raw.lexed, scope, locals.unwrap_or_default(), limits);
+    builder.aliases = line.raw.aliases.clone();
+    let mut parts = line.pair.into_inner();
+    let expression = parts.next().expect("a line has an expression");
+    let mut range = None;
+    let mut restrictions = Vec::new();
+    let mut braces = None;
+    for part in parts {
+        let span = builder.span(&part);
+        match part.as_rule() {
+            Rule::range => {
+                let bounds = part.into_inner().next().expect("a range has bounds");
+                range = Some((builder.bounds(bounds)?, span));
+            }
+            Rule::restriction => {
+                braces = Some(span);
+                for condition in part.into_inner() {
+                    let condition = builder.expression(condition)?;
+                    if !condition.is_condition() {
+                        return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition));
+                    }
+                    restrictions.push(condition);
+                }
+            }
+            _ => {}
+        }
+    }
+    let statement = if let Some(head) = &line.head {
+        if let Some(span) = braces {
+            let error = Error::new(span, ErrorKind::RestrictedDefinition);
+            let bounds = slider_bounds(&head.name, &restrictions);
+            let typed = builder.text[line.raw.lexed.span.start..span.start].trim_end();
+            let meant = bounds.map(|(low, high)| format!("{typed} in [{low}, {high}]"));
+            return Err(error.suggest_any(line.raw.lexed.span, meant));
+        }
+        let range = range.map(|(ends, _)| ends);
+        Statement::Define(match &line.raw.head {
+            Some(_) => set(&mut builder, head, expression, line.raw.wrap.as_ref())?,
+            None => define(&mut builder, head, expression, range)?,
+        })
+    } else {
+        if let Some((_, span)) = range {
+            return Err(Error::new(span, ErrorKind::RangeOutsideDefinition));
+        }
+        let expr = builder.expression(expression)?;
+        let expr = if line.raw.is_height && !expr.is_condition() {
+            let z = ExprKind::Name(NamedValue::Coordinate(Axis::Z));
+            Expr::new(z, expr.span).equals(expr)
+        } else {
+            expr
+        };
+        Statement::Draw { expr, restrictions }
+    };
+    let Builder { notes, used, .. } = builder;
+    Ok(BuiltStatement { statement, span: line.raw.lexed.span, notes, used })
+}
+
+/// The ends between which `0 < a < 3` in braces lets a value move.
+fn slider_bounds<'e>(name: &Name, braces: &'e [Expr]) -> Option<(&'e Expr, &'e Expr)> {
+    let [Expr { kind: ExprKind::Compare(first, rest), .. }] = braces else { return None };
+    let [(before, middle), (behind, last)] = rest.as_slice() else { return None };
+    let is_own =
+        matches!(&middle.kind, ExprKind::Name(NamedValue::Defined(own)) if *own == name.text);
+    let is = |one: Relation, other: Relation| {
+        [before, behind].into_iter().all(|relation| *relation == one || *relation == other)
+    };
+    match is_own {
+        true if is(Relation::Less, Relation::LessEqual) => Some((first, last)),
+        true if is(Relation::Greater, Relation::GreaterEqual) => Some((last, first)),
+        _ => None,
+    }
+}
+
+/// The definition of what a program sets, of which `expression` is the right side.
+fn set(
+    builder: &mut Builder<'_>,
+    head: &Head,
+    expression: Pair<'_>,
+    wrap: Option<&Wrap>,
+) -> Fallible<Definition> {
+    check_head(head, false, false)?;
+    let mut body = builder.expression(expression)?;
+    let span = body.span;
+    let is_condition = body.is_condition();
+    match wrap {
+        Some(Wrap::Flag) => {
+            if !is_condition {
+                // In C what is not 0 holds.
+                body = body.compared(Relation::Unequal, Expr::of_digits("0", span), span);
+            }
+            body = body.flag(span);
+        }
+        _ if is_condition => return Err(Error::new(span, ErrorKind::ConditionAsValue)),
+        Some(Wrap::Pick(letter)) => {
+            body = Expr::new(ExprKind::Component(Box::new(body), letter.to_string()), span);
+        }
+        Some(Wrap::Write { letters, before, size }) => {
+            builder.used.extend(before.defined().map(str::to_owned));
+            if let ExprKind::Name(NamedValue::Defined(name)) = before {
+                let meaning = builder.scope.meaning(name, &builder.locals);
+                if !matches!(meaning, NameMeaning::Value(NamedValue::Defined(_))) {
+                    return Err(builder.unknown(name, name, head.name.span));
+                }
+            }
+            body = Expr::new(with_parts(letters, before, *size, &body.kind, span), span);
+        }
+        None => {}
+    }
+    let (name, parameters) = (head.name.clone(), head.parameters.clone());
+    Ok(Definition { name, parameters, body, range: None })
+}
+
+/// Fails on a left side with too many parameters, or two alike, or with a name that cannot be
+/// defined: its own is one if it is that of a function or a keyword of the language.
+fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
+    let parameters = head.parameters.as_deref().unwrap_or_default();
+    if parameters.len() > MOST_PARAMETERS {
+        let limit = MOST_PARAMETERS;
+        return Err(Error::new(head.name.span, ErrorKind::TooManyParameters { limit }));
+    }
+    for (index, parameter) in parameters.iter().enumerate() {
+        if parameters[..index].contains(parameter) {
+            let name = parameter.text.clone();
+            return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
+        }
+    }
+    // LaTeX can spell names that cannot be written otherwise.
+    let word = std::iter::once(&head.name).chain(parameters).find(|n| !is_definable(&n.text));
+    if let Some(name) = (is_function || is_keyword).then_some(&head.name).or(word) {
+        let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
+        return Err(Error::new(name.span, kind));
+    }
+    Ok(())
+}
+
+/// The definition `head = …`, whose left side is not built, for it names what does not exist yet.
+fn define(
+    builder: &mut Builder<'_>,
+    head: &Head,
+    expression: Pair<'_>,
+    range: Option<(Expr, Expr)>,
+) -> Fallible<Definition> {
+    let name = &head.name;
+    let is_function =
+        head.parameters.is_none() && matches!(built_in(&name.text), NameMeaning::Function(_));
+    // `domain(x) = …` is a domain line with a slip.
+    let is_keyword = head.parameters.is_some() && name.text == "domain";
+    check_head(head, is_function, is_keyword)?;
+    let span = builder.span(&expression);
+    let mut sides = expression.into_inner().skip(2);
+    let body = sides.next().expect("a definition has a right side");
+    let second = sides.next().filter(|second| {
+        // `f(x, y, z) = x^2 + y^2 - z = 0`
+        let mut rest = sides.clone();
+        let zero = rest.next().is_some_and(|side| builder.typed(&side) == "0");
+        let is_zero = relation(second) == Relation::Equal && zero && rest.next().is_none();
+        !(is_zero && head.parameters.is_some())
+    });
+    if let Some(second) = second {
+        let place = builder.span(&second);
+        return Err(if relation(&second) == Relation::Equal {
+            Error::new(place, ErrorKind::SeveralEquals)
+        } else {
+            let end = sides.last().map_or(place, |last| builder.span(&last));
+            Error::new(builder.span(&body).to(end), ErrorKind::DefinitionIsCondition)
+        });
+    }
+    let body = builder.deeper(span, 1, |b| b.sum(body))?;
+    if body.is_condition() {
+        return Err(Error::new(body.span, ErrorKind::DefinitionIsCondition));
+    }
+    Ok(Definition { name: name.clone(), parameters: head.parameters.clone(), body, range })
+}
+
+/// Whether an expression is a number with or without a sign: the right side of a slider.
+pub(crate) fn is_plain_number(expr: &Expr) -> bool {
+    match &expr.kind {
+        ExprKind::Number(_) => true,
+        ExprKind::Negate(inner) => inner.number().is_some(),
+        _ => false,
+    }
+}

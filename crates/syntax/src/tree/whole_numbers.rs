@@ -1,0 +1,79 @@
+//! Whole numbers that must be known before a formula is written out: factorials, and what says how
+//! many terms there are.
+
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::span::Span;
+use crate::tree::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Series};
+use crate::tree::builder::{Builder, number_only};
+use crate::tree::built_statement::BuiltStatement;
+use rustc_hash::FxHashSet;
+
+impl Builder<'_> {
+    /// `n!` as `product(k = 1..n, k)`, which is exact, and refused where n is no constant whole
+    /// number.
+    #[inline(never)] // keeps its text out of the stack frames of nested factors
+    pub(crate) fn factorial(&mut self, base: Expr, sign: Span) -> Fallible<Expr> {
+        number_only(&base)?;
+        self.room(base.span, 2)?;
+        let varies = |part: &Expr| match &part.kind {
+            ExprKind::Name(NamedValue::Coordinate(_) | NamedValue::Time) => true,
+            ExprKind::Number(_) => part.whole_number().is_none(),
+            _ => false,
+        };
+        let is_negative = matches!(base.kind, ExprKind::Negate(_));
+        if is_negative || base.all_parts().into_iter().any(varies) {
+            return Err(Error::new(sign, ErrorKind::UnexpectedCharacter { character: '!' }));
+        }
+        let is_free = |index: &&str| {
+            let is_own =
+                |part: &Expr| matches!(&part.kind, ExprKind::Name(name) if name.name() == *index);
+            !base.all_parts().into_iter().any(is_own)
+        };
+        let text =
+            (*["k", "j", "i", "l"].iter().find(|name| is_free(name)).unwrap_or(&"m")).to_owned();
+        let span = base.span.to(sign);
+        let body = Expr::new(ExprKind::Name(NamedValue::Local(text.clone())), sign);
+        let index = Name { text, span: sign };
+        let low = Expr::of_digits("1", base.span);
+        let series = Series { is_product: true, index, low, high: base, step: None, body };
+        Ok(Expr::new(ExprKind::Series(Box::new(series)), span))
+    }
+}
+
+/// The names that say how many terms or repetitions there are, by themselves or through
+/// definitions.
+pub(crate) fn counting<'d>(
+    definitions: &[(&'d Definition, &'d BuiltStatement)],
+    drawings: &[&'d BuiltStatement],
+) -> FxHashSet<&'d str> {
+    let built = drawings.iter().copied().chain(definitions.iter().map(|(_, built)| *built));
+    let mut names: FxHashSet<&str> = FxHashSet::default();
+    for expr in built.flat_map(|built| built.statement.expressions()) {
+        for part in expr.all_parts() {
+            let ends: Vec<&Expr> = match &part.kind {
+                ExprKind::Series(series) => {
+                    [&series.low, &series.high].into_iter().chain(&series.step).collect()
+                }
+                ExprKind::Call(Function::Iterate(_), arguments) => {
+                    arguments.iter().take(1).collect()
+                }
+                _ => continue,
+            };
+            for part in ends.into_iter().flat_map(Expr::all_parts) {
+                if let ExprKind::Name(NamedValue::Defined(name)) = &part.kind {
+                    names.insert(name);
+                }
+            }
+        }
+    }
+    let mut open: Vec<&str> = names.iter().copied().collect();
+    while let Some(name) = open.pop() {
+        let found = definitions.iter().filter(|(definition, _)| definition.name.text == name);
+        for used in found.flat_map(|(_, built)| &built.used) {
+            if names.insert(used) {
+                open.push(used);
+            }
+        }
+    }
+    names
+}
