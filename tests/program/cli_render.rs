@@ -877,13 +877,6 @@ fn a_document_says_how_its_picture_looks() {
 
 /// The parser has its own lists of names, since it does not depend on the tracer.
 #[test]
-fn what_may_be_typed_is_what_there_is() {
-    assert_eq!(zeroset_style::LOOKS.map(|look| look.name), zeroset_syntax::LOOKS);
-    assert_eq!(zeroset_style::COLOR_MAPS.map(|map| map.name), zeroset_syntax::COLOR_MAPS);
-    assert_eq!(zeroset_style::VIEWS.map(|view| view.name), zeroset_syntax::PRESETS);
-}
-
-#[test]
 fn a_domain_of_multiples_of_pi_is_written_as_such() {
     let place = Place::new();
     let run =

@@ -1,11 +1,11 @@
-//! Frames in one file: animated PNG, GIF, or bytes one after another.
+//! All frames in one file: animated PNG, GIF, or raw bytes.
 
 use super::png_file::{Origin, png_encoder};
 use anyhow::{Result, bail, ensure};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// What an animation is written as.
+/// File format of an animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Animated PNG: sRGB, lossless.
@@ -16,21 +16,21 @@ pub enum Format {
     Raw,
 }
 
-/// Most columns and rows of a GIF.
+/// Greatest width and height of a GIF.
 const GIF_SIDE: usize = u16::MAX as usize;
 
-/// Most frames a second that every viewer of GIF shows: they count hundredths of a second, and take
-/// 1 for 10.
+/// Highest frame rate that every GIF viewer shows. Delays are in hundredths of a second, and
+/// viewers replace a delay of 1 by 10.
 const GIF_FPS: u16 = 50;
 
-/// How thoroughly colors are chosen for a frame of a GIF, from 1 (best) to 30 (fastest).
+/// How thoroughly the colors of a GIF frame are chosen, from 1 (best) to 30 (fastest).
 const GIF_SPEED: i32 = 10;
 
 impl Format {
-    /// The format of a file, by its extension; `-` is standard output.
+    /// Returns the format for a path: by its extension, or raw for `-`.
     ///
     /// # Errors
-    /// If it is none, or cannot hold such pictures.
+    /// If the extension is unknown, or the format cannot hold such pictures.
     pub fn of(path: &Path, size: [usize; 2], fps: u16) -> Result<Self> {
         let extension = path.extension().and_then(|extension| extension.to_str());
         let extension = extension.map(str::to_ascii_lowercase);
@@ -67,7 +67,7 @@ enum Sink<W: Write> {
 }
 
 impl<W: Write> Animation<W> {
-    /// Begins an animation that is repeated for ever.
+    /// Begins an animation that repeats forever.
     ///
     /// # Errors
     /// If `out` fails.
@@ -107,7 +107,7 @@ impl<W: Write> Animation<W> {
             Sink::Gif(encoder) => {
                 let [width, height] = self.size.map(|side| side as u16);
                 let mut frame = gif::Frame::from_rgb_speed(width, height, rgb, GIF_SPEED);
-                // Rounded so that what is lost in one frame is made up for in another.
+                // The end time is rounded, not the delay, so that rounding errors do not add up.
                 let hundredths = |frame: u32| (100 * u64::from(frame)).div_ceil(self.fps.into());
                 frame.delay = (hundredths(self.frame + 1) - hundredths(self.frame)) as u16;
                 encoder.write_frame(&frame).map_err(io::Error::other)?;
@@ -118,7 +118,7 @@ impl<W: Write> Animation<W> {
         Ok(())
     }
 
-    /// Ends the animation.
+    /// Finishes the file.
     ///
     /// # Errors
     /// If the sink fails.

@@ -1,5 +1,5 @@
-//! What may be typed after `zeroset`. Values are checked where they are used; only their shape is
-//! known here.
+//! The command-line arguments. Only their syntax is defined here; most values are checked where
+//! they are used.
 
 use super::array::Arrays;
 use super::vector::{Size, point};
@@ -16,12 +16,12 @@ use zeroset_shade::UndecidedStyle;
 use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
 use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOptions};
 
-/// Rays in a pixel with an edge, unless told otherwise.
+/// Default number of rays in a pixel on an edge.
 pub const AA: usize = 16;
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
-/// Without a command: a window, and a prompt to type in.
+/// Without a command, zeroset opens a window and a prompt.
 #[derive(Debug, Parser)]
 #[command(name = "zeroset", version, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
@@ -44,26 +44,26 @@ pub struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Render a formula, a file, or a surface of the gallery to a picture.
+    /// Render a formula, a file, or a gallery surface to a picture.
     Render(Box<RenderArgs>),
     /// Evaluate formulas at points or over boxes: JSON lines in, JSON lines out.
     #[command(after_long_help = EVAL_FORMAT)]
     Eval(EvalArgs),
     /// Show how a formula is read, simplified and compiled.
     Explain(ExplainArgs),
-    /// Render every surface of the gallery, and a contact sheet.
+    /// Render every gallery surface, and a contact sheet.
     Gallery(GalleryArgs),
     /// Print a completion script for a shell.
     Completions {
-        /// The shell to complete in.
+        /// Complete commands in this shell
         shell: clap_complete::Shell,
     },
 }
 
-/// What is shown first, where nothing but a document is given.
+/// Arguments of `zeroset` without a subcommand.
 #[derive(Debug, Args)]
 pub struct InteractiveArgs {
-    /// A formula, a file to draw and watch, or a name from `zeroset gallery --list`
+    /// Show a formula, a file (watched for changes), or a name from `zeroset gallery --list`
     #[arg(value_name = "FORMULA|FILE|NAME", allow_hyphen_values = true)]
     pub source: Option<OsString>,
 
@@ -76,11 +76,11 @@ pub struct InteractiveArgs {
     #[command(flatten)]
     pub kernels: KernelArgs,
 
-    /// The window's width and height in pixels
+    /// Set the window's width and height in pixels
     #[arg(long, value_name = "N|WxH", default_value = "800x640", allow_hyphen_values = true)]
     pub size: Size,
 
-    /// Size of the window's letters: 1, 2 or 3 [default: by the window's height]
+    /// Set the size of the window's letters: 1, 2 or 3 [default: by the window's height]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
     pub ui_scale: Option<u8>,
 
@@ -89,11 +89,11 @@ pub struct InteractiveArgs {
     pub preview: bool,
 }
 
-/// A document, and the values it is drawn for.
+/// A document, and the values it is used with.
 #[derive(Debug, Args)]
 pub struct DocumentArgs {
-    /// A formula such as 'x^2+y^2+z^2=1', a file of them, a name from `zeroset gallery --list`, or
-    /// - for standard input
+    /// Read a formula such as 'x^2+y^2+z^2=1', a file, a name from `zeroset gallery --list`, or
+    /// standard input for -
     #[arg(value_name = "FORMULA|FILE|NAME|-", allow_hyphen_values = true)]
     pub source: OsString,
 
@@ -101,23 +101,25 @@ pub struct DocumentArgs {
     pub values: ValueArgs,
 }
 
-/// Values for what a document leaves open.
+/// Parameters, time and domain, as given on the command line.
 #[derive(Debug, Args)]
 pub struct ValueArgs {
-    /// Set a parameter of the formula; may be repeated
+    /// Set a parameter of the formula (may be repeated)
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     define: Vec<String>,
 
-    /// The time t, or with --frames where it begins and ends
+    /// Set the time t, or with --frames its start and end
     #[arg(long, value_name = "T|A..B", allow_hyphen_values = true)]
     pub time: Option<String>,
 
-    /// The domain: auto, a number R for the cube from -R to R, or six bounds
+    /// Set the domain: auto, a number R for the cube from -R to R, or six bounds
     #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
     domain: Option<DomainChoice>,
 }
 
 impl ValueArgs {
+    /// Returns the name and the value of each `-D`.
+    ///
     /// # Errors
     /// If one is not of the form `name=value`.
     pub fn overrides(&self) -> Result<Vec<(String, String)>> {
@@ -130,8 +132,10 @@ impl ValueArgs {
         self.define.iter().map(split).collect()
     }
 
+    /// Returns the time, if one was given.
+    ///
     /// # Errors
-    /// If it is not a number.
+    /// If it is not a finite number.
     pub fn time(&self) -> Result<Option<f64>> {
         let number = |text: &String| {
             view::number(text).with_context(|| format!("--time '{text}' is not a finite number"))
@@ -155,7 +159,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub camera: CameraArgs,
 
-    /// What the domain is clipped to
+    /// Choose the shape that the domain is clipped to
     #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipTo>(), default_value = "auto")]
     pub clip_to: ClipTo,
 
@@ -168,11 +172,11 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub sequence: SequenceArgs,
 
-    /// Stop looking for surfaces after this long: what was not reached is undecided and not drawn
+    /// Stop searching for surfaces after this time; unreached pixels are undecided and not drawn
     ///
-    /// The time runs from the start, or from that of each frame. To choose where to look, and then
-    /// from where, takes a quarter of what is left each, at most. Kernels that are being compiled
-    /// are waited for, and so are the colors of what was found, and a sequence's domain.
+    /// Time counts from the start of the command, or of each frame. Choosing the domain and
+    /// choosing the camera take at most a quarter of the remaining time each. Compiling kernels,
+    /// coloring what was found, and finding a sequence's domain are not cut short.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub budget: Option<f64>,
 
@@ -182,20 +186,20 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
-    /// What is cut away of the domain.
+    /// Returns how the domain is clipped.
     pub fn cut(&self) -> Cut {
         Cut { plane: self.camera.clip(), to: self.clip_to }
     }
 }
 
-/// What is written, and where.
+/// Outputs, and the size of the picture.
 #[derive(Debug, Args)]
 pub struct OutputArgs {
-    /// The picture, as PNG; - for standard output
+    /// Write the picture as PNG to this file, or to standard output for -
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
 
-    /// Width and height in pixels, or one number for a square
+    /// Set the picture's width and height in pixels, or one number for a square
     #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
     pub size: Size,
 
@@ -213,27 +217,27 @@ pub struct CameraArgs {
     #[arg(long, value_parser = side(), conflicts_with_all = ["eye", "up"])]
     view: Option<&'static StandardView>,
 
-    /// The position of the eye; it may lie inside the domain
+    /// Set the position of the eye, which may be inside the domain
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     eye: Option<DVec3>,
 
-    /// The point to look at [default: the centre of the domain]
+    /// Set the point to look at [default: the center of the domain]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     target: Option<DVec3>,
 
-    /// The direction that points up in the picture
+    /// Set the direction that points up in the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     up: Option<DVec3>,
 
-    /// The vertical field of view, in degrees [default: 40]
+    /// Set the vertical field of view, in degrees [default: 40]
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     fov: Option<f64>,
 
-    /// Parallel projection, with a picture this high in world units
+    /// Use parallel projection, with a picture this high in world units
     #[arg(long, value_name = "HEIGHT", conflicts_with = "fov", allow_hyphen_values = true)]
     ortho: Option<f64>,
 
-    /// Clip by a plane: keep a*x + b*y + c*z <= d; `off` for none, whatever the file says
+    /// Keep only a*x + b*y + c*z <= d; `off` removes a clip plane that the file sets
     #[arg(long, value_name = "A,B,C,D", allow_hyphen_values = true)]
     clip: Option<ClipChoice>,
 }
@@ -255,7 +259,7 @@ impl CameraArgs {
     }
 }
 
-/// The method by which surfaces are found, and its options as they were typed.
+/// The tracing method, and its options as they were typed.
 #[derive(Clone, Debug)]
 pub struct KernelArgs {
     pub method: &'static Method,
@@ -263,10 +267,10 @@ pub struct KernelArgs {
 }
 
 impl KernelArgs {
-    /// The options of the method; those that were not typed have their defaults.
+    /// Returns the method's options. Options that were not typed have their defaults.
     ///
     /// # Errors
-    /// If a value is out of range.
+    /// If a value is invalid.
     pub fn options(&self) -> Result<TraceOptions> {
         let mut options = TraceOptions::default();
         for (option, text) in &self.given {
@@ -277,7 +281,7 @@ impl KernelArgs {
     }
 }
 
-/// Flags, one for each row of the table of options.
+/// Flags: `--method`, and one for each row of [`OPTIONS`].
 impl Args for KernelArgs {
     fn augment_args(command: clap::Command) -> clap::Command {
         let method = Arg::new("method").long("method").value_parser(methods());
@@ -310,7 +314,7 @@ impl FromArgMatches for KernelArgs {
     }
 }
 
-/// The flag of an option of methods.
+/// Returns the flag that sets an option of methods.
 fn flag(option: &'static MethodOption) -> Arg {
     let arg = Arg::new(option.name).long(option.name).help(option.help);
     if option.is_switch() {
@@ -330,111 +334,111 @@ pub struct TracingArgs {
     #[arg(long)]
     pub shadows: bool,
 
-    /// How many times a shadow ray's path is halved [default: one less than --max-depth]
+    /// Halve a shadow ray's path this many times [default: one less than --max-depth]
     #[arg(long, value_name = "N", requires = "shadows")]
     pub shadow_depth: Option<u32>,
 
-    /// Where normals come from
+    /// Choose how normals are computed
     #[arg(long, value_parser = one_of::<Normals>(), default_value = "gradient")]
     pub normals: Normals,
 
-    /// Threads to use [default: one per processor]
+    /// Use this many threads [default: one per processor]
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
 }
 
-/// Many pictures in the place of one.
+/// Arguments of a sequence of pictures.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sequences")]
 pub struct SequenceArgs {
-    /// Number of frames: -o frame-%04d.png writes a file for each, another PNG or GIF file holds
-    /// them all, and - writes them to standard output, three bytes per pixel
+    /// Render N frames: -o frame-%04d.png writes a file for each, any other PNG or GIF file holds
+    /// all, and - writes them to standard output, three bytes per pixel
     #[arg(long, value_name = "N")]
     pub frames: Option<usize>,
 
-    /// A parameter that goes from A to B; may be repeated
+    /// Move a parameter from A to B (may be repeated)
     #[arg(long, value_name = "NAME=A..B", allow_hyphen_values = true)]
     pub sweep: Vec<String>,
 
-    /// Turn the eye around its target, by this many degrees
+    /// Turn the eye around its target by this many degrees
     #[arg(long, value_name = "DEGREES", num_args = 0..=1, default_missing_value = "360")]
     #[arg(require_equals = true)]
     pub turntable: Option<f64>,
 
-    /// Leave out the end, which shows the same as the start, so that an animation repeats smoothly;
-    /// a full turn always does
+    /// Stop one step before the end, which shows the same as the start, so that an animation
+    /// repeats smoothly (implied by a full turn without other motion)
     #[arg(long = "loop")]
     pub is_loop: bool,
 
-    /// Frames per second of an animation
+    /// Show this many frames per second of an animation
     #[arg(long, value_name = "N", default_value_t = 30)]
     pub fps: u16,
 
-    /// Make only part I of N parts of equal work: 1/8 to 8/8
+    /// Render only part I of N parts of equal work: 1/8 to 8/8
     #[arg(long, value_name = "I/N")]
     pub shard: Option<String>,
 
-    /// Keep frames that this command has already made from the same text
+    /// Keep frames that this command has already rendered from the same text
     #[arg(long)]
     pub resume: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct ShadingArgs {
-    /// How undecided pixels are drawn
+    /// Choose how undecided pixels are drawn
     #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade")]
     pub undecided: UndecidedStyle,
 
-    /// Lighting and background [default: what the document says, else studio]
+    /// Choose lighting and background [default: the document's, else studio]
     #[arg(long, value_parser = looks())]
     pub look: Option<&'static Look>,
 
-    /// Draw the domain's box with axes and ticks; the view makes room for it
+    /// Draw the domain's box with axes and ticks, and fit all of it into the picture
     #[arg(long)]
     pub axes: bool,
 
-    /// Show which value has which color, where values are colored; always shown with axes
+    /// Draw a legend for colored values (always drawn with --axes)
     #[arg(long)]
     pub legend: bool,
 
-    /// Rays in a pixel on an edge: 1, 4, 16 or 64. Arrays are about one ray per pixel
+    /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (arrays hold one ray per pixel)
     #[arg(long, value_name = "N", default_value_t = AA)]
     pub aa: usize,
 
-    /// The position of the light [default: far above and to the left of the camera]
+    /// Set the position of the light [default: far above and to the left of the camera]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub light: Option<DVec3>,
 
-    /// Ambient share of the light, from 0 to 1 [default: the look's]
+    /// Set the ambient share of the light, from 0 to 1 [default: the look's]
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
     pub ambient: Option<f32>,
 
-    /// Background color: a name of CSS such as white, or hexadecimal digits [default: the
+    /// Set the background to a CSS color such as white, or to hexadecimal digits [default: the
     /// document's, else the look's]
     #[arg(long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }
 
-/// Takes one of the names of `T`.
+/// Returns a parser that accepts the names of `T`.
 fn one_of<T: Named>() -> impl TypedValueParser<Value = T> {
     let names = T::NAMES.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
     PossibleValuesParser::new(names).try_map(|name| T::named(&name).ok_or("no such value"))
 }
 
-/// Takes the name of a precision that one kernel can have.
+/// Returns a parser that accepts the precisions a kernel can have: all but `auto`.
 fn floats() -> impl TypedValueParser<Value = Precision> {
     let one = Precision::NAMES.iter().filter(|(precision, ..)| *precision != Precision::Auto);
     let names = one.map(|(_, name, help)| PossibleValue::new(*name).help(*help));
     PossibleValuesParser::new(names).try_map(|name| Precision::named(&name).ok_or("no such value"))
 }
 
-/// Takes the name of a side to look from.
+/// Returns a parser that accepts the names of standard views.
 fn side() -> impl TypedValueParser<Value = &'static StandardView> {
     let names = PossibleValuesParser::new(VIEWS.map(|view| view.name));
     names.try_map(|name| StandardView::named(&name).ok_or("no such view"))
 }
 
-/// Shown below the options of `eval --help`.
+/// The format of the lines, shown below the options by `eval --help-all`.
 const EVAL_FORMAT: &str = r#"One line in, one line out; both are JSON objects.
 
 At a point:
@@ -454,11 +458,11 @@ gives {"error": "..."}."#;
 
 #[derive(Debug, Args)]
 pub struct EvalArgs {
-    /// A file of JSON lines, or - for standard input
+    /// Read JSON lines from this file, or from standard input for -
     #[arg(value_name = "FILE|-", default_value = "-")]
     pub source: PathBuf,
 
-    /// Kernel precision, where a line does not say
+    /// Set the precision of lines that do not name one
     #[arg(long, value_parser = floats(), default_value = "f32")]
     pub precision: Precision,
 
@@ -472,18 +476,18 @@ pub struct ExplainArgs {
     #[command(flatten)]
     pub document: DocumentArgs,
 
-    /// Precision of the kernels that are shown
+    /// Show kernels of this precision
     #[arg(long, value_parser = floats(), default_value = "f32")]
     pub precision: Precision,
 
-    /// Show the intermediate code of the interval kernels too
+    /// Also show the intermediate code of the kernels that find zeros
     #[arg(long)]
     pub code: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct GalleryArgs {
-    /// The directory for the pictures and contact-sheet.png; created if missing
+    /// Write the pictures and contact-sheet.png to this directory, created if missing
     #[arg(short, long, value_name = "DIR", required_unless_present = "list")]
     pub output: Option<PathBuf>,
 
@@ -491,7 +495,7 @@ pub struct GalleryArgs {
     #[arg(long)]
     pub list: bool,
 
-    /// Width and height of each picture in pixels, or one number for a square
+    /// Set each picture's width and height in pixels, or one number for a square
     #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
     pub size: Size,
 
@@ -499,13 +503,13 @@ pub struct GalleryArgs {
     pub tracing: TracingArgs,
 }
 
-/// The rows of the table of looks, as values of an argument.
+/// Returns a parser that accepts the names in [`LOOKS`].
 fn looks() -> impl TypedValueParser<Value = &'static Look> {
     let values = LOOKS.iter().map(|look| PossibleValue::new(look.name).help(look.help));
     PossibleValuesParser::new(values).try_map(|name| Look::named(&name).ok_or("no such look"))
 }
 
-/// The rows of the table of methods, as values of an argument.
+/// Returns a parser that accepts the names in [`METHODS`].
 fn methods() -> impl TypedValueParser<Value = &'static Method> {
     let values = METHODS.iter().map(|row| {
         let options: Vec<String> =

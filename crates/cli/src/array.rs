@@ -1,5 +1,5 @@
-//! Arrays of what is known of each pixel, in numpy's `.npy` format: one row per array, of which
-//! flag, help and file are made.
+//! Pixel data as arrays in numpy's `.npy` format. A row of the table defines an array's flag, help
+//! and file.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use npyz::{AutoSerialize, NpyWriter, WriterBuilder};
@@ -8,22 +8,21 @@ use std::path::PathBuf;
 use zeroset_render::picture::{Picture, Precision};
 use zeroset_trace::GBuffer;
 
-/// An array that can be asked for.
+/// A kind of array that can be written.
 #[derive(Debug)]
 pub struct ArrayRow {
     /// Its flag, without the dashes.
     pub flag: &'static str,
     help: &'static str,
-    /// Whether normals have to be computed for it.
+    /// Whether it needs normals.
     pub needs_normals: bool,
-    /// Whether brackets of hits have to be kept for it.
+    /// Whether it needs the brackets of hits.
     pub needs_brackets: bool,
-    /// Makes ready to write so many rows and columns, of a picture that was computed in these
-    /// floats.
+    /// Starts a file with this many rows and columns, for a picture computed in this precision.
     pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> Begun,
 }
 
-/// What writes rows to a file, if that could be begun.
+/// The writer of a file, or the error of starting one.
 pub type Begun = io::Result<Box<dyn RowWriter>>;
 
 /// A file that is written row by row.
@@ -34,7 +33,7 @@ pub trait RowWriter {
     /// If the sink fails.
     fn add(&mut self, picture: &Picture) -> io::Result<()>;
 
-    /// Writes what comes behind the last row.
+    /// Finishes the file after the last row.
     ///
     /// # Errors
     /// If the sink fails.
@@ -46,7 +45,7 @@ fn distances(buffer: &GBuffer) -> impl Iterator<Item = f64> {
 }
 
 fn normals(buffer: &GBuffer) -> impl Iterator<Item = f32> {
-    // Where the background shows a buffer may hold those of an earlier picture.
+    // Where the background is visible, a buffer may still hold normals of an earlier picture.
     let normal =
         |pixel: usize| if buffer.is_drawn(pixel) { buffer.normal[pixel] } else { [0.0; 3] };
     (0..buffer.normal.len()).flat_map(normal)
@@ -60,7 +59,7 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: false,
         needs_brackets: false,
         begin: |out, [rows, columns], precision| match precision {
-            // Exact, as these kernels know no more.
+            // This loses nothing, since these kernels compute in `f32`.
             Precision::F32 => array(out, &[rows, columns], |picture, array| {
                 array.extend(distances(&picture.buffer).map(|distance| distance as f32))
             }),
@@ -117,7 +116,7 @@ pub const ARRAYS: &[ArrayRow] = &[
     },
 ];
 
-/// The arrays asked for, and the files they go to.
+/// The requested arrays, and the files for them.
 #[derive(Debug)]
 pub struct Arrays(pub Vec<(&'static ArrayRow, PathBuf)>);
 
@@ -150,7 +149,7 @@ impl Args for Arrays {
 
 type Writer<T> = NpyWriter<T, Box<dyn Write>>;
 
-/// Makes ready to write values in C order under `shape`, given how those of some rows are added.
+/// Starts an array of this shape in C order; `add` appends the values of some rows.
 fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> Begun
 where
     T: AutoSerialize + Copy + 'static,

@@ -1,18 +1,17 @@
-//! What a line that is being typed can go on with, and what its words are. Knows no terminal and no
-//! window.
+//! Completion and coloring of a line that is being typed. Knows no terminal and no window.
 
 use std::ops::Range;
 use zeroset_live::COMMANDS;
 use zeroset_scene::gallery;
 use zeroset_syntax::{WordKind, words};
 
-/// Where the word begins that ends at `pos`.
+/// Returns the start of the word that ends at `pos`.
 fn word_start(line: &str, pos: usize) -> usize {
     let part = |c: char| c.is_alphanumeric() || c == '_';
     line[..pos].char_indices().rev().take_while(|(_, c)| part(*c)).last().map_or(pos, |(at, _)| at)
 }
 
-/// What may stand where the line's last word does.
+/// Returns the start of the word that ends at `pos`, and its possible completions.
 pub fn candidates(line: &str, pos: usize) -> (usize, Vec<String>) {
     let head = &line[..pos];
     if let Some(rest) = head.trim_start().strip_prefix(':') {
@@ -42,11 +41,11 @@ pub fn candidates(line: &str, pos: usize) -> (usize, Vec<String>) {
     (start, names)
 }
 
-/// Where in its statement a word stands.
+/// Position of a word in its statement.
 #[derive(Clone, Copy)]
 struct Place {
     begins: bool,
-    /// Whether the statement begins with the word of a line about the picture.
+    /// Whether the statement begins with a word that sets something of the picture.
     in_setting: bool,
 }
 
@@ -56,7 +55,7 @@ impl Place {
         let statement = head[head.rfind(['\n', ';']).map_or(0, |at| at + 1)..].trim_start();
         let first = statement.split(|c: char| !c.is_alphabetic()).next().unwrap_or("");
         let behind = statement[first.len()..].trim_start();
-        // `light = 3` is a definition like any other.
+        // `light = 3` is an ordinary definition.
         let sets = behind.starts_with(['=', '*', '/', '^', '<', '>']) && !behind.is_empty();
         let begins = statement.is_empty();
         let in_setting = !begins && !sets && words().any(|word| word == (first, WordKind::Setting));
@@ -72,7 +71,7 @@ impl Place {
     }
 }
 
-/// What is colored in a line.
+/// Kind of a colored part of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     Number,
@@ -80,7 +79,7 @@ pub enum Class {
     Comment,
 }
 
-/// The parts of a line that are colored, in order.
+/// Returns the colored parts of a line, in order.
 pub fn classes(line: &str) -> Vec<(Range<usize>, Class)> {
     let mut found = Vec::new();
     let mut start = 0;
@@ -99,7 +98,7 @@ pub fn classes(line: &str) -> Vec<(Range<usize>, Class)> {
                 .filter(|(name, kind)| *name == &rest[..length] && place.takes(*kind))
                 .map(|(_, kind)| kind)
                 .collect();
-            // Behind `view`, `top` is its side.
+            // A setting's meaning wins: in `view top`, `top` names a side.
             let within = kinds.contains(&WordKind::InSetting).then_some(WordKind::InSetting);
             (length, within.or(kinds.first().copied()).map(Class::Word))
         } else {
@@ -111,7 +110,7 @@ pub fn classes(line: &str) -> Vec<(Range<usize>, Class)> {
     found
 }
 
-/// Whether a bracket is still open, so that another line is to come.
+/// Whether a bracket is still open, so that another line has to follow.
 pub fn is_open(text: &str) -> bool {
     let code = text.lines().map(|line| line.split('#').next().unwrap_or(line));
     let depth: i64 = code
@@ -125,8 +124,8 @@ pub fn is_open(text: &str) -> bool {
     depth > 0 && !text.trim_start().starts_with(':') && given_up(text).is_none()
 }
 
-/// What was left open, and the command in the line behind it, if there is one: nobody goes on with
-/// a formula that way.
+/// Returns an unfinished formula and the command in the line after it, if there is one. A command
+/// there means that the formula was abandoned.
 pub fn given_up(text: &str) -> Option<(&str, &str)> {
     let (above, last) = text.trim_end().rsplit_once('\n')?;
     let name = last.trim_start().strip_prefix(':')?.split_whitespace().next()?;
@@ -148,7 +147,7 @@ mod tests {
         assert_eq!(candidates("é²x", 5).0, 0);
     }
 
-    /// A line in which a word may stand at its end.
+    /// Returns the beginning of a line that a word of this kind can complete.
     fn before(kind: WordKind) -> &'static str {
         match kind {
             WordKind::Setting | WordKind::Program => "",
@@ -212,7 +211,7 @@ mod tests {
             told("view top"),
             [word("view", WordKind::Setting), word("top", WordKind::InSetting)]
         );
-        // What only a line about the picture knows is a name elsewhere.
+        // A word that only settings know is a plain name elsewhere.
         assert_eq!(told("top + looks"), []);
     }
 

@@ -1,9 +1,9 @@
-//! The directory for what outlives the program: history, the last document, which tips were shown.
+//! The directory of data that outlives the program: history, last document, tips shown.
 
 use super::output::Output;
 use std::path::PathBuf;
 
-/// Where history and the last document are kept, or `None` if there is no place for them.
+/// Returns the data directory, which is created if missing; `None` if there is no place for it.
 pub fn data_directory() -> Option<PathBuf> {
     let from = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let base = from("XDG_DATA_HOME")
@@ -14,10 +14,10 @@ pub fn data_directory() -> Option<PathBuf> {
     Some(directory)
 }
 
-/// Keeps a text under this name, so that it is there after whatever ends the program.
+/// Stores a text in the data directory, so that it survives however the program ends.
 pub fn keep(name: &str, text: &str) {
     let Some(directory) = data_directory() else { return };
-    // What cannot be kept is no reason to stop.
+    // Failing to store it is no reason to stop.
     if let Ok(output) = Output::create(&directory.join(name)) {
         let _ = output.finish(|out| writeln!(out, "{text}"));
     }

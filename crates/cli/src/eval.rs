@@ -1,7 +1,7 @@
-//! `zeroset eval`: JSON lines in, JSON lines out.
+//! The command `zeroset eval`: JSON lines in, JSON lines out.
 //!
-//! Kernels compute in floats of 32 or 64 bits. Numbers are read as the nearest of 64; for kernels
-//! of 32, points are rounded to the nearest and boxes outward. Answers are the kernels' own bits.
+//! Kernels compute in `f32` or `f64`. Numbers are read as the nearest `f64`; for `f32` kernels,
+//! points are rounded to nearest and boxes outward. The kernels' results are written exactly.
 
 use super::arguments::EvalArgs;
 use super::number;
@@ -20,10 +20,10 @@ use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
 use zeroset_syntax::Options;
 
-/// Longer lines are refused; the parser's own limit on a formula is lower.
+/// Longest line that is accepted, in bytes; the parser's own limit on a formula is lower.
 const LONGEST_LINE: u64 = 4 << 20;
 
-/// Formulas kept compiled; when there are more, all are dropped.
+/// Most formulas that are kept compiled; beyond that, all are dropped.
 const KEPT: usize = 256;
 
 pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
@@ -59,7 +59,7 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
             functions.answer(&line)
         };
         let answer = answer.unwrap_or_else(|message| json!({ "error": message }));
-        // Somebody who talks to this over a pipe waits for each answer.
+        // A client on the other end of a pipe waits for each answer.
         let written = writeln!(out, "{answer}").and_then(|()| out.flush());
         match written {
             Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => break,
@@ -69,15 +69,15 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Formulas by their text, with the kernels asked for so far.
+/// Formulas by their text, with the kernels compiled so far.
 struct Functions {
-    /// Of lines that do not say.
+    /// Precision of lines that do not name one.
     precision: Precision,
     reference: bool,
     compiled: HashMap<String, Program>,
 }
 
-/// Where a formula is evaluated.
+/// The point or box over which a formula is evaluated.
 enum Place {
     At([f64; 3]),
     Over([Interval; 3]),
@@ -178,8 +178,8 @@ fn sample<T: KernelFloat>(
     point: [f64; 3],
 ) -> Value {
     let out = gradient.eval_all(&Points::near(&[point]));
-    // Rounding makes numbers of what has no value, as of atan(1/x) at 0: enclosures tell, of the
-    // point as it is rather than of its nearest neighbour in `T`.
+    // Rounding can give a number where the function has no value, such as for atan(1/x) at 0. An
+    // enclosure proves that, and for the exact point, not for its nearest neighbor in `T`.
     let facts = if point.iter().all(|c| c.is_finite()) {
         bounds_and_facts(bounds, point.map(|c| Interval { lo: c, hi: c })).1
     } else {
@@ -211,7 +211,7 @@ fn bounds_and_facts<T: KernelFloat>(
     bounds: [Interval; 3],
 ) -> (Interval, Facts) {
     let out = kernel.eval_all(&Boxes::around(&[bounds]));
-    // Added to 0, so that no bound is printed as -0.
+    // Adding 0 turns a bound of -0 into 0.
     let bounds = Interval { lo: 0.0 - out[0].neg_lo[0].into(), hi: 0.0 + out[0].hi[0].into() };
     (bounds, out[0].facts(0))
 }

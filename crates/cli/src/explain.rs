@@ -1,4 +1,4 @@
-//! `zeroset explain`.
+//! The command `zeroset explain`.
 
 use super::arguments::ExplainArgs;
 use super::notes;
@@ -29,11 +29,11 @@ pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// How a document is read, simplified and compiled to the kernels that a method begins with: what
-/// can be read first, and the code last, if it is asked for.
+/// Describes how a document is read, simplified and compiled to the kernels that a method starts
+/// with. The intermediate code comes last, and only `with_code`.
 ///
 /// # Errors
-/// If no code can be made.
+/// If the document cannot be compiled.
 pub fn explain(
     subject: &Subject,
     method: &'static Method,
@@ -61,13 +61,13 @@ fn explain_in<T: KernelFloat>(
             note.render(Some(&source.from.to_string()), &source.text, notes::colored_output());
         writeln!(text, "{shown}\n")?;
     }
-    // A formula without a surface can be explained too; nothing is then assumed of its domain.
+    // A formula without a region can be explained too, over all of space.
     let region = view::region(document, subject.domain, None).map(|(region, _)| region);
     if let Err(error) = &region {
         writeln!(text, "no surface  {error}")?;
     }
     let domain = region.as_ref().map_or([Interval::ENTIRE; 3], view::bounds);
-    // Kernels do not depend on it beyond the domain.
+    // Beyond the domain, the region has no effect on kernels.
     let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
     let [x, y, z] = domain.map(|ends| [ends.lo, ends.hi].map(coordinate).join(", "));
     writeln!(text, "domain      x in [{x}], y in [{y}], z in [{z}]")?;
@@ -87,7 +87,7 @@ fn explain_in<T: KernelFloat>(
             let show = |node: &NodeId| display(graph, *node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
-        // Asked for what a picture needs, so that the kernels listed are those that it makes.
+        // Make the kernels that a picture needs, since these are listed below.
         let settings = Settings {
             options: TraceOptions { precision, ..TraceOptions::default() },
             method,
@@ -114,8 +114,8 @@ fn explain_in<T: KernelFloat>(
     Ok(text + &code)
 }
 
-/// The value if the bounds enclose one number as tightly as they can, as the one that has fewer
-/// digits; else the bounds.
+/// Formats the bounds of a parameter. Adjacent floats are shown as one number, the one with fewer
+/// digits.
 fn range(bounds: Interval) -> String {
     let [low, high] = [bounds.lo, bounds.hi].map(|bound| bound.to_string());
     if bounds.lo.next_up() < bounds.hi {
@@ -127,7 +127,7 @@ fn range(bounds: Interval) -> String {
     }
 }
 
-/// How many of each operation: `7: 3 sqr, 2 +, 2 *`.
+/// Lists how often each operation occurs: `7: 3 sqr, 2 +, 2 *`.
 fn operations<T: KernelFloat>(tape: &Tape<T>) -> String {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for step in tape.steps() {

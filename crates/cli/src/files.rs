@@ -1,4 +1,4 @@
-//! What one picture is written to: files opened before the work.
+//! The output files of one picture, opened before it is rendered.
 
 use super::arguments::OutputArgs;
 use super::array::{ARRAYS, ArrayRow, Arrays, Begun, RowWriter};
@@ -17,8 +17,10 @@ impl OutputArgs {
         self.output.iter().chain(self.arrays.0.iter().map(|(_, path)| path))
     }
 
+    /// Checks that at least one output is requested.
+    ///
     /// # Errors
-    /// If nothing is wanted.
+    /// If none is requested.
     pub fn check(&self) -> Result<()> {
         if self.paths().next().is_none() && !self.json {
             let flags: Vec<String> = ARRAYS.iter().map(|row| format!("--{}", row.flag)).collect();
@@ -28,12 +30,14 @@ impl OutputArgs {
     }
 }
 
-/// The files asked for, opened before the work: the picture, which is no array, and arrays.
+/// The requested files, opened before rendering: the picture, which has no row, and arrays.
 pub struct Files(Vec<(Option<&'static ArrayRow>, Output)>);
 
 impl Files {
+    /// Opens all requested files.
+    ///
     /// # Errors
-    /// If nothing is asked for, something twice, or a file cannot be written.
+    /// If nothing is requested, two outputs share a file, or a file cannot be written.
     pub fn create(wanted: &OutputArgs) -> Result<Self> {
         wanted.check()?;
         let OutputArgs { output: picture, arrays: Arrays(arrays), json, size: _ } = wanted;
@@ -66,7 +70,7 @@ impl Files {
         files.finish()
     }
 
-    /// Makes ready for rows of a picture of this size that is computed in these floats.
+    /// Starts the files of a picture with this size and precision; its rows are added later.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -93,7 +97,7 @@ impl Files {
     }
 }
 
-/// Files together with what writes the rows of a picture to them; they appear at the end.
+/// Open files with the writers of their rows. The files appear at the end.
 pub struct OpenFiles(Vec<(Shared, Box<dyn RowWriter>)>);
 
 impl OpenFiles {
@@ -108,21 +112,21 @@ impl OpenFiles {
         Ok(())
     }
 
-    /// Makes the files appear, the picture last: where it is, the others are.
+    /// Makes the files appear, the picture last: if it exists, all others do.
     ///
     /// # Errors
     /// If one cannot be written.
     pub fn finish(self) -> Result<()> {
         self.0.into_iter().rev().try_for_each(|(file, rows)| {
             rows.end().map_err(|error| file.failed(error))?;
-            // Whoever wrote rows is gone.
+            // The writer of the rows was the only other owner.
             let file = Rc::into_inner(file.0).context("a file is still being written")?;
             file.into_inner().end()
         })
     }
 }
 
-/// A file that what writes rows to it owns as well.
+/// An output that is shared with the writer of its rows.
 #[derive(Clone)]
 struct Shared(Rc<RefCell<Output>>);
 

@@ -1,4 +1,4 @@
-//! `zeroset gallery`.
+//! The command `zeroset gallery`.
 
 use super::arguments::GalleryArgs;
 use super::notes;
@@ -39,7 +39,7 @@ pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// One line for each: its name, and what it is.
+/// Returns one line for each example, with its name and summary.
 pub fn listed(examples: &[Example]) -> String {
     let widest = examples.iter().map(|example| example.slug.len()).max().unwrap_or(0);
     let mut lines = String::new();

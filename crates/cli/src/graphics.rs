@@ -1,51 +1,51 @@
-//! Pictures in terminals that show more than characters: the protocols of kitty and of iTerm2, and
-//! sixels.
+//! Pictures in terminals that show more than characters, by the protocols of kitty and iTerm2, or
+//! as sixels.
 //!
-//! Sixels are made by `icy_sixel`, since they need a palette. The other two take a PNG in base64
-//! between a few keys, which is less than what the crates that write them bring along: `viuer` asks
-//! the terminal without a limit of time and writes to standard output itself, `ratatui-image` needs
-//! `ratatui`.
+//! Sixels are encoded by `icy_sixel`, since they need a palette. The other two protocols take a
+//! base64 PNG between a few keys, which needs less code than the crates for them bring. Of these,
+//! `viuer` queries the terminal without a time limit and writes to standard output itself, and
+//! `ratatui-image` needs `ratatui`.
 
 use super::png_file::{Origin, write_png};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
 
-/// How pixels are sent.
+/// A protocol that sends pixels to a terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Protocol {
-    /// <https://sw.kovidgoyal.net/kitty/graphics-protocol/>, which others have taken over.
+    /// <https://sw.kovidgoyal.net/kitty/graphics-protocol/>, adopted by other terminals.
     Kitty,
-    /// <https://iterm2.com/documentation-images.html>, likewise.
+    /// <https://iterm2.com/documentation-images.html>, adopted by other terminals.
     Iterm,
-    /// <https://vt100.net/docs/vt3xx-gp/chapter14.html>, up to 256 colors.
+    /// <https://vt100.net/docs/vt3xx-gp/chapter14.html>, with up to 256 colors.
     Sixel,
 }
 
-/// Kitty takes no more of a picture at once.
+/// Longest part of the base64 data that kitty accepts at once, in bytes.
 const CHUNK: usize = 4096;
 
 /// The device attribute of terminals that show sixels.
 const SIXEL: &str = "4";
 
-/// What a terminal's environment tells of it.
+/// Graphics support of a terminal, as far as its environment reveals it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Known {
-    /// It speaks this.
+    /// It supports this protocol.
     Speaks(Protocol),
-    /// It has to be asked, with [`Protocol::answered`].
+    /// It has to be queried; [`Protocol::answered`] reads the answer.
     Unknown,
-    /// It answers no questions.
+    /// It answers no queries.
     Mute,
 }
 
 impl Known {
-    /// What `variable` says of the environment.
+    /// Detects the terminal from environment variables, which `variable` reads.
     pub fn detect(variable: impl Fn(&str) -> Option<String>) -> Self {
         let is_set = |name: &str| variable(name).is_some_and(|value| !value.is_empty());
         let term = variable("TERM").unwrap_or_default();
-        // These show their own screen, whatever the terminal around them can do, and some show
-        // sixels on it.
+        // Multiplexers show a screen of their own, whatever the terminal around them supports. Some
+        // of them show sixels.
         if is_set("TMUX") || is_set("STY") || term.starts_with("screen") || term.starts_with("tmux")
         {
             return Self::Unknown;
@@ -64,16 +64,17 @@ impl Known {
 }
 
 impl Protocol {
-    /// What a terminal speaks that answers the question for its primary device attributes so;
-    /// `None` if only characters.
+    /// Returns the protocol of a terminal that sent this answer to the query for primary device
+    /// attributes; `None` if it shows only characters.
     pub fn answered(answer: &str) -> Option<Self> {
         let attributes = answer.strip_prefix("\x1b[?")?.strip_suffix('c')?;
         // The first number is the kind of terminal.
         attributes.split(';').skip(1).any(|one| one == SIXEL).then_some(Self::Sixel)
     }
 
-    /// What shows a picture, three bytes a pixel, over so many columns and rows of characters, from
-    /// where the cursor is; sixels take their own size. `None` if it cannot be packed.
+    /// Returns the text that shows a picture, three bytes per pixel, at the cursor. The picture
+    /// covers the given columns and rows of characters; sixels keep their own size. `None` if
+    /// encoding fails.
     pub fn encode(
         self,
         rgb: &[u8],
@@ -90,7 +91,7 @@ impl Protocol {
         }
     }
 
-    /// A PNG between the keys of a protocol that takes one.
+    /// Encloses a PNG in the escape sequences of kitty or iTerm2.
     fn wrap(self, png: &[u8], columns: usize, rows: usize) -> String {
         let data = STANDARD.encode(png);
         if self == Self::Iterm {
@@ -101,7 +102,7 @@ impl Protocol {
         }
         let mut text = String::new();
         let mut left = data.as_str();
-        // Quiet, since nobody reads an answer.
+        // The key `q=2` suppresses answers, which nobody would read.
         let mut keys = format!("a=T,f=100,q=2,c={columns},r={rows},");
         loop {
             let (part, rest) = left.split_at(left.len().min(CHUNK));
@@ -120,13 +121,13 @@ impl Protocol {
 #[cfg(feature = "sixel")]
 fn sixels(rgb: &[u8], width: usize, height: usize) -> Option<String> {
     let opaque: Vec<u8> = rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-    // 256 colors shade a surface or two smoothly; dithering would only add grain and half the
+    // 256 colors shade a surface or two smoothly. Dithering would only add grain, and half as many
     // bytes again.
     let options = icy_sixel::EncodeOptions { diffusion: 0.0, ..Default::default() };
     icy_sixel::sixel_encode(&opaque, width, height, &options).ok()
 }
 
-/// Without the feature no terminal is asked whether it shows sixels.
+/// Without the feature, no terminal is queried for sixels.
 #[cfg(not(feature = "sixel"))]
 fn sixels(_: &[u8], _: usize, _: usize) -> Option<String> {
     None

@@ -4,7 +4,7 @@ use super::theme::{GROUND, INK};
 use std::fmt::Write as _;
 use zeroset_render::overlay::Canvas;
 
-/// Keys and what they do, the mouse first.
+/// Keys and their actions, the mouse first.
 const ROWS: &[(&str, &str)] = &[
     ("drag", "turn"),
     ("right drag", "move"),
@@ -33,7 +33,7 @@ const ROWS: &[(&str, &str)] = &[
     ("Q", "quit"),
 ];
 
-/// The rows in so many columns, each padded to the width of its widest.
+/// Returns the rows in this many aligned columns.
 fn layout(columns: usize) -> Vec<String> {
     let height = ROWS.len().div_ceil(columns);
     let mut lines = vec![String::new(); height];
@@ -49,7 +49,7 @@ fn layout(columns: usize) -> Vec<String> {
     lines
 }
 
-/// The rows one after the other, in lines of so many letters.
+/// Returns the rows one after another, wrapped at this many letters.
 fn flow(letters: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for (key, action) in ROWS {
@@ -67,13 +67,13 @@ fn flow(letters: usize) -> Vec<String> {
     lines
 }
 
-/// Space around the help, in dots of a letter.
+/// Padding around the help, in glyph dots.
 const PAD: usize = 10;
-/// The same where there is little.
+/// Padding where there is little room, in glyph dots.
 const LITTLE_PAD: usize = 3;
 
-/// Draws the help in the middle: in two columns if they fit, else in one, with smaller letters
-/// where it must be, else row after row, as far as there is room.
+/// Draws the help in the middle. Two columns are preferred to one, and large letters to small ones.
+/// If nothing fits, the rows are wrapped like text and may be cut off.
 pub fn draw(canvas: &mut Canvas) {
     let size = |lines: &[String], canvas: &Canvas| {
         let pad = PAD * canvas.scale;

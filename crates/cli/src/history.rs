@@ -1,15 +1,15 @@
-//! The latest lines entered, in prompt and window. Knows no files.
+//! The latest lines entered in prompt and window. Knows no files.
 
 use std::collections::VecDeque;
 
-/// So many lines are kept of those that were entered, here, in the prompt and in the history file.
+/// Number of entered lines that are kept here, in the prompt and in the history file.
 pub const KEPT_LINES: usize = 1000;
 
 /// The latest lines entered.
 #[derive(Default)]
 pub struct History {
     lines: VecDeque<String>,
-    /// How many came before them.
+    /// Number of earlier lines that were dropped.
     dropped: usize,
 }
 
@@ -22,8 +22,8 @@ impl History {
         self.lines.push_back(line);
     }
 
-    /// Of the lines after the first `known` ones those that are kept, the latest last; all are
-    /// known then.
+    /// Returns the lines after the first `known` ones that are still kept, oldest first. Sets
+    /// `known` to the number of all lines.
     pub fn news(&self, known: &mut usize) -> Vec<String> {
         let kept = known.saturating_sub(self.dropped);
         *known = self.dropped + self.lines.len();

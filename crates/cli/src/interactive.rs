@@ -1,5 +1,5 @@
 //! `zeroset` without a command: a window and a prompt, or a prompt with pictures in the terminal.
-//! Both share one [`Session`].
+//! Window and prompt share one [`Session`].
 
 use super::arguments::InteractiveArgs;
 use super::session::Session;
@@ -20,7 +20,7 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
             let thread = std::thread::spawn(move || prompt::run(&prompt, false));
             window.run()?;
             if thread.is_finished() {
-                // A panic has reported itself.
+                // A panic was reported where it happened.
                 thread.join().unwrap_or(Ok(()))?;
             }
             // The prompt may still be waiting for a key, with the terminal set up for that.

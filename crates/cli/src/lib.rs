@@ -1,8 +1,8 @@
 //! The command line: one module per subcommand, and what they share.
 //!
-//! Pictures, arrays and JSON are the only things written to standard output or files; every note
-//! and error goes to standard error. The exit code is 0, 1 for undecided pixels under `--strict`, 2
-//! for an error of the user's, and 3 for one of the program's own.
+//! Results go to standard output or files; notes and errors go to standard error. The exit code is
+//! 0 for success, 1 for undecided pixels under `--strict`, 2 for a user's error and 3 for an
+//! internal error.
 
 mod animation;
 mod arguments;
@@ -54,9 +54,9 @@ use std::process::ExitCode;
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
-/// The exit code of a user's error: what was asked for cannot be done as asked.
+/// The exit code of a user's error, such as a formula that cannot be read.
 const USER_ERROR: u8 = 2;
-/// The exit code of an error of the program's own.
+/// The exit code of an internal error.
 const INTERNAL_ERROR: u8 = 3;
 
 /// Runs the command line and returns the process's exit code.
@@ -78,7 +78,7 @@ fn dispatch() -> anyhow::Result<ExitCode> {
     let arguments = match Arguments::try_parse_from(std::env::args_os().flat_map(detached)) {
         Ok(arguments) => arguments,
         Err(wrong) if wrong.use_stderr() => wrong.exit(),
-        // Help and version are output like any other.
+        // Help and version go to standard output like any result.
         Err(help) => {
             output::written(help.print())?;
             return Ok(ExitCode::SUCCESS);
@@ -100,9 +100,8 @@ fn dispatch() -> anyhow::Result<ExitCode> {
     }
 }
 
-/// A formula may begin with `-`, and so a flag with its value attached would be taken for one where
-/// a formula may stand. What must be meant as a flag, `-Dname=value` and `-ofile.png`, is split in
-/// two.
+/// Splits `-Dname=value` and `-ofile.png` into flag and value. A formula may begin with `-`, so a
+/// flag with its value attached would be taken for a formula.
 fn detached(argument: OsString) -> Vec<OsString> {
     if let Some(text) = argument.to_str() {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());

@@ -1,4 +1,4 @@
-//! One line that is edited in the window: text, cursor, history, completion. Knows no keys and no
+//! The line that is edited in the window: text, cursor, history, completion. Knows no keys and no
 //! pixels.
 
 use super::completion::candidates;
@@ -8,7 +8,7 @@ use super::completion::candidates;
 pub struct LineEdit {
     text: String,
     cursor: usize,
-    /// How far back in the history, counted from the end; 0 is the line itself.
+    /// Number of steps back from the end of the history; 0 is the line itself.
     back: usize,
 }
 
@@ -23,7 +23,7 @@ impl LineEdit {
         &self.text
     }
 
-    /// The cursor's place, in characters.
+    /// Position of the cursor, in characters.
     pub fn column(&self) -> usize {
         self.text[..self.cursor].chars().count()
     }
@@ -62,7 +62,7 @@ impl LineEdit {
         }
     }
 
-    /// Takes the line `by` steps further back in the history, or forward again.
+    /// Replaces the text by the next older line of the history, or by the next newer one.
     pub fn recall(&mut self, history: &[String], older: bool) {
         self.back =
             if older { (self.back + 1).min(history.len()) } else { self.back.saturating_sub(1) };
@@ -73,8 +73,8 @@ impl LineEdit {
         self.end();
     }
 
-    /// Completes the word at the cursor as far as all candidates agree, and returns them if there
-    /// are several.
+    /// Completes the word at the cursor as far as all candidates agree. Returns the candidates if
+    /// there are several.
     pub fn complete(&mut self) -> Vec<String> {
         let (start, names) = candidates(&self.text, self.cursor);
         let Some(first) = names.first() else { return names };

@@ -1,4 +1,4 @@
-//! What is said on standard error.
+//! Messages on standard error.
 
 use std::io::{IsTerminal, Write};
 
@@ -7,7 +7,7 @@ use std::io::{IsTerminal, Write};
 #[error("{0}")]
 pub struct Diagnostic(pub String);
 
-/// Reports an error and its causes on one line, or as it is if it already is laid out.
+/// Reports an error and its causes on one line, or a [`Diagnostic`] as it is.
 pub fn error(error: &anyhow::Error) {
     if let Some(diagnostic) = error.downcast_ref::<Diagnostic>() {
         return say(&diagnostic.0);
@@ -15,18 +15,18 @@ pub fn error(error: &anyhow::Error) {
     say(&format!("{}: {error:#}", label("error", "31")));
 }
 
-/// Reports something worth knowing that stops nothing.
+/// Reports something worth knowing that is no error.
 pub fn note(text: &str) {
     say(&format!("{}: {text}", label("note", "36")));
 }
 
-/// Writes to standard error; nobody is left to tell if that fails.
+/// Writes to standard error. A failure is ignored, since nothing could report it.
 pub fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Whether standard error takes colors: a terminal, unless `NO_COLOR` is set (no-color.org) or it
-/// is a dumb one.
+/// Whether standard error takes colors: a terminal that is not dumb, unless `NO_COLOR` is set
+/// (no-color.org).
 pub fn colored() -> bool {
     std::io::stderr().is_terminal() && colors_are_wanted()
 }

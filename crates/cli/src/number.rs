@@ -2,11 +2,11 @@
 
 use serde_json::{Number, Value};
 
-/// The number that `value` stands for: a JSON number, or a string with `inf`, `-inf`, `nan`, a
-/// decimal or a hexadecimal float such as `-0x1.8p-3`.
+/// Parses a JSON number, or a string with `inf`, `-inf`, `nan`, a decimal or a hexadecimal float
+/// such as `-0x1.8p-3`.
 ///
 /// # Errors
-/// A sentence that says what is wrong.
+/// A message that says what is wrong.
 pub fn read(value: &Value) -> Result<f64, String> {
     match value {
         Value::Number(number) => number.as_f64().ok_or_else(|| format!("{number} is too large")),
@@ -23,7 +23,7 @@ pub fn read(value: &Value) -> Result<f64, String> {
     }
 }
 
-/// The shortest decimal that reads back as `value`; strings for what JSON has no number for.
+/// Returns the shortest decimal that reads back as `value`, or a string for infinities and NaN.
 pub fn write(value: f64) -> Value {
     match Number::from_f64(value) {
         Some(number) => Value::Number(number),
@@ -33,13 +33,13 @@ pub fn write(value: f64) -> Value {
     }
 }
 
-/// The value of `1.8p-3` and the like, if it is exactly an `f64`.
+/// Parses a float such as `1.8p-3`. Returns `None` unless its value is exactly an `f64`.
 fn hexadecimal(text: &str) -> Option<f64> {
     let (mantissa, exponent) = match text.split_once(['p', 'P']) {
         Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
         None => (text, 0),
     };
-    // Far beyond the range of f64 on both sides, and no sum below can overflow.
+    // These limits are far beyond the range of `f64`, and no sum below can overflow.
     if exponent.abs() > 10_000 || mantissa.len() > 1000 {
         return None;
     }
@@ -61,13 +61,13 @@ fn hexadecimal(text: &str) -> Option<f64> {
     exponent += odd.trailing_zeros() as i32;
     let odd = odd >> odd.trailing_zeros();
     let bits = 64 - odd.leading_zeros() as i32;
-    // The leading bit's place decides how many bits there is room for: fewer among the subnormals.
+    // The leading bit's exponent decides how many bits there is room for: fewer for subnormals.
     let top = exponent + bits - 1;
     let lowest = (top - 52).max(-1074);
     if !(-1074..=1023).contains(&top) || exponent < lowest {
         return None;
     }
-    // Both steps are exact: powers of two, split so that neither leaves the range.
+    // Both products are exact: the power of two is split so that neither half leaves the range.
     let half = exponent / 2;
     Some(odd as f64 * power_of_two(half) * power_of_two(exponent - half))
 }

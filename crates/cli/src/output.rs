@@ -1,9 +1,8 @@
 //! Files that appear whole or not at all.
 //!
-//! Content goes to a file without a name, which at the end is copied beside the target and renamed
-//! over it. Whether that can be done is tried before any work is, so that a target that cannot be
-//! written is an error at once and not after the rendering; an interrupted run leaves nothing
-//! behind.
+//! Content goes to an unnamed file, which at the end is copied next to the target and renamed over
+//! it. [`Output::create`] checks beforehand that this is possible, so an unwritable target is an
+//! error before the rendering and not after it. An interrupted run leaves nothing behind.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
@@ -11,10 +10,10 @@ use std::io::{BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// As many symbolic links as Linux follows.
+/// Longest chain of symbolic links that is followed, as in Linux.
 const MOST_LINKS: usize = 40;
 
-/// A file that is written, and appears at the end.
+/// A file being written, which appears under its name at the end.
 pub struct Output {
     /// The path as given, for messages.
     path: PathBuf,
@@ -22,7 +21,7 @@ pub struct Output {
 }
 
 enum Sink {
-    /// Without a name, so that an interrupted run leaves nothing; to be put in this place.
+    /// An unnamed file, so that an interrupted run leaves nothing, and the path it will get.
     Renamed(BufWriter<File>, PathBuf),
     /// A device or a pipe, which a rename would replace.
     Direct(BufWriter<File>),
@@ -31,7 +30,7 @@ enum Sink {
 }
 
 impl Output {
-    /// Prepares to write `path`; `-` is standard output, and links are followed.
+    /// Prepares to write to `path`, following links; `-` is standard output.
     ///
     /// # Errors
     /// If the directory does not exist or cannot be written to, or the path is a directory.
@@ -55,7 +54,7 @@ impl Output {
     /// Writes the whole content, then makes it appear under its name.
     ///
     /// # Errors
-    /// If writing or renaming fails; the target is then as it was.
+    /// If writing or renaming fails; the target is then unchanged.
     pub fn finish(
         mut self,
         content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
@@ -64,11 +63,11 @@ impl Output {
         self.end()
     }
 
-    /// As [`Output::finish`], but standard output is written as content comes. That nobody reads on
-    /// ends it, and is no error.
+    /// Like [`Output::finish`], but writes to standard output as content comes. If nobody reads on,
+    /// this stops without an error.
     ///
     /// # Errors
-    /// If writing or renaming fails; a file is then as it was.
+    /// If writing or renaming fails; a file is then unchanged.
     pub fn stream(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
         match self.sink {
             Sink::Standard(_) => written(content(&mut std::io::stdout().lock())),
@@ -76,15 +75,15 @@ impl Output {
         }
     }
 
-    /// What is said of a failure to write it.
+    /// Returns a write error that names the path.
     pub fn failed(&self, error: std::io::Error) -> anyhow::Error {
         anyhow::Error::new(error).context(format!("cannot write '{}'", self.path.display()))
     }
 
-    /// Makes what was written appear.
+    /// Makes the written content appear under its name.
     ///
     /// # Errors
-    /// If writing or renaming fails; the target is then as it was.
+    /// If writing or renaming fails; the target is then unchanged.
     pub fn end(self) -> Result<()> {
         let written = match self.sink {
             Sink::Renamed(writer, target) => writer
@@ -121,8 +120,7 @@ fn sink(path: &Path) -> Result<Sink> {
         Ok(found) if !found.is_file() => {
             return Ok(Sink::Direct(BufWriter::new(File::options().write(true).open(&path)?)));
         }
-        // It is replaced, which its directory allows; a file that is read-only is left alone all
-        // the same.
+        // A rename would replace even a read-only file. Opening it for writing refuses that.
         Ok(_) => drop(File::options().write(true).open(&path)?),
         Err(_) => {}
     }
@@ -132,11 +130,11 @@ fn sink(path: &Path) -> Result<Sink> {
     ensure!(directory.is_dir(), "there is no directory '{}'", directory.display());
     temporary(directory)?;
     let unnamed = BufWriter::new(tempfile::tempfile_in(directory)?);
-    // In full, so that a file is known by whatever path it is given.
+    // A canonical path identifies the file, however it was spelled.
     Ok(Sink::Renamed(unnamed, directory.canonicalize()?.join(name)))
 }
 
-/// Copies what was written to a file beside `target`, which is renamed.
+/// Copies the content to a new file beside `target`, and renames that over it.
 fn put(mut written: File, target: &Path) -> std::io::Result<()> {
     let mut file = temporary(target.parent().unwrap_or(Path::new(".")))?;
     written.rewind()?;
@@ -145,31 +143,31 @@ fn put(mut written: File, target: &Path) -> std::io::Result<()> {
         #[cfg(unix)]
         {
             use std::os::unix::fs::{MetadataExt, fchown};
-            // Only a superuser can give files away.
+            // Only a superuser can change the owner; for others this fails, which is accepted.
             let _ = fchown(file.as_file(), Some(replaced.uid()), Some(replaced.gid()));
         }
-        // What was private stays so.
+        // A private file stays private.
         file.as_file().set_permissions(replaced.permissions())?;
     }
     file.persist(target).map_err(|error| error.error)?;
     Ok(())
 }
 
-/// Where a path leads through symbolic links, which a rename would replace; the last of them may
-/// lead to a file that does not exist yet.
+/// Returns the path that symbolic links lead to, since a rename would replace a link. The last link
+/// may lead to a file that does not exist yet.
 fn followed(mut path: PathBuf) -> std::io::Result<PathBuf> {
     for _ in 0..MOST_LINKS {
         if !path.is_symlink() {
             return Ok(path);
         }
         let link = std::fs::read_link(&path)?;
-        // What a link holds counts from where it lies.
+        // A relative link starts at the directory that contains it.
         path = path.parent().unwrap_or(Path::new("")).join(link);
     }
     Err(std::io::Error::other("its symbolic links form a loop"))
 }
 
-/// A new file in `directory`, readable by all as any other new file would be.
+/// Creates a temporary file in `directory`, with the permissions of any new file.
 fn temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".zeroset-").suffix(".part");
@@ -179,14 +177,14 @@ fn temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
         // The process's umask still applies.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    // The error as it comes would name the temporary file.
+    // The full error would name the temporary file.
     builder.tempfile_in(directory).map_err(|error| error.kind().into())
 }
 
-/// Writes to standard output. That nobody reads on is no error.
+/// Writes to standard output. It is no error if nobody reads on.
 ///
 /// # Errors
-/// If it cannot be written to, a full disk for example.
+/// If writing fails, for example on a full disk.
 pub fn print(text: &str) -> Result<()> {
     print_bytes(text.as_bytes())
 }
@@ -195,11 +193,10 @@ fn print_bytes(bytes: &[u8]) -> Result<()> {
     written(std::io::stdout().write_all(bytes))
 }
 
-/// Whether standard output could be written to, after an attempt with this result; that nobody
-/// reads on is no error.
+/// Flushes standard output after a write with this result. It is no error if nobody reads on.
 ///
 /// # Errors
-/// If it could not, or if what is still to be written cannot be.
+/// If the write or the flush failed.
 pub fn written(result: std::io::Result<()>) -> Result<()> {
     match result.and_then(|()| std::io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

@@ -1,4 +1,4 @@
-//! What is known of the surface under the pointer.
+//! The surface point under the pointer, and its description.
 
 use glam::DVec3;
 use serde_json::json;
@@ -9,18 +9,18 @@ use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
 use zeroset_trace::{DEPTH, Proves, Status, UndecidedReason};
 
-/// A place of the surface that is seen in a pixel.
+/// A pixel of a rendering, and the surface point that is visible in it.
 pub struct Pick<'a> {
     rendering: &'a Rendering,
     pixel: usize,
-    /// How far off, about, the point may be, in world units.
+    /// Approximate error of the point, in world units.
     reach: f64,
-    /// The point that is painted; `None` where the background shows.
+    /// The painted point; `None` where the background is visible.
     pub point: Option<DVec3>,
 }
 
 impl<'a> Pick<'a> {
-    /// What is seen at a place of a window of the given size; `None` outside.
+    /// Returns the pixel at a position in a window of the given size; `None` outside the window.
     pub fn at(rendering: &'a Rendering, place: (f64, f64), window: (usize, usize)) -> Option<Self> {
         let buffer = &rendering.picture.buffer;
         let scaled = |at: f64, size: usize, of: usize| {
@@ -44,8 +44,8 @@ impl<'a> Pick<'a> {
         Some(Self { rendering, pixel, reach, point })
     }
 
-    /// One line with the coordinates, of which surface where there are several, and whether that is
-    /// undecided.
+    /// Returns one line: the coordinates, the surface's number if there are several, and whether
+    /// the pixel is undecided.
     pub fn coordinates(&self) -> Option<String> {
         let p = self.point?;
         let digits = digits(self.reach);
@@ -60,8 +60,8 @@ impl<'a> Pick<'a> {
         Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
     }
 
-    /// Several lines: coordinates, value, normal, what is proven and why, and the command that asks
-    /// again.
+    /// Returns several lines: coordinates, value, normal, what is proven and why, and a command
+    /// that evaluates the point again.
     pub fn describe(&self) -> String {
         let buffer = &self.rendering.picture.buffer;
         let (column, row) = (self.pixel % buffer.width, self.pixel / buffer.width);
@@ -89,7 +89,7 @@ impl<'a> Pick<'a> {
         let echo = self.rendering.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
         let model = &self.rendering.model;
         let precision = model.precision();
-        // The shortest digits that say which float it is.
+        // The shortest digits that identify the float.
         let show = |value: f64| match precision {
             Precision::F32 => (value as f32).to_string(),
             Precision::Auto | Precision::F64 => value.to_string(),
@@ -115,12 +115,12 @@ impl<'a> Pick<'a> {
     }
 }
 
-/// Decimals that a place deserves which is known to within so much: those of its first digit.
+/// Number of decimals of a coordinate with this error: down to the error's first digit.
 fn digits(reach: f64) -> usize {
     (-reach.log10().floor()).clamp(0.0, 17.0) as usize
 }
 
-/// The definitions of a document and one of its surfaces, as a text of its own.
+/// Returns the definitions of a document and one of its surfaces, as a text.
 fn formula(request: &Request, surface: usize) -> String {
     let text = &request.text;
     let statements = parse(text, &Limits::default()).unwrap_or_default();
@@ -128,8 +128,8 @@ fn formula(request: &Request, surface: usize) -> String {
     let mut drawings = 0;
     let part = |start: usize| {
         let end = text[start..].find(['\n', ';']).map_or(text.len(), |end| start + end);
-        // A statement goes on where a bracket is open, and is then taken to the end of the text's
-        // line that closes it.
+        // A statement continues while a bracket is open, and then includes the rest of the line
+        // that closes the bracket.
         let mut end = end;
         while super::completion::is_open(&text[start..end]) && end < text.len() {
             end = text[end + 1..].find(['\n', ';']).map_or(text.len(), |more| end + 1 + more);

@@ -1,24 +1,24 @@
-//! PNG files, and where their pictures came from.
+//! PNG files, and the origin of their pictures.
 
 use anyhow::{Result, ensure};
 use std::io::Write;
 use std::path::Path;
 use zeroset_live::quote;
 
-/// Where a picture came from, as its file tells.
+/// The origin of a picture, as stored in its file.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Origin {
-    /// The command that makes it, and the text that it drew.
+    /// Text chunks with their keywords: the command that renders the picture, and the text it
+    /// draws.
     pub chunks: Vec<(&'static str, String)>,
 }
 
-/// What makes no difference to pictures: which of them are made here, how fast, and whether they
-/// are made again.
+/// Flags that do not change the pictures, and whether a value follows each.
 const INDIFFERENT: [(&str, bool); 3] =
     [("--shard", true), ("--resume", false), ("--threads", true)];
 
 impl Origin {
-    /// What was typed, as it could be typed again, and the text that is drawn.
+    /// Returns the typed command line, quoted to be typed again, and the text that is drawn.
     pub fn typed(text: &str) -> Self {
         let mut words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
         let mut kept = vec!["zeroset".to_owned()];
@@ -33,12 +33,12 @@ impl Origin {
         Self { chunks: vec![("Comment", kept.join(" ")), ("Description", text.to_owned())] }
     }
 
-    /// This command alone.
+    /// Returns an origin with this command alone.
     pub fn command(command: &str) -> Self {
         Self { chunks: vec![("Comment", command.to_owned())] }
     }
 
-    /// The same for one frame of a sequence.
+    /// Returns the origin of one frame of a sequence.
     #[must_use]
     pub fn frame(&self, number: usize) -> Self {
         let mut chunks = self.chunks.clone();
@@ -46,7 +46,7 @@ impl Origin {
         Self { chunks }
     }
 
-    /// Whether a PNG file came from here.
+    /// Whether a PNG file has this origin.
     pub fn is_of(&self, file: &Path) -> bool {
         let open = || {
             let file = std::io::BufReader::new(std::fs::File::open(file).ok()?);
@@ -63,10 +63,10 @@ impl Origin {
     }
 }
 
-/// Refuses a path that asks for another format than PNG. A path without an extension asks for none.
+/// Checks that a path has the extension of PNG, or none.
 ///
 /// # Errors
-/// If it does.
+/// If it has another extension.
 pub fn check_png(path: &Path) -> Result<()> {
     ensure!(
         path.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("png")),
@@ -77,7 +77,7 @@ pub fn check_png(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with where it came from.
+/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with its origin.
 ///
 /// # Errors
 /// If the sink fails.
@@ -93,7 +93,7 @@ pub fn write_png(
     Ok(())
 }
 
-/// What writes a PNG (sRGB) of this size to `out`, with where it came from.
+/// Returns an encoder that writes a PNG (sRGB) of this size to `out`, with its origin.
 ///
 /// # Errors
 /// If a text of `origin` cannot be written.

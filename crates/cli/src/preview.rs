@@ -1,5 +1,5 @@
-//! Pictures in a terminal: as pixels where it takes them, else two to a character, the upper half
-//! block in one color over the other, else as letters.
+//! Pictures in a terminal: as pixels if it can show them, else as half blocks of two colors, else
+//! as letters.
 
 use super::graphics::{Known, Protocol};
 use super::notes;
@@ -10,23 +10,23 @@ use std::sync::OnceLock;
 use std::time::Duration;
 use zeroset_render::picture::Picture;
 
-/// Used where the terminal does not say how large it is.
+/// Size of a terminal that does not report one, in characters.
 const COLUMNS: usize = 80;
 const ROWS: usize = 24;
-/// Larger pictures scroll more than they show.
+/// Most columns; a larger picture scrolls out of view.
 const MOST_COLUMNS: usize = 120;
-/// Lines left for the prompt and what is said above it.
+/// Lines left for the prompt and the messages above it.
 const SPARE: usize = 4;
-/// Width and height of a character in pixels where the terminal does not say, and at most: what is
-/// sent stays small.
+/// Width and height of a character in pixels: the greatest used, and the default if the terminal
+/// does not report them. The limit keeps the data small.
 const CHARACTER: (usize, usize) = (8, 16);
-/// The same for sixels, which are not scaled: no more than a small font takes.
+/// The default for sixels, which are not scaled: the size of a small font.
 const SMALL_CHARACTER: (usize, usize) = (6, 12);
 
-/// A terminal that answers does so after a round trip; one that does not costs this once.
+/// Longest wait for an answer. Terminals answer within a round trip; a silent one costs this once.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Columns and rows of characters that a picture may take.
+/// Returns the columns and rows of characters that a picture may take.
 fn characters() -> (usize, usize) {
     let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
     let known = terminal::size().map(|(characters, _)| characters);
@@ -35,8 +35,8 @@ fn characters() -> (usize, usize) {
     (columns.clamp(16, MOST_COLUMNS), rows.saturating_sub(SPARE).clamp(8, MOST_COLUMNS / 2))
 }
 
-/// How pixels are sent, if they can be, and whether an answer may still come. The terminal is asked
-/// when this is first called, which has to be before anything else reads from it.
+/// Returns the protocol for pixels, if there is one, and whether a late answer may still come. The
+/// first call queries the terminal, and must come before any other read from it.
 fn protocol() -> (Option<Protocol>, bool) {
     static FOUND: OnceLock<(Option<Protocol>, bool)> = OnceLock::new();
     *FOUND.get_or_init(|| {
@@ -46,7 +46,7 @@ fn protocol() -> (Option<Protocol>, bool) {
         match Known::detect(|name| std::env::var(name).ok()) {
             Known::Speaks(protocol) => (Some(protocol), false),
             Known::Mute => (None, false),
-            // All that an answer could tell is that sixels are shown.
+            // An answer can only reveal sixels, which this build cannot send.
             Known::Unknown if !cfg!(feature = "sixel") => (None, false),
             Known::Unknown => match terminal::ask(PATIENCE) {
                 Answer::Given(answer) => (Protocol::answered(&answer), false),
@@ -57,19 +57,19 @@ fn protocol() -> (Option<Protocol>, bool) {
     })
 }
 
-/// To be called before the first line is read: what the terminal answered too late is not a part of
-/// it.
+/// Drops an answer that the terminal sent too late. Call this before reading the first line, which
+/// would otherwise begin with that answer.
 pub fn drop_late_answer() {
     if protocol().1 {
         terminal::drop_input();
     }
 }
 
-/// Columns and rows of pixels that fit.
+/// Returns the columns and rows of pixels that fit.
 pub fn room() -> (usize, usize) {
     let (columns, rows) = characters();
     let Some(protocol) = protocol().0 else {
-        // A character is about twice as high as wide, so that pixels are square.
+        // A character is about twice as high as wide, and shows two square pixels.
         return (columns, 2 * rows);
     };
     let (across, down) = match (terminal::size().and_then(|(_, character)| character), protocol) {
@@ -80,10 +80,10 @@ pub fn room() -> (usize, usize) {
     (columns * across, rows * down)
 }
 
-/// What shows a picture that was made to fit, and a line below it.
+/// Returns the text that shows a picture of the right size, with a line below it.
 pub fn text(picture: &Picture, below: &str) -> String {
     let size = (picture.buffer.width, picture.buffer.height);
-    // As pixels, where they can be packed.
+    // Pixels are preferred, if they can be encoded.
     let sent = protocol().0.and_then(|one| one.encode(&picture.rgb, size, characters()));
     let text = match sent {
         Some(text) => text + "\n",
@@ -93,7 +93,7 @@ pub fn text(picture: &Picture, below: &str) -> String {
     text + below
 }
 
-/// The picture's rows two by two; the last of an odd number is left out.
+/// Returns the picture's rows in pairs. An odd last row is left out.
 fn pairs(picture: &Picture) -> impl Iterator<Item = (&[[u8; 3]], &[[u8; 3]])> {
     let width = picture.buffer.width;
     picture.rgb.as_chunks().0.chunks_exact(2 * width).map(move |pair| pair.split_at(width))
@@ -110,7 +110,7 @@ fn blocks(picture: &Picture) -> String {
     text
 }
 
-/// Without colors, letters by brightness; nothing where nothing is painted.
+/// Returns letters that stand for brightness, and spaces where nothing is painted.
 fn letters(picture: &Picture) -> String {
     const RAMP: &[u8] = b"@%#*+=-:";
     let mut text = String::new();

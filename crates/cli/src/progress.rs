@@ -14,7 +14,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// A bar that is hidden at first, and for ever if standard error is no terminal.
+    /// Creates a hidden bar, which stays hidden if standard error is not a terminal.
     pub fn new(steps: u64, what: &'static str) -> Self {
         let bar = ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::hidden());
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent}%  {eta} left");
@@ -23,7 +23,7 @@ impl Progress {
         Self { bar, started: Instant::now() }
     }
 
-    /// Shows that so many of the steps are done, unless more already are.
+    /// Shows that this many steps are done. The bar never goes back.
     pub fn reach(&self, steps: u64) {
         if steps > self.bar.position() {
             self.bar.set_position(steps);
@@ -33,7 +33,7 @@ impl Progress {
             && std::io::stderr().is_terminal()
         {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
-            // There may be no step for a long time.
+            // Draw the bar at once, since the next step may take long.
             self.bar.tick();
         }
     }

@@ -1,5 +1,4 @@
-//! The prompt: a line that is typed, with history, completion and colors. What a line means is
-//! decided elsewhere.
+//! The prompt: a line editor with history, completion and colors. Does not know what a line means.
 
 use super::completion::{Class, candidates, classes, given_up, is_open};
 use super::data::data_directory;
@@ -22,16 +21,16 @@ use std::time::{Duration, Instant};
 use zeroset_live::COMMANDS;
 use zeroset_syntax::WordKind;
 
-/// What is wrong with a line is said when nothing has been typed for so long.
+/// A fault is reported when nothing has been typed for this long.
 const PAUSE: Duration = Duration::from_millis(300);
-/// How often that is looked at.
+/// Interval at which that is checked.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Reads and enters lines until the end of input or of the session. With `preview`, pictures are
-/// shown as well.
+/// Reads and enters lines until the input or the session ends. With `preview`, pictures are shown
+/// as well.
 ///
 /// # Errors
-/// If lines cannot be read: input that is not UTF-8 text, for example.
+/// If lines cannot be read, for example because the input is not UTF-8 text.
 pub fn run(session: &Arc<Session>, preview: bool) -> anyhow::Result<()> {
     session.watch(Some(&session.live.text()));
     notes::say(&session.welcome);
@@ -42,7 +41,7 @@ pub fn run(session: &Arc<Session>, preview: bool) -> anyhow::Result<()> {
     read_lines(session, preview).map_err(|error| anyhow!("the prompt has stopped: {error}"))
 }
 
-/// Said of bytes that are not UTF-8.
+/// Message about input that is not UTF-8.
 const NOT_TEXT: &str = "the terminal sent bytes that are not UTF-8 text; the line is left out";
 
 fn show(session: &Session) {
@@ -64,11 +63,11 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
     }));
     let history = data_directory().map(|directory| directory.join("history"));
     if let Some(history) = &history {
-        // There is none the first time.
+        // The file does not exist the first time.
         let _ = editor.load_history(history);
         session.recall(editor.history().iter().cloned());
     }
-    // Of the lines entered here and in the window, those that the editor has.
+    // Number of lines, entered here or in the window, that the editor's history has.
     let mut known = 0;
     session.recalled(&mut known);
     let mut last = preview.then(|| session.live.request());
@@ -87,19 +86,19 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                 forget_line(&typing);
                 line
             }
-            // As in a shell: what was begun is given up, not the session.
+            // As in a shell, Ctrl-C drops the line that was begun, not the session.
             Err(ReadlineError::Interrupted) if forget_line(&typing) => {
                 session.live.type_line("");
                 continue;
             }
             Err(ReadlineError::Eof | ReadlineError::Interrupted) => {
-                // Without a terminal the window, if there is one, goes on.
+                // When piped input ends, a window stays open.
                 if interactive || preview {
                     session.end();
                 }
                 break;
             }
-            // What the terminal sent is no text; the next line may be.
+            // This line is not text, but the next one may be.
             Err(ReadlineError::Io(error))
                 if interactive && error.kind() == std::io::ErrorKind::InvalidData =>
             {
@@ -109,7 +108,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             Err(error) => {
                 session.print_with(None);
                 if interactive {
-                    // The terminal has gone, and whoever sat there.
+                    // The terminal is gone, and so is its user.
                     session.end();
                 }
                 return Err(error);
@@ -118,17 +117,17 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         if !line.trim().is_empty() {
             session.recall([line.clone()]);
         }
-        // Others may have been entered in the window while this one was typed.
+        // The window may have entered other lines while this one was typed.
         learn(session, &mut editor, &mut known)?;
         if let Some(history) = &history {
-            // At once, so that nothing is lost however the program ends.
+            // Append at once, so that nothing is lost however the program ends.
             let _ = editor.append_history(history);
         }
         let parts = given_up(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
-                // What a command says is not to scroll away behind a picture that was there
-                // already.
+                // The output of a command must not scroll away behind a picture that was shown
+                // before.
                 Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
                     session.fit_terminal();
                     let shown = session.live.request();
@@ -146,7 +145,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
     Ok(())
 }
 
-/// Adds lines to the editor's history that it has not.
+/// Adds the session's new lines to the editor's history.
 fn learn(
     session: &Session,
     editor: &mut Editor<PromptHelper, FileHistory>,
@@ -158,21 +157,20 @@ fn learn(
     Ok(())
 }
 
-/// When something was typed last, whether the line holds anything, and which request's fault was
-/// shown last.
+/// Time of the last key, whether the line has any text, and the last request whose fault was shown.
 struct Typing {
     at: Instant,
     is_begun: bool,
     reported: u64,
 }
 
-/// Forgets the line that is typed; whether there was anything in it.
+/// Marks the line as empty, and returns whether it had any text.
 fn forget_line(typing: &Mutex<Typing>) -> bool {
     let mut typing = lock(typing);
     std::mem::take(&mut typing.is_begun)
 }
 
-/// Says what is wrong with what is typed or saved, after a pause.
+/// Reports faults in typed or saved text, after a pause in typing.
 fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
     while !session.has_ended() {
         std::thread::sleep(LOOK);
@@ -188,7 +186,7 @@ fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
     }
 }
 
-/// Everything that happens while a line is typed.
+/// Functions that the line editor calls while a line is typed.
 struct PromptHelper {
     session: Arc<Session>,
     typing: Arc<Mutex<Typing>>,
@@ -214,7 +212,7 @@ impl Completer for PromptHelper {
 impl Hinter for PromptHelper {
     type Hint = String;
 
-    /// Called at every key, so that the picture follows what is typed.
+    /// Called at every key, so that the picture follows the line.
     fn hint(&self, line: &str, pos: usize, _: &Context<'_>) -> Option<String> {
         {
             let mut typing = lock(&self.typing);
@@ -240,7 +238,7 @@ impl Highlighter for PromptHelper {
         for (place, class) in classes(line) {
             let color = match class {
                 Class::Number => "36",
-                // A letter by itself is seen well enough.
+                // A single letter is clear enough without color.
                 Class::Word(_) if place.len() == 1 => continue,
                 Class::Word(WordKind::Function | WordKind::Value) => "34",
                 Class::Word(WordKind::Setting | WordKind::InSetting) => "35",

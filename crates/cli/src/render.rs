@@ -1,4 +1,4 @@
-//! `zeroset render`.
+//! The command `zeroset render`.
 
 use super::arguments::{AA, KernelArgs, RenderArgs, TracingArgs};
 use super::files::Files;
@@ -26,8 +26,7 @@ use zeroset_space::Region;
 use zeroset_syntax::SrgbColor;
 use zeroset_trace::{DEPTH, check_depth};
 
-/// What is drawn where the search for a domain ran out of time reaches so far from the origin along
-/// each axis.
+/// Half the side of the cube that is drawn if the search for a domain runs out of time.
 const ANYWHERE: f64 = 2.0;
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
@@ -99,7 +98,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
 /// Runs `work` with this many threads, or as many as there are processors.
 ///
 /// # Errors
-/// If there can be no threads, or as `work`.
+/// If the threads cannot be started, or `work` fails.
 pub fn in_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> Result<T> + Send,
@@ -112,25 +111,25 @@ pub fn in_threads<T: Send>(
     pool.context("cannot start the threads")?.install(work)
 }
 
-/// The settings of a picture by this method; the rest by default.
+/// Returns default settings with this method and its options.
 ///
 /// # Errors
-/// If a number is out of range.
+/// If an option is invalid.
 pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
     let (method, options) = (kernels.method, kernels.options()?);
     Ok(Settings { method, options, ..Settings::default() })
 }
 
-/// With all that makes a picture look better.
+/// Adds antialiasing and ambient occlusion to the settings.
 pub fn beautiful(settings: &Settings) -> Settings {
     let antialias = Pattern::of(AA).expect("one of them");
     Settings { occlusion: true, antialias, ..settings.clone() }
 }
 
-/// What the method's flags ask for, at a given size and with the default shading.
+/// Returns settings from the flags of the method, at a given size and with default shading.
 ///
 /// # Errors
-/// If a number is out of range.
+/// If an option is invalid.
 pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
     let settings = kernel_settings(&method.kernels)?;
     let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
@@ -194,7 +193,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     })
 }
 
-/// Says what a look at the picture does not tell: why nothing is seen, and how much is undecided.
+/// Reports what the picture does not show: why nothing is visible, and how much is undecided.
 fn remark(
     subject: &Subject,
     region: &Region,
@@ -238,7 +237,7 @@ fn remark(
             zeroset_trace::MOST_STEPS,
         ));
     } else if passed_over > 0 {
-        // With the finest floats at work there is nothing to advise.
+        // At the finest precision there is nothing to advise.
         let advice = match (deepens, settings.options.precision) {
             (true, Precision::F64) => "; a larger --max-depth may decide more of them",
             (true, _) => "; a larger --max-depth or --precision f64 may decide more of them",

@@ -1,4 +1,4 @@
-//! What `zeroset render --json` prints.
+//! The report that `zeroset render --json` prints.
 
 use super::subject::Subject;
 use serde_json::{Map, Number, Value, json};
@@ -7,7 +7,7 @@ use zeroset_scene::domain::AutoDomain;
 use zeroset_space::Region;
 use zeroset_trace::{Camera, Count, Fallback, OPTIONS, Projection, UndecidedReason};
 
-/// Times, counts, camera and domain of a picture.
+/// Returns times, counts, camera and domain of a picture.
 pub fn object(
     subject: &Subject,
     region: &Region,

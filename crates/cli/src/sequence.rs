@@ -1,4 +1,4 @@
-//! `zeroset render --frames`: many pictures, in files of their own or in one.
+//! `zeroset render --frames`: many pictures, in separate files or in one.
 
 use super::animation::{Animation, Format};
 use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
@@ -22,23 +22,23 @@ use zeroset_scene::view;
 use zeroset_syntax::{ErrorKind, Errors, Options};
 use zeroset_trace::Camera;
 
-/// Most frames: an hour of 60 a second is less than a quarter of it.
+/// Most frames of a sequence; an hour at 60 per second is less than a quarter of it.
 const MOST_FRAMES: usize = 1_000_000;
 
 /// A whole turn, in degrees.
 const WHOLE_TURN: f64 = 360.0;
 
-/// What is asked for, and which part of it is to be made here.
+/// A requested sequence, and the part of it that is rendered here.
 pub struct Asked {
     sequence: Sequence,
-    /// Counted from 0, of so many.
+    /// Number of this shard, from 0, and the number of all shards.
     shard: (usize, usize),
 }
 
-/// The sequence that is asked for, if one is.
+/// Returns the requested sequence, if there is one.
 ///
 /// # Errors
-/// If something of it is missing or wrong.
+/// If an argument is missing or wrong.
 pub fn asked(arguments: &RenderArgs) -> Result<Option<Asked>> {
     let SequenceArgs { frames, sweep, turntable, is_loop, fps, shard, resume } =
         &arguments.sequence;
@@ -87,7 +87,7 @@ pub fn asked(arguments: &RenderArgs) -> Result<Option<Asked>> {
     Ok(Some(Asked { sequence: Sequence { frames, sweeps, turn: *turntable, is_loop }, shard }))
 }
 
-/// Of `NAME=A..B`.
+/// Parses `NAME=A..B`.
 fn swept(text: &str) -> Result<Sweep> {
     let (name, range) = text
         .split_once('=')
@@ -96,7 +96,7 @@ fn swept(text: &str) -> Result<Sweep> {
     Ok(Sweep { name: name.trim().to_owned(), from, to })
 }
 
-/// Of `A..B`.
+/// Parses `A..B`.
 fn ends(text: &str) -> Result<(f64, f64)> {
     let (from, to) = text.split_once("..").context("two values are written a..b, as 0..2pi")?;
     let number = |text: &str| {
@@ -105,17 +105,17 @@ fn ends(text: &str) -> Result<(f64, f64)> {
     Ok((number(from)?, number(to)?))
 }
 
-/// Of `I/N`, counted from 0.
+/// Parses `I/N`. The first result counts from 0.
 fn part(text: &str) -> Option<(usize, usize)> {
     let (one, of) = text.split_once('/')?;
     let (one, of) = (one.trim().parse::<usize>().ok()?, of.trim().parse::<usize>().ok()?);
     (1..=of).contains(&one).then(|| (one - 1, of))
 }
 
-/// Makes the frames.
+/// Renders and writes the frames.
 ///
 /// # Errors
-/// If a frame cannot be made or written; what was written stays.
+/// If a frame cannot be rendered or written; earlier frames stay.
 pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result<ExitCode> {
     let wanted = &arguments.outputs;
     wanted.check()?;
@@ -139,7 +139,7 @@ pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result
     Ok(if undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
 
-/// The format of one file that all frames go into; `None` if they go into files of their own.
+/// Returns the format of a single file for all frames; `None` if each frame has files of its own.
 fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<Format>> {
     if let Some(path) = &wanted.output
         && numbered(path, 0)?.is_none()
@@ -159,11 +159,11 @@ fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<Format>> {
     Ok(None)
 }
 
-/// A path with the number of a frame in the place of `%d` or `%04d`, and `%` in that of `%%`;
-/// `None` if there is no such place.
+/// Replaces `%d` or `%04d` in a path by the number of a frame, and `%%` by `%`. Returns `None` if
+/// the path has no place for the number.
 ///
 /// # Errors
-/// If there is more than one, or `%` is followed by something else.
+/// If it has several such places, or `%` is followed by something else.
 fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
     let Some(text) = path.to_str() else { return Ok(None) };
     let (mut name, mut rest, mut places) = (String::new(), text, 0);
@@ -191,7 +191,7 @@ fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
     Ok((places == 1).then(|| name.into()))
 }
 
-/// What is to be said of all frames together.
+/// Counts over all frames.
 #[derive(Default)]
 struct Count {
     made: usize,
@@ -222,7 +222,7 @@ impl Count {
     }
 }
 
-/// The moving name that the text does not know.
+/// Returns the swept name that does not occur in the text, if there is one.
 fn unknown_sweep(errors: &Errors, sequence: &Sequence) -> Option<String> {
     errors.iter().find_map(|error| match &error.kind {
         ErrorKind::UnknownOverride { name } => {
@@ -232,7 +232,7 @@ fn unknown_sweep(errors: &Errors, sequence: &Sequence) -> Option<String> {
     })
 }
 
-/// Makes frames one after another.
+/// Renders frames one after another.
 struct Maker<'a> {
     subject: Subject,
     overrides: Vec<(String, String)>,
@@ -282,7 +282,7 @@ impl<'a> Maker<'a> {
         Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
     }
 
-    /// One frame, with kernels of the one before where they serve.
+    /// Renders a frame, with the kernels of the frame before if they still apply.
     fn make(&mut self, frame: usize, last: &mut Option<Model>) -> Result<(Camera, Picture)> {
         let Self { overrides, time, sequence, stage, .. } = self;
         let settings = self.settings.begin();
@@ -305,8 +305,8 @@ impl<'a> Maker<'a> {
         Ok((camera, picture))
     }
 
-    /// Frames in files of their own: of `of` frames that follow each other, every one is another
-    /// shard's.
+    /// Writes each frame to its own files. With `of` shards, every `of`-th frame is rendered here,
+    /// starting at frame `shard`.
     fn files(
         mut self,
         wanted: &OutputArgs,
@@ -329,8 +329,8 @@ impl<'a> Maker<'a> {
             let is_there = |picture: &PathBuf| {
                 let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
                 let last = written(picture);
-                // Arrays do not say whose they are: those of another sequence are newer than this
-                // one's picture.
+                // Arrays do not record their origin. The arrays of another sequence are newer than
+                // this sequence's picture.
                 let is_of_it = |(_, array): &(_, PathBuf)| {
                     array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
                 };
@@ -359,7 +359,7 @@ impl<'a> Maker<'a> {
         Ok(count)
     }
 
-    /// All frames into one file, or to standard output.
+    /// Writes all frames to one file, or to standard output.
     fn animation(mut self, format: Format, path: &Path, fps: u16) -> Result<Count> {
         let output = Output::create(path)?;
         let origin = Origin::typed(&self.subject.source.text);

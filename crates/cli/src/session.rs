@@ -1,4 +1,4 @@
-//! A live picture and the files around it, as prompt and window share them.
+//! A live picture and the files around it, shared by prompt and window.
 
 use super::arguments::InteractiveArgs;
 use super::data::keep;
@@ -23,13 +23,13 @@ use zeroset_render::overlay::Around;
 use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::{example, examples};
 
-/// What is shown when nothing is asked for.
+/// The gallery surface that is shown if no document is given.
 const FIRST: &str = "gyroid";
 
-/// A picture of a terminal that is to be saved gets so many pixels squared, at least.
+/// A terminal picture with fewer pixels than a square of this side is saved at the default size.
 const SMALLEST: usize = 128;
 
-/// A picture to be saved or shown in the terminal is waited for so long.
+/// Longest wait for a picture that is to be saved or shown in the terminal.
 const PATIENCE: Duration = Duration::from_mins(5);
 
 /// Why a line was refused.
@@ -37,7 +37,7 @@ pub struct Wrong {
     /// One line of plain text.
     #[cfg_attr(not(feature = "window"), allow(dead_code))]
     pub summary: String,
-    /// All of it for the terminal, with carets.
+    /// The full message for the terminal, with carets.
     pub full: String,
 }
 
@@ -56,38 +56,38 @@ impl From<Refusal> for Wrong {
     }
 }
 
-/// Shows a message above the line that is being typed, and tells whether it could.
+/// Shows a message above the line that is being typed, and returns whether it succeeded.
 pub type Printer = Box<dyn FnMut(&str) -> bool + Send>;
 
 /// A live picture and the files around it.
 pub struct Session {
     pub live: Live,
-    /// The file that the document came from, and what watches it.
+    /// The file that the document came from, and its watch.
     file: Mutex<Option<(PathBuf, Watch)>>,
-    /// Messages for the terminal, where the prompt knows how to show them.
+    /// Shows messages in the terminal while the prompt is running.
     printer: Mutex<Option<Printer>>,
     /// Lines entered, in prompt and window.
     history: Mutex<History>,
-    /// Held while a picture is saved, so that no two take the same name.
+    /// Held while a picture is saved, so that no two saves choose the same name.
     saving: Mutex<()>,
-    /// What the window has not yet said of the file.
+    /// A note about the file that the window has not shown yet.
     notice: Mutex<Option<String>>,
-    /// A file of somebody else's that the document was to be written over.
+    /// An existing file that `:save` refused to overwrite; entering the line again overwrites it.
     guarded: Mutex<Option<PathBuf>>,
-    /// Whether pictures are as large as the terminal, not as a window.
+    /// Whether pictures have the terminal's size, not the window's.
     in_terminal: AtomicBool,
-    /// Whether somebody asked for the gallery.
+    /// Whether the gallery was requested since the window last checked.
     gallery: AtomicBool,
     ended: AtomicBool,
-    /// What is wrong with requests up to this one is said in the window, and not in the terminal.
+    /// Faults of requests up to this revision are shown in the window, not in the terminal.
     hushed: AtomicU64,
-    /// Shown before anything else.
+    /// The first message that is shown.
     pub welcome: String,
 }
 
-/// Locks what several threads use of a session.
+/// Locks a mutex of a session, even after a panic in another thread.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // None of it is left half changed by a panic elsewhere.
+    // A panic leaves none of this state half changed.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -103,7 +103,7 @@ impl Session {
         let Source { from, text } = source;
         let (mut width, mut height) = (arguments.size.width, arguments.size.height);
         if arguments.preview {
-            // From the first picture on: one of the window's size would be made for nothing.
+            // Start at the terminal's size, since a picture at the window's size would be wasted.
             (width, height) = preview::room();
         }
         let request = Request {
@@ -148,7 +148,7 @@ impl Session {
         })
     }
 
-    /// The path of the file that the document came from, if it did.
+    /// Returns the path of the file that the document came from, if it came from one.
     fn path(&self) -> Option<PathBuf> {
         match self.live.request().source {
             DocumentSource::File(path) => Some(path),
@@ -156,19 +156,19 @@ impl Session {
         }
     }
 
-    /// Begins to watch the file that the document came from, if there is one. Changes count from
-    /// the text that was `read`, or without one from what is in the file now.
+    /// Starts to watch the file that the document came from, if there is one. Changes are relative
+    /// to the text `read`, or else to the current content of the file.
     pub fn watch(self: &Arc<Self>, read: Option<&str>) {
         let path = self.path();
         let mut file = lock(&self.file);
-        // The old watch ends before its thread could find the lock taken.
+        // End the old watch and its thread before another one starts.
         *file = None;
         let Some(path) = path else { return };
         let session = Arc::downgrade(self);
         let watched = DocumentSource::File(path.clone());
         let report = move |change| {
             let Some(session) = session.upgrade() else { return };
-            // Whoever took the loading of the file back no longer wants to see it.
+            // The document may have another source by then, for example after an undo.
             if session.live.request().source != watched {
                 return;
             }
@@ -189,7 +189,7 @@ impl Session {
         };
         let known = match read {
             Some(text) => text.to_owned(),
-            // What was changed since it was read is not the file's.
+            // The document may contain edits that the file does not.
             None => source::open(&path).map_or_else(|_| self.live.text(), |source| source.text),
         };
         match Watch::start(&path, &known, report) {
@@ -200,7 +200,7 @@ impl Session {
         }
     }
 
-    /// Watches the file that the document came from, if that is another one now.
+    /// Watches the file that the document came from, unless it is watched already.
     pub fn follow(self: &Arc<Self>) {
         let watched = lock(&self.file).as_ref().map(|(path, _)| path.clone());
         if watched != self.path() {
@@ -208,24 +208,24 @@ impl Session {
         }
     }
 
-    /// Says that whatever is wrong with what was asked for so far is said in the window.
+    /// Leaves the faults of all requests so far to the window; the terminal does not show them.
     #[cfg(feature = "window")]
     pub fn hush(&self) {
         self.hushed.fetch_max(self.live.revision(), Ordering::Relaxed);
     }
 
-    /// That the file cannot be read any more, once.
+    /// Takes the note that the file cannot be read, if there is a new one.
     #[cfg(feature = "window")]
     pub fn notice(&self) -> Option<String> {
         lock(&self.notice).take()
     }
 
-    /// Whether what is wrong with a request is to be said in the terminal.
+    /// Whether the terminal shows the fault of this request.
     pub fn is_told(&self, revision: u64) -> bool {
         revision > self.hushed.load(Ordering::Relaxed)
     }
 
-    /// Tells every thread to end. A picture that is waited for to be saved is given up.
+    /// Tells every thread to end. A save that waits for its picture is abandoned.
     pub fn end(&self) {
         self.ended.store(true, Ordering::Relaxed);
         self.live.refresh();
@@ -235,31 +235,31 @@ impl Session {
         self.ended.load(Ordering::Relaxed)
     }
 
-    /// Adds to the lines that can be had again.
+    /// Adds lines to the history.
     pub fn recall(&self, lines: impl IntoIterator<Item = String>) {
         let mut history = lock(&self.history);
         lines.into_iter().for_each(|line| history.add(line));
     }
 
-    /// Of the lines entered after the first `known` ones those that are kept, the latest last; all
-    /// are known then.
+    /// Returns the lines after the first `known` ones that the history still has, oldest first.
+    /// Sets `known` to the number of all lines.
     pub fn recalled(&self, known: &mut usize) -> Vec<String> {
         lock(&self.history).news(known)
     }
 
-    /// Shows the picture of a file that was changed above the line that is being typed, unless
-    /// something else is wanted before it is finished.
+    /// Shows the picture of a changed file above the line that is being typed, unless a newer
+    /// request comes first.
     fn show_reloaded(&self, revision: u64) {
         if let Some(seen) = self.live.finished(revision, PATIENCE) {
             let text = preview::text(&seen.picture, &seen.summary());
             if !lock(&self.printer).as_mut().is_some_and(|print| print(&text)) {
-                // Whoever no longer reads misses nothing.
+                // If this fails, nobody reads the output.
                 let _ = print(&format!("{text}\n"));
             }
         }
     }
 
-    /// Lets the prompt show messages from now on.
+    /// Sets the prompt's printer of messages, or removes it.
     pub fn print_with(&self, printer: Option<Printer>) {
         *lock(&self.printer) = printer;
     }
@@ -272,11 +272,11 @@ impl Session {
         }
     }
 
-    /// Enters a line, from prompt or window, and does what it asks for; `png` saves the picture,
-    /// under a name if one is given. Returns what it said in the terminal.
+    /// Executes a line from prompt or window. The closure `png` saves the picture, under the given
+    /// name if there is one. Returns the message that was shown in the terminal, if any.
     ///
     /// # Errors
-    /// What to show if it is refused.
+    /// If the line is refused.
     pub fn enter(
         self: &Arc<Self>,
         line: &str,
@@ -320,7 +320,7 @@ impl Session {
         Ok(said)
     }
 
-    /// Whether the gallery was asked for since this was last asked.
+    /// Whether the gallery was requested since the last call.
     #[cfg(feature = "window")]
     pub fn is_gallery_wanted(&self) -> bool {
         self.gallery.swap(false, Ordering::Relaxed)
@@ -345,7 +345,7 @@ impl Session {
                 self.path().context("the document did not come from a file; use :save FILE.zset")?
             }
         };
-        // However either is spelled.
+        // Compare canonical paths, since one file can be spelled in several ways.
         let place = path.canonicalize().ok();
         let own = self.path().and_then(|own| own.canonicalize().ok());
         let is_another = place.is_some() && place != own;
@@ -364,11 +364,11 @@ impl Session {
         Ok(())
     }
 
-    /// Waits for the fine picture of the request with this number, saves it and shows the command
+    /// Waits for the fine picture of the request with this number, saves it, and shows the command
     /// that reproduces it.
     ///
     /// # Errors
-    /// If there will be no such picture, or it cannot be written.
+    /// If that picture never comes, or cannot be written.
     pub fn png(&self, to: Option<&str>, mut revision: u64) -> Result<()> {
         let _one_at_a_time = lock(&self.saving);
         let path = match to {
@@ -380,7 +380,7 @@ impl Session {
         };
         check_png(&path)?;
         let output = Output::create(&path)?;
-        // What fits a terminal is too small for a file.
+        // A picture that fits a terminal is too small for a file.
         let Settings { width, height, .. } = self.live.settings();
         let small =
             self.in_terminal.load(Ordering::Relaxed) && width * height < SMALLEST * SMALLEST;
@@ -420,10 +420,10 @@ impl Session {
         Ok(())
     }
 
-    /// Asks for pictures that fit the terminal as it is now.
+    /// Requests pictures that fit the terminal's current size.
     pub fn fit_terminal(&self) {
         self.in_terminal.store(true, Ordering::Relaxed);
-        // There they would take more than they tell.
+        // In a terminal, axes take more space than they are worth.
         if self.live.request().axes != Axes::Off {
             self.live.set_axes(Axes::Off);
         }
@@ -431,7 +431,7 @@ impl Session {
         self.live.resize(columns, rows);
     }
 
-    /// Shows the fine picture in the terminal, once it is there.
+    /// Waits for the fine picture and shows it in the terminal.
     ///
     /// # Errors
     /// If the terminal cannot be written to.

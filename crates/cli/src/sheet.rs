@@ -31,7 +31,7 @@ impl Sheet {
         Self { image: RgbImage::from_pixel(width, height, PAPER), filled: 0 }
     }
 
-    /// Adds a picture of any size, scaled to fit; one more than there is room for is dropped.
+    /// Adds a picture of any size, scaled to fit. A picture beyond the sheet's capacity is dropped.
     pub fn add(&mut self, name: &str, picture: &RgbImage) {
         let (column, row) = (self.filled % COLUMNS, self.filled / COLUMNS);
         let left = MARGIN + column * (SIDE + MARGIN);

@@ -1,5 +1,4 @@
-//! Where the text to draw comes from: standard input, a file, the gallery, or the command line
-//! itself.
+//! Finds the text to draw: on standard input, in a file, in the gallery, or on the command line.
 
 use anyhow::{Context, Result, bail};
 use std::ffi::OsStr;
@@ -9,7 +8,7 @@ use std::path::Path;
 use zeroset_live::DocumentSource;
 use zeroset_scene::gallery::{Example, example};
 
-/// No text is read further than this; the parser's own limit is far lower.
+/// Longest text that is read, in bytes; the parser's own limit is far lower.
 const LONGEST: u64 = 16 << 20;
 
 /// A text and where it came from.
@@ -24,11 +23,11 @@ impl From<Example> for Source {
     }
 }
 
-/// Finds the text that `argument` stands for: `-` is standard input, an existing file wins over a
-/// name of the gallery, and that over a formula.
+/// Finds the text that `argument` names. It is standard input (`-`), or an existing file, or a
+/// gallery surface, or else a formula.
 ///
 /// # Errors
-/// If a file cannot be read, or the text is not UTF-8.
+/// If a file cannot be read, the text is not UTF-8, or the argument seems to name a missing file.
 pub fn find(argument: &OsStr) -> Result<Source> {
     if argument == "-" {
         let from = DocumentSource::Stream("standard input".to_owned());
@@ -36,14 +35,14 @@ pub fn find(argument: &OsStr) -> Result<Source> {
     }
     let path = Path::new(argument);
     let shown = argument.to_string_lossy();
-    // An empty argument or one with a NUL byte is no path, and the failing look-up says so. A link
-    // that leads nowhere is a path all the same.
+    // This look-up fails for an empty argument or one with a NUL byte, which are no paths. It finds
+    // a link even if the link leads nowhere.
     if path.symlink_metadata().is_ok() {
         if !path.is_dir() {
             return open(path);
         }
-        // A directory is nothing to draw, and may be called like a surface whose pictures are in
-        // it.
+        // A directory cannot be drawn. It may have a gallery surface's name because it contains
+        // pictures of that surface.
         let Some(example) = argument.to_str().and_then(example) else {
             bail!("'{shown}' is a directory, not a function file");
         };
@@ -75,8 +74,8 @@ pub fn find(argument: &OsStr) -> Result<Source> {
     Ok(Source { from: DocumentSource::Typed, text: text.to_owned() })
 }
 
-/// The name of the gallery that a text is likely to mean which is a word and no formula: one that
-/// it begins, or the nearest.
+/// Returns the gallery name that a word probably means: one that begins with the word, or else the
+/// most similar one. `None` if the word is a formula.
 fn misspelt(text: &str) -> Option<&'static str> {
     const SHORTEST: usize = 4;
     let text = text.trim();
@@ -96,7 +95,7 @@ fn is_formula(text: &str) -> bool {
     zeroset_syntax::read(text, &zeroset_syntax::Options::default()).is_ok()
 }
 
-/// Whether it is a file's name with an extension of some letters, perhaps in a directory.
+/// Whether a path looks like a file name with an alphabetic extension, perhaps in a directory.
 fn is_like_a_path(path: &Path) -> bool {
     let is_word = |text: &str| text.chars().all(|c| c.is_alphanumeric() || "-_./\\".contains(c));
     let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
@@ -105,14 +104,14 @@ fn is_like_a_path(path: &Path) -> bool {
         && path.to_str().is_some_and(is_word)
 }
 
-/// The text of a file.
+/// Reads the text of a file.
 ///
 /// # Errors
 /// If it cannot be read, or is not UTF-8.
 pub fn open(path: &Path) -> Result<Source> {
     let shown = path.display();
     let file = File::open(path).with_context(|| format!("cannot read '{shown}'"))?;
-    // A pipe is no file to look at again, or to save to.
+    // A pipe cannot be watched or saved to.
     let is_file = file.metadata().is_ok_and(|found| found.is_file());
     let from = if is_file {
         DocumentSource::File(path.to_owned())
@@ -132,7 +131,7 @@ fn read(from: DocumentSource, stream: impl Read) -> Result<Source> {
         bail!("'{from}' is longer than {} MB: too large for a formula", LONGEST >> 20);
     }
     match String::from_utf8(bytes) {
-        // Some editors mark text as UTF-8 by a first character that is none of it.
+        // Some editors begin UTF-8 text with a byte order mark, which is not part of it.
         Ok(text) => {
             let text = text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned();
             Ok(Source { from, text })

@@ -1,5 +1,4 @@
-//! A surface of the gallery made ready for pictures, as the contact sheet and the window's browser
-//! show it.
+//! Prepares a gallery surface for pictures, in the contact sheet and the window's gallery.
 
 use anyhow::{Result, anyhow};
 use zeroset_render::framing;
@@ -10,11 +9,11 @@ use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::Options;
 use zeroset_trace::Camera;
 
-/// The model and the camera for pictures of the settings' size; `None` if they were no longer
-/// `wanted`.
+/// Returns the model and the camera for pictures of the settings' size; `None` once `wanted`
+/// returns false.
 ///
 /// # Errors
-/// If there is something wrong with it.
+/// If the example cannot be read, compiled or framed.
 pub fn stage(
     example: &Example,
     settings: &Settings,

@@ -1,4 +1,4 @@
-//! A document and everything said about it on the command line.
+//! A document, and what the command line says about it.
 
 use super::arguments::DocumentArgs;
 use super::notes;
@@ -10,15 +10,15 @@ use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Document, Errors, Options};
 
-/// What is drawn.
+/// A document to draw or explain.
 pub struct Subject {
-    /// Where the text came from.
+    /// The text, and where it came from.
     pub source: Source,
-    /// The text as read.
+    /// The document read from it.
     pub document: Document,
-    /// Where to look.
+    /// The choice of the domain.
     pub domain: DomainChoice,
-    /// How long reading took.
+    /// Time that reading took.
     pub parse: Duration,
 }
 
@@ -26,7 +26,7 @@ impl Subject {
     /// Finds and reads the text.
     ///
     /// # Errors
-    /// If there is no text, or it is wrong.
+    /// If the text is missing or invalid.
     pub fn read(arguments: &DocumentArgs) -> Result<Self> {
         let values = &arguments.values;
         let (overrides, time) = (values.overrides()?, values.time()?);
@@ -39,7 +39,7 @@ impl Subject {
     /// Finds the text, and reads it by `read`.
     ///
     /// # Errors
-    /// If there is no text, or it is wrong.
+    /// If the text is missing or invalid.
     pub fn read_by(
         arguments: &DocumentArgs,
         read: impl FnOnce(&str) -> Result<Document, Errors>,
@@ -59,7 +59,7 @@ impl Subject {
         }
     }
 
-    /// Reports how the text was read where that may surprise.
+    /// Reports every reading of the text that may surprise.
     pub fn show_notes(&self) {
         for note in &self.document.notes {
             let Source { from, text } = &self.source;
@@ -68,14 +68,14 @@ impl Subject {
     }
 }
 
-/// Says so if a time was given for a document that does not depend on it.
+/// Reports a given time that the document does not depend on.
 pub fn note_time(time: Option<f64>, document: &Document) {
     if time.is_some() && !view::depends_on_time(document) {
         notes::note("--time changes nothing: `t` occurs nowhere in the formula");
     }
 }
 
-/// One line on a domain that was searched for.
+/// Describes a domain that was found automatically, in one line.
 pub fn describe_domain(found: &AutoDomain) -> String {
     let range = |axis: usize| [found.low[axis], found.high[axis]].map(coordinate).join("..");
     let [x, y, z] = [0, 1, 2].map(range);

@@ -1,5 +1,5 @@
-//! The terminal itself: its size, what it answers, and how it is set up beside a window, which may
-//! end while a line is being typed. Elsewhere than on Unix nothing is known of any.
+//! The terminal's size, answers and modes. The modes are restored when a window ends while a line
+//! is being typed. Only Unix is supported.
 
 #[cfg(unix)]
 use rustix::termios::{LocalModes, OptionalActions, SpecialCodeIndex};
@@ -8,7 +8,7 @@ use std::time::Duration;
 /// Columns and rows of a terminal.
 pub type Size = (usize, usize);
 
-/// The terminal's columns and rows, and width and height of a character in pixels where it tells.
+/// Returns the terminal's columns and rows, and the size of a character in pixels if it is known.
 #[cfg(unix)]
 pub fn size() -> Option<(Size, Option<Size>)> {
     let size = rustix::termios::tcgetwinsize(std::io::stdout()).ok()?;
@@ -19,29 +19,29 @@ pub fn size() -> Option<(Size, Option<Size>)> {
     Some((characters, pair((size.ws_xpixel / size.ws_col, size.ws_ypixel / size.ws_row))))
 }
 
-/// Nothing is known of it.
+/// Returns `None`: the size is unknown here.
 #[cfg(not(unix))]
 pub fn size() -> Option<(Size, Option<Size>)> {
     None
 }
 
-/// What a terminal said when it was asked for its primary device attributes.
+/// The answer to a query for the primary device attributes.
 pub enum Answer {
-    /// All of it, from the escape to the `c`.
+    /// The full answer, from the escape to the `c`.
     Given(String),
-    /// Nothing in time; it may still come.
+    /// There was no answer in time; it may still come.
     Late,
-    /// There was nobody to ask, or keys had been pressed already, among which an answer would be
-    /// lost.
+    /// No query was sent. Either there is no terminal, or it already has input, which would mix
+    /// with the answer.
     NotAsked,
 }
 
-/// No answer is longer.
+/// Longest answer that is read, in bytes.
 #[cfg(unix)]
 const LONGEST: usize = 64;
 
-/// Asks the terminal for its primary device attributes (DA1) before anything else reads from it.
-/// What is typed until the answer is there is dropped, as it would be on the way into the prompt.
+/// Queries the terminal for its primary device attributes (DA1). Call this before anything else
+/// reads from it. Keys that are typed before the answer are dropped, as the prompt would drop them.
 #[cfg(unix)]
 pub fn ask(limit: Duration) -> Answer {
     use std::io::{IsTerminal, Write};
@@ -50,8 +50,8 @@ pub fn ask(limit: Duration) -> Answer {
         return Answer::NotAsked;
     }
     let Ok(before) = rustix::termios::tcgetattr(&input) else { return Answer::NotAsked };
-    // The answer has no end of line, and nobody wants to see it. An interruption would leave the
-    // terminal so.
+    // The answer has no newline and must not be echoed. An interrupt would leave the terminal in
+    // this mode, so it is disabled.
     let mut silent = before.clone();
     silent.local_modes.remove(LocalModes::ECHO | LocalModes::ICANON | LocalModes::ISIG);
     silent.special_codes[SpecialCodeIndex::VMIN] = 0;
@@ -65,18 +65,19 @@ pub fn ask(limit: Duration) -> Answer {
     } else {
         read_answer(&input, limit).map_or(Answer::Late, Answer::Given)
     };
-    // It was read with the same descriptor a moment ago; if that fails now, the terminal has gone.
+    // The modes were read with this descriptor just now. If setting them fails, the terminal is
+    // gone.
     let _ = rustix::termios::tcsetattr(&input, OptionalActions::Now, &before);
     answer
 }
 
-/// Asks the terminal for its primary device attributes.
+/// Sends no query: it is not supported here.
 #[cfg(not(unix))]
 pub fn ask(_: Duration) -> Answer {
     Answer::NotAsked
 }
 
-/// Whether something can be read within this time.
+/// Whether input arrives within this time.
 #[cfg(unix)]
 fn is_ready(input: &std::io::Stdin, limit: Duration) -> bool {
     use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -84,8 +85,8 @@ fn is_ready(input: &std::io::Stdin, limit: Duration) -> bool {
     matches!(poll(&mut [PollFd::new(input, PollFlags::IN)], Some(&limit)), Ok(1..))
 }
 
-/// Byte by byte, so that nothing after the answer is taken, and past the buffer of standard input,
-/// which the prompt does not know.
+/// Reads an answer byte by byte, so that nothing after it is consumed. The prompt does not know the
+/// buffer of standard input, so this bypasses it.
 #[cfg(unix)]
 fn read_answer(input: &std::io::Stdin, limit: Duration) -> Option<String> {
     let end = std::time::Instant::now() + limit;
@@ -108,14 +109,13 @@ fn read_answer(input: &std::io::Stdin, limit: Duration) -> Option<String> {
     None
 }
 
-/// Drops what has been typed or answered and not yet read.
+/// Drops keys and answers that were not read yet.
 pub fn drop_input() {
     #[cfg(unix)]
     let _ = rustix::termios::tcflush(std::io::stdin(), rustix::termios::QueueSelector::IFlush);
 }
 
-/// Keeps how the terminal is set up before the prompt changes it. What is returned sets it up so
-/// again.
+/// Saves the terminal's modes before the prompt changes them. The returned function restores them.
 #[cfg(feature = "window")]
 pub fn keep_setup() -> impl FnOnce() {
     #[cfg(unix)]
@@ -125,7 +125,7 @@ pub fn keep_setup() -> impl FnOnce() {
         if let Ok(before) = before
             && rustix::termios::tcsetattr(std::io::stdin(), OptionalActions::Now, &before).is_ok()
         {
-            // The line that was being typed has no end.
+            // End the line that was being typed.
             println!();
         }
     }

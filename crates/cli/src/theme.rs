@@ -1,14 +1,14 @@
-//! Colors of what lies over a picture: panels, lists, pages.
+//! Colors of panels, lists and pages over a picture.
 
 use zeroset_render::overlay::Rgb;
 
-/// Behind letters.
+/// Background of text.
 pub const GROUND: Rgb = 0x0020_2028;
-/// Letters.
+/// Text.
 pub const INK: Rgb = 0x00f0_f0f4;
-/// Letters that say less.
+/// Less important text.
 pub const DIM: Rgb = 0x00a0_a0ac;
-/// What is left of a slider's way.
+/// The part of a slider's track beyond its value.
 pub const TRACK: Rgb = 0x0060_6070;
-/// What is chosen, or done of a slider's way.
+/// The chosen item, and the part of a slider's track up to its value.
 pub const CHOSEN: Rgb = 0x0070_a8e8;

@@ -1,4 +1,4 @@
-//! Tips for whoever is new: each is shown once in the window. How many were is kept in a file.
+//! Tips for new users. The window shows each once; a file counts the tips shown.
 
 #[cfg(feature = "window")]
 use super::data::data_directory;
@@ -13,13 +13,13 @@ pub const TIPS: &[&str] = &[
     "Tip: Ctrl-Z takes back whatever you did; click a point to have its coordinates in the terminal",
 ];
 
-/// The name under which it is kept how many were shown.
+/// Name of the file that counts the tips shown.
 const KEPT: &str = "tips";
 
 #[cfg(feature = "window")]
-/// The next tip that was not shown yet, which then was.
+/// Returns the next tip that was not shown yet, and counts it as shown.
 pub fn next() -> Option<&'static str> {
-    // Without a place to note it in, a tip would come every time.
+    // Without a place for the count, the first tip would come every time.
     let shown = match std::fs::read_to_string(data_directory()?.join(KEPT)) {
         Ok(text) => text.trim().parse().unwrap_or(TIPS.len()),
         Err(_) => 0,
@@ -29,7 +29,7 @@ pub fn next() -> Option<&'static str> {
     Some(tip)
 }
 
-/// Shows no tips any more, or all of them again.
+/// Turns tips off, or shows all of them again.
 pub fn switch(wanted: bool) {
     keep(KEPT, &(if wanted { 0 } else { TIPS.len() }).to_string());
 }

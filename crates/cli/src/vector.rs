@@ -5,10 +5,10 @@ use glam::DVec3;
 use std::str::FromStr;
 use zeroset_scene::view::numbers;
 
-/// Reads three numbers with commas between.
+/// Parses three numbers that are separated by commas.
 ///
 /// # Errors
-/// If there are not three, or one of them is none.
+/// If there are not three numbers, or one of them is malformed.
 pub fn point(text: &str) -> Result<DVec3, String> {
     match numbers(text)?[..] {
         [x, y, z] => Ok(DVec3::new(x, y, z)),
@@ -23,15 +23,17 @@ pub struct Size {
     pub height: usize,
 }
 
-/// A picture is made strip by strip, but more pixels than these few programs can show.
+/// Most pixels of a picture. It is rendered strip by strip, but few programs can show more pixels.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// The same for pictures that are not: each takes some hundred bytes.
+/// Most pixels of a picture that is held whole, at some hundred bytes per pixel.
 const MOST_PIXELS_HELD: usize = 1 << 26;
 
 impl Size {
+    /// Checks that a picture of this size may be held whole in memory.
+    ///
     /// # Errors
-    /// If a picture of this size is not to be held whole.
+    /// If it has too many pixels.
     pub fn held_whole(self) -> Result<()> {
         ensure!(
             self.width * self.height <= MOST_PIXELS_HELD,

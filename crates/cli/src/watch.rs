@@ -1,7 +1,7 @@
-//! A file that is watched while an editor saves it, in whatever style.
+//! Watches a file while an editor saves it, in whatever style.
 //!
-//! The directory is watched and not the file, so that a file that is replaced, deleted or renamed
-//! is found again. Nothing is known of what the text means.
+//! The directory is watched, not the file, so that a replaced, deleted or renamed file is found
+//! again. The meaning of the text is unknown here.
 
 use super::source::{self, Source};
 use anyhow::{Context, Result, anyhow};
@@ -11,19 +11,19 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
-/// A file is read when nothing has happened to it for so long: editors save in several steps.
+/// A file is read after this long without an event, since editors save in several steps.
 const QUIET: Duration = Duration::from_millis(25);
-/// A file that never comes to rest is read this often.
+/// A file with a steady stream of events is read this often.
 const RESTLESS: Duration = Duration::from_millis(200);
-/// The file is looked at this often even without an event: some file systems report none.
+/// Interval of checks without events, since some file systems report none.
 const POLL: Duration = Duration::from_secs(1);
 
-/// What became of the file.
+/// A change of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// It has another text, which may be half written.
+    /// Its new text, which may be incomplete.
     Text(String),
-    /// It can no longer be read.
+    /// It cannot be read any more, for this reason.
     Lost(String),
 }
 
@@ -32,17 +32,17 @@ enum Message {
     Stop,
 }
 
-/// Ends the watch when it is dropped.
+/// A running watch. Dropping it ends the watch.
 pub struct Watch {
-    // Declared first, so that no event comes after the thread has ended.
+    // Held only because dropping it ends the events.
     _watcher: Option<RecommendedWatcher>,
     stop: Sender<Message>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Watch {
-    /// Calls `report` on a thread of its own whenever the file's text is no longer `text`, but not
-    /// when it is empty: a file is emptied before it is written.
+    /// Calls `report` on a new thread whenever the file's text has changed, beginning with `text`.
+    /// An empty file is ignored, since some editors empty a file before writing it.
     ///
     /// # Errors
     /// If the file's directory cannot be named.
@@ -56,12 +56,12 @@ impl Watch {
         let (stop, messages) = channel();
         let events = stop.clone();
         let watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
-            // Reading the file is an event too, which must not lead to reading it again.
+            // Reading the file is an event too, and must not cause another read.
             if event.map_or(true, |event| !event.kind.is_access() || is_close(&event)) {
                 let _ = events.send(Message::Event);
             }
         });
-        // Without events there still is the regular look.
+        // Without events, the regular checks remain.
         let watcher = watcher.ok().and_then(|mut watcher| {
             watcher.watch(&directory, RecursiveMode::NonRecursive).ok()?;
             Some(watcher)
@@ -97,7 +97,7 @@ struct Watched<R> {
 
 impl<R: FnMut(Change)> Watched<R> {
     fn run(&mut self, messages: &Receiver<Message>) {
-        // It may have changed between being read and being watched.
+        // The file may have changed after it was read.
         self.look();
         loop {
             match messages.recv_timeout(POLL) {
@@ -130,7 +130,7 @@ impl<R: FnMut(Change)> Watched<R> {
     fn look(&mut self) {
         self.stamp = self.stamp();
         let read = match std::fs::metadata(&self.path) {
-            // To open a pipe would be to wait for whoever writes to it.
+            // Opening a pipe would wait for whoever writes to it.
             Ok(found) if !found.is_file() => {
                 Err(anyhow!("'{}' is not a file any more", self.path.display()))
             }
@@ -144,7 +144,7 @@ impl<R: FnMut(Change)> Watched<R> {
                     (self.report)(Change::Text(text));
                 }
             }
-            // Once is enough.
+            // A lost file is reported only once.
             Err(_) if self.lost => {}
             Err(error) => {
                 self.lost = true;
@@ -197,7 +197,7 @@ mod tests {
             self.directory.path().join("surface.zset")
         }
 
-        /// Waits until the picture is that of `text`, and asserts that there always is one.
+        /// Waits for the picture of `text`, and asserts that there always is a picture.
         fn follows(&self, text: &str) {
             let until = Instant::now() + LIMIT;
             loop {
@@ -218,14 +218,14 @@ mod tests {
         std::fs::write(path, text).expect("written");
     }
 
-    /// vim and many others: a new file takes the name of the old.
+    /// vim and many others rename a new file over the old one.
     fn rename_over(path: &Path, text: &str) {
         let other = path.with_extension("swp");
         overwrite(&other, text);
         std::fs::rename(other, path).expect("renamed");
     }
 
-    /// vim with a backup: the old file is moved away first.
+    /// vim with a backup moves the old file away first.
     fn move_away(path: &Path, text: &str) {
         let backup = path.with_extension("zset~");
         std::fs::rename(path, &backup).expect("renamed");
@@ -233,7 +233,7 @@ mod tests {
         std::fs::remove_file(backup).expect("removed");
     }
 
-    /// In pieces, with pauses in which half of the text is there.
+    /// Writes in two pieces, with pauses during which the file is incomplete.
     fn piecemeal(path: &Path, text: &str) {
         let mut file = File::create(path).expect("created");
         for half in [&text[..text.len() / 2], &text[text.len() / 2..]] {

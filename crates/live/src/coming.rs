@@ -1,4 +1,4 @@
-//! How formulas of other programs are written here: one table, for the help and the README.
+//! Equivalents of formulas from other programs: one table, for the help and the README.
 
 /// Rows of program, formula as written there, and formula as written here.
 pub const COMING: &[(&str, &str, &str)] = &[

@@ -1,5 +1,4 @@
-//! How entering a line changes a document's text. Knows statements and lines, but not their
-//! meaning.
+//! Enters lines into a document's text. Knows statements and lines, but not their meaning.
 
 use super::values::{Place, kept_range, name, place, right_side};
 use std::ops::Range;
@@ -54,7 +53,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
         kept.replace_range(piece(&joined, span), "");
     }
-    // Removing a function from a program can break it. The later definition takes effect anyway.
+    // Removing a function may break a program, so both stay. The later definition takes effect.
     if parse(&kept, &limits).is_err() {
         return joined;
     }
@@ -68,14 +67,14 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     kept.trim_start_matches('\n').to_owned()
 }
 
-/// Whether a line consists of definitions that make the text parse.
+/// Returns whether a line consists of definitions that make the text parse.
 pub(super) fn completes(text: &str, line: &str) -> bool {
     let limits = Limits::default();
     parse(line, &limits).is_ok_and(|all| all.iter().all(|one| name(one).is_some()))
         && parse(&format!("{}\n{line}", text.trim_end()), &limits).is_ok()
 }
 
-/// Whether a drawing added at the end of the text would be hidden.
+/// Returns whether a drawing added at the end of the text would be hidden.
 fn is_hidden_below(text: &str) -> bool {
     let last = text.lines().rfind(|line| scene_word(line) == Some("hidden"));
     last.is_some_and(|line| line.split_whitespace().nth(1) != Some("off"))
@@ -90,8 +89,7 @@ fn without_lines(text: &str, word: &str) -> String {
 /// The text without its `number`-th drawing, counted from 1.
 ///
 /// # Errors
-/// The number of typed drawings, if it is less than `number` or `number` is 0; 0 if the text has
-/// errors.
+/// The number of typed drawings if there is no such drawing, or 0 if the text has errors.
 pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize> {
     let drawings = drawings(text);
     let Some(span) = number.checked_sub(1).and_then(|index| drawings.get(index)) else {
@@ -109,14 +107,14 @@ fn drawings(text: &str) -> Vec<Range<usize>> {
     statements.iter().filter(draws).map(extent).collect()
 }
 
-/// Whether entering a line into a text adds a drawing. Alone, `x = r` may define `r`, which the
-/// text defines already.
+/// Returns whether entering a line into a text adds a drawing. Alone, `x = r` may define `r`; in a
+/// text that defines `r`, it is a drawing.
 pub(super) fn draws(text: &str, line: &str) -> bool {
     let joined = format!("{text}\n{line}");
     scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
 }
 
-/// The text without those of `lines` that are comments, `domain` lines or `view` lines.
+/// The text without the comments, `domain` lines and `view` lines that `lines` contains.
 pub(super) fn without_scenery(text: &str, lines: &str) -> String {
     let is_scenery = |line: &str| {
         line.trim_start().starts_with('#') || matches!(scene_word(line), Some("domain" | "view"))
@@ -126,7 +124,7 @@ pub(super) fn without_scenery(text: &str, lines: &str) -> String {
     kept.join("\n")
 }
 
-/// Whether a statement was typed, not added by the parser.
+/// Returns whether a statement was typed, not added by the parser.
 fn is_typed(statement: &Statement) -> bool {
     let span = match statement {
         Statement::Draw { expr, .. } => expr.span,
@@ -158,7 +156,7 @@ fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> O
 }
 
 /// The text with `name` set to `value`. A definition without a range gets `range`. A missing
-/// definition is added.
+/// definition is added. `None` if the result would not parse.
 pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Option<String> {
     let Some(Place { body, range: typed }) = place(text, name) else {
         // A text that lacks a value from the command line parses only with the definition added.
@@ -209,8 +207,8 @@ fn extent(statement: &Statement) -> Range<usize> {
     }
 }
 
-/// The range of a statement, extended to the line or semicolon that contains it, with the break or
-/// comment that ends it.
+/// The part of the text that holds a statement: from the last line break or semicolon before it
+/// through the break or comment after it.
 fn piece(text: &str, span: &Range<usize>) -> Range<usize> {
     let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
     let rest = &text[span.end..];
@@ -230,7 +228,7 @@ fn end_of_statement(rest: &str) -> Option<usize> {
     rest.find("//").filter(|at| end.is_none_or(|end| *at < end)).or(end)
 }
 
-/// Whether `rest` begins with a comment.
+/// Returns whether `rest` begins with a comment.
 fn is_comment(rest: &str) -> bool {
     rest.starts_with('#') || rest.starts_with("//")
 }

@@ -153,8 +153,8 @@ fn after(request: &Request, readable: &str, line: &str, adding: bool) -> (String
     }
 }
 
-/// The text that `line` is entered into. It parses, or will with the line. Values that only the
-/// command line defined are added if the text lacks them.
+/// The text that `line` is entered into: the document if it parses, alone or with the line, or else
+/// `readable`. Values that the document lacks are added from the command line.
 pub(super) fn base<'a>(request: &'a Request, readable: &'a str, line: &str) -> Cow<'a, str> {
     let is_read = |text: &str| parse(text, &Limits::default()).is_ok();
     // An empty document stays empty.

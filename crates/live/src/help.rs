@@ -7,7 +7,8 @@ use super::reply::{Refusal, Reply, refused, say};
 use super::status_words;
 use std::collections::HashSet;
 use std::fmt::Write as _;
-use zeroset_syntax::{COLOR_MAPS, WordKind, language_names, word_help, words};
+use zeroset_style::COLOR_MAPS;
+use zeroset_syntax::{WordKind, language_names, word_help, words};
 
 /// The topic that lists equivalents in other programs.
 const ELSEWHERE: &str = "coming";
@@ -52,7 +53,7 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     if found.is_empty() {
         found.extend(word_help(name).map(|help| format!("{name}: {help}")));
         if name == "color" && !found.is_empty() {
-            found.push(format!("maps: {}", COLOR_MAPS.join(", ")));
+            found.push(format!("maps: {}", COLOR_MAPS.map(|map| map.name).join(", ")));
         }
     }
     if !found.is_empty() {

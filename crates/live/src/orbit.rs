@@ -46,7 +46,7 @@ impl Orbit {
             false => camera.up().normalize(),
         };
         let elevation = frame.forward().dot(-pole).clamp(-1.0, 1.0).asin();
-        // Straight up or down, the up direction gives the azimuth.
+        // Straight up or down, the azimuth follows from the up direction.
         let lying = if back.cross(pole).length() < 1e-9 * back.length() {
             frame.up() * -elevation.signum()
         } else {

@@ -1,9 +1,9 @@
-//! From the latest request to pictures, on a thread of its own: read, compile, a coarse picture, a
-//! fine one.
+//! The worker that turns the latest request into pictures: it reads, compiles, and draws a coarse
+//! and then a fine picture.
 //!
-//! A new request ends the work on the one before between tiles. What an older stage made is kept as
-//! long as nothing that it depends on has changed. Pictures and what they were made with are shared
-//! by counting, so that the last of them to use a kernel frees it.
+//! A new request interrupts the previous one between tiles. The result of a stage is reused until
+//! something it depends on changes. Pictures and models are reference-counted, so the last user of
+//! a kernel frees it.
 
 mod glide;
 mod pace;
@@ -28,20 +28,20 @@ use zeroset_space::Region;
 use zeroset_syntax::{Document, ErrorKind, Errors, Options};
 use zeroset_trace::Camera;
 
-/// Whether the domain's box is shown with axes: a view that nobody chose then has it whole.
+/// Choice of axes around the region's box. With axes, an automatic view shows the whole box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Axes {
-    /// They are not.
+    /// Axes are hidden.
     #[default]
     Off,
-    /// They are.
+    /// Axes are shown.
     On,
-    /// They are unless the document says otherwise.
+    /// Axes are shown unless the document turns them off.
     Usual,
 }
 
 impl Axes {
-    /// Whether they are shown with this document.
+    /// Returns whether axes are shown with this document.
     pub fn are_shown(self, document: &Document) -> bool {
         match self {
             Self::Off => false,
@@ -51,38 +51,38 @@ impl Axes {
     }
 }
 
-/// Everything that a picture depends on.
+/// All inputs of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
-    /// Where the document came from.
+    /// Source of the document.
     pub source: DocumentSource,
-    /// The document.
+    /// Text of the document.
     pub text: Arc<str>,
-    /// Names with values that replace those of the text.
+    /// Names with values that override those of the text.
     pub overrides: Vec<(String, String)>,
-    /// The time, whatever the text says.
+    /// The time, which overrides that of the text.
     pub time: Option<f64>,
-    /// Where to look.
+    /// Choice of the region.
     pub domain: DomainChoice,
-    /// What to cut away.
+    /// Choice of the clipping plane.
     pub clip: ClipChoice,
-    /// From where to look, until somebody turns the view.
+    /// Choice of the camera while `orbit` is `None`.
     pub choice: CameraChoice,
-    /// From where to look, if somebody did.
+    /// The camera, once the user has turned the view.
     pub orbit: Option<Orbit>,
-    /// Whether there are axes around it.
+    /// Choice of the axes.
     pub axes: Axes,
-    /// The size of the fine picture and how it is made.
+    /// Size and quality of the fine picture.
     pub settings: Settings,
 }
 
 impl Request {
-    /// What reading the document depends on beside its text.
+    /// Options for reading the document.
     pub(super) fn options(&self) -> Options<'_> {
         Options { overrides: &self.overrides, time: self.time, ..Options::default() }
     }
 
-    /// Lets the text say what these names are, not what was given for them on the command line.
+    /// Drops the overrides of these names, so that the text defines them.
     pub(super) fn forget_given(&mut self, names: &[String]) {
         self.overrides.retain(|(other, _)| !names.contains(other));
         if names.iter().any(|name| name == TIME) {
@@ -90,41 +90,39 @@ impl Request {
         }
     }
 
-    /// The document that is asked for.
+    /// Reads the document.
     ///
     /// # Errors
-    /// What is wrong with its text or values.
+    /// If its text or values have errors.
     pub fn read(&self) -> Result<Document, Errors> {
         zeroset_syntax::read(&self.text, &self.options())
     }
 }
 
-/// A finished picture, and all that it was made with.
+/// A picture and everything it was drawn from.
 pub struct Rendering {
-    /// Number of the request, counted from 1.
+    /// Revision of the request; the first is 1.
     pub revision: u64,
-    /// What it asked for.
+    /// The request.
     pub request: Arc<Request>,
     /// The document as read.
     pub document: Arc<Document>,
-    /// Its surfaces, compiled.
+    /// The document's compiled surfaces.
     pub model: Arc<Model>,
-    /// What was found if the domain was searched for.
+    /// The automatic domain, if the region was searched for.
     pub searched: Option<AutoDomain>,
-    /// What the view is relative to: the domain when the formula was first seen, however its
+    /// The region that views are relative to: that of the formula's first picture, even if
     /// parameters have moved since.
     pub seat: Region,
-    /// From where it was taken.
+    /// Camera of the picture.
     pub camera: Camera,
-    /// Why nothing is seen, if nothing is.
+    /// Why the picture is blank, if it is.
     pub blank: Option<Blank>,
-    /// The picture; a coarse one has fewer pixels than were asked for, or all of them but some that
-    /// are still open.
+    /// The picture. A coarse one has fewer pixels than requested, or leaves some rays open.
     pub picture: Picture,
-    /// Whether a finer one is still to come.
+    /// Set if a finer picture is to follow.
     pub coarse: bool,
-    /// Time taken by reading, if it was done for this request; the other stages' times are in the
-    /// picture.
+    /// Time of reading, if this request needed it. The times of later stages are in the picture.
     pub parse: Duration,
     /// Time from the request to this picture.
     pub latency: Duration,
@@ -138,19 +136,19 @@ impl<'a> From<&'a Rendering> for Shown<'a> {
 }
 
 impl Rendering {
-    /// Whether it has all of the pixels that were asked for.
+    /// Returns whether the picture has all the requested pixels.
     pub fn is_full(&self) -> bool {
         let (buffer, asked) = (&self.picture.buffer, &self.request.settings);
         (buffer.width, buffer.height) == (asked.width, asked.height)
     }
 }
 
-/// Why there is no picture of the latest request.
+/// Why the latest request has no picture.
 #[derive(Debug)]
 pub struct Fault {
-    /// Number of the request.
+    /// Revision of the request.
     pub revision: u64,
-    /// What it asked for.
+    /// The request.
     pub request: Arc<Request>,
     reason: Reason,
 }
@@ -169,7 +167,7 @@ impl<E: Into<SceneError>> From<E> for Reason {
 }
 
 impl Fault {
-    /// What is wrong, on one line.
+    /// The error on one line.
     pub fn message(&self) -> String {
         match &self.reason {
             Reason::Text(errors) => {
@@ -180,7 +178,7 @@ impl Fault {
         }
     }
 
-    /// The one letter that lacks a value, if that is all that is wrong.
+    /// The single letter without a value, if that is the only error.
     pub fn missing_letter(&self) -> Option<char> {
         match &self.reason {
             Reason::Text(errors) => missing_letter(errors),
@@ -188,7 +186,7 @@ impl Fault {
         }
     }
 
-    /// What is wrong, with carets under the text where it is the text's fault.
+    /// The error message, with carets under the text if the text is at fault.
     pub fn render(&self, color: bool) -> String {
         match &self.reason {
             Reason::Text(errors) => {
@@ -200,18 +198,18 @@ impl Fault {
     }
 }
 
-/// What can be seen now.
+/// The results that are visible at one moment.
 #[derive(Clone, Default)]
 pub struct Snapshot {
-    /// The last good picture.
+    /// The last picture that succeeded.
     pub rendering: Option<Arc<Rendering>>,
-    /// What is wrong with the latest request, if something is.
+    /// The error of the latest request, if it has one.
     pub fault: Option<Arc<Fault>>,
-    /// The latest request of which no more is to come.
+    /// The latest request that is finished.
     pub settled: u64,
 }
 
-/// The thread that makes pictures.
+/// The worker thread and the state shared with it.
 pub(super) struct Pipeline {
     shared: Arc<Shared>,
     worker: Option<JoinHandle<()>>,
@@ -227,21 +225,21 @@ struct State {
     revision: u64,
     requested: Instant,
     snapshot: Snapshot,
-    /// Whether a hand or the clock moves a value, while which a view that nobody chose stays.
+    /// Set while a hand or the clock moves values. An automatic view holds still until they stop.
     moving: bool,
-    /// Where that view is to go.
+    /// The next change of that view.
     next_view: NextView,
     stop: bool,
 }
 
-/// Where a view goes that nobody chose.
+/// A way in which an automatic view changes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum NextView {
-    /// To what is asked for, at once: who types waits for a picture.
+    /// At once: someone who types waits for a picture.
     Unmoved,
-    /// It would be another by now, but stays as long as a value is moved.
+    /// Not while a value moves, although a new view is due.
     Outgrown,
-    /// It is seen to go there, now that none is.
+    /// By gliding, after a value has moved.
     Glides,
 }
 
@@ -253,7 +251,7 @@ impl Shared {
 }
 
 impl Pipeline {
-    /// Starts the thread; nothing is done before the first request.
+    /// Starts the worker. It waits for the first request.
     pub fn new(request: Request) -> Self {
         let state = State {
             request: Arc::new(request),
@@ -269,7 +267,7 @@ impl Pipeline {
         Self { shared, worker: Some(std::thread::spawn(move || worker.run())) }
     }
 
-    /// Asks for a picture in place of all asked for before, and returns the request's number.
+    /// Requests a picture, replacing all earlier requests. Returns the revision.
     pub fn request(&self, request: Request) -> u64 {
         let mut state = self.shared.lock();
         state.request = Arc::new(request);
@@ -279,7 +277,7 @@ impl Pipeline {
         state.revision
     }
 
-    /// Says whether a value is being moved, and tells whether another view is due now that none is.
+    /// Sets whether values are being moved. Returns whether a new view is due because they stopped.
     pub fn set_moving(&self, moving: bool) -> bool {
         let mut state = self.shared.lock();
         state.moving = moving;
@@ -290,13 +288,13 @@ impl Pipeline {
         is_due
     }
 
-    /// What can be seen now.
+    /// The current results.
     pub fn snapshot(&self) -> Snapshot {
         self.shared.lock().snapshot.clone()
     }
 
-    /// Waits until `done` holds of what can be seen and of the latest request's number, and tells
-    /// whether it came to that in time.
+    /// Waits until `done` holds for the results and the latest revision. Returns whether that
+    /// happened in time.
     pub fn wait(&self, timeout: Duration, done: impl Fn(&Snapshot, u64) -> bool) -> bool {
         let state = self.shared.lock();
         let waiting = |state: &mut State| !done(&state.snapshot, state.revision);
@@ -310,13 +308,13 @@ impl Drop for Pipeline {
         self.shared.lock().stop = true;
         self.shared.changed.notify_all();
         if let Some(worker) = self.worker.take() {
-            // A panic has been reported where it happened.
+            // The panic has already been reported.
             let _ = worker.join();
         }
     }
 }
 
-/// The one letter that lacks a value, if that is all that is wrong.
+/// The single letter without a value, if that is the only error.
 pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
     let letter = |error: &zeroset_syntax::Error| match &error.kind {
         ErrorKind::UnknownName { name, letter } => {
@@ -329,7 +327,7 @@ pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
     errors.iter().all(|error| letter(error) == Some(first)).then_some(first)
 }
 
-/// Whether both ask for the same text with the same values.
+/// Returns whether both have the same text, overrides and time.
 pub(super) fn same_document(one: &Request, other: &Request) -> bool {
     one.text == other.text && one.overrides == other.overrides && one.time == other.time
 }

@@ -22,7 +22,7 @@ pub enum Reply {
     Tips(bool),
     /// The caller should show how the document was read and compiled.
     Explain {
-        /// Whether to include the generated code.
+        /// Set if the generated code is wanted.
         code: bool,
     },
     /// The caller should show the gallery.

@@ -36,7 +36,7 @@ pub(super) struct State {
     pub shown: Arc<str>,
     /// Names that the line being typed defines.
     pub typed: Vec<String>,
-    /// The last text that parsed. Edits start from it when a watched file stops parsing.
+    /// The last text that parsed: the base of edits when a watched file stops parsing.
     pub readable: Arc<str>,
     /// The text as last loaded or saved.
     kept: Arc<str>,
@@ -58,7 +58,7 @@ impl State {
         Said { request: request.clone(), readable: Arc::clone(readable), dragged: dragged.clone() }
     }
 
-    /// Whether the document is unchanged since this snapshot.
+    /// Returns whether the document is unchanged since this snapshot.
     fn keeps_document(&self, said: &Said) -> bool {
         same_document(&self.request, &said.request)
             && self.readable == said.readable
@@ -170,8 +170,8 @@ impl Live {
         })
     }
 
-    /// Notes whether a hand or the clock is moving values. Meanwhile an automatic view holds still;
-    /// when the movement ends, the view glides to fit the surface.
+    /// Sets whether a hand or the clock is moving values. An automatic view holds still until they
+    /// stop, and then glides to fit the surface.
     pub fn set_moving(&self, moving: bool) {
         if self.pipeline.set_moving(moving) {
             self.refresh();
@@ -183,7 +183,7 @@ impl Live {
         self.change(|request| request.axes = axes);
     }
 
-    /// Whether all requested pictures are finished.
+    /// Returns whether all requested pictures are finished.
     pub fn is_settled(&self) -> bool {
         let state = self.lock();
         self.pipeline.snapshot().settled == state.revision
@@ -210,8 +210,7 @@ impl Live {
     }
 
     /// Runs `work`, which may be slow, without the lock, then applies its result. If the document
-    /// changed meanwhile, `work` runs again. After two failed tries, moves of values are blocked
-    /// until it succeeds.
+    /// has changed by then, `work` runs again. From the third try on, moves of values are blocked.
     pub(super) fn change_after<W, R>(
         &self,
         work: impl Fn(&Said) -> Result<W, Refusal>,
@@ -265,7 +264,7 @@ impl Live {
             dragged.retain(|one| {
                 right_side(text, &one.name).map_or(String::new(), |(_, side)| side) == one.side
             });
-            // True right after the program itself has saved the document.
+            // Equal right after the program has saved the document.
             let is_same = text.trim_end() == said.request.text.trim_end();
             let text = || with_dragged(text, &said.readable, &dragged).into();
             Ok(((!is_same).then(text), dragged))
@@ -310,7 +309,7 @@ impl Live {
         state.kept = text.into();
     }
 
-    /// Whether the document differs from the text last loaded or saved.
+    /// Returns whether the document differs from the text last loaded or saved.
     pub fn is_changed(&self) -> bool {
         let state = self.lock();
         state.kept.trim_end() != state.request.text.trim_end()
@@ -406,7 +405,7 @@ impl Live {
         true
     }
 
-    /// Notes whether a mouse button is held. All turning or dragging meanwhile is one step of
+    /// Sets whether a mouse button is held. All turning or dragging while it is held is one step of
     /// [`Live::undo`].
     pub fn hold(&self, held: bool) {
         self.lock().undo.hold(held);

@@ -23,7 +23,7 @@ pub struct Slider {
     pub low: f64,
     /// Upper end of the range, above the lower end.
     pub high: f64,
-    /// Whether this is the time `t`, which the clock moves too.
+    /// Set for the time `t`, which the clock moves too.
     pub is_time: bool,
 }
 
@@ -41,7 +41,7 @@ impl Slider {
         Self { name: parameter.name.clone(), value, low, high, is_time }
     }
 
-    /// Whether the range has a positive width that is a finite float.
+    /// Returns whether the range has a positive width that is a finite float.
     fn is_usable(&self) -> bool {
         let width = self.high - self.low;
         width > 0.0 && width.is_finite()

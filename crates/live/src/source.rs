@@ -1,10 +1,10 @@
-//! Where a document came from.
+//! The source of a document.
 
 use std::fmt;
 use std::path::PathBuf;
 use zeroset_scene::gallery::Example;
 
-/// Where a document came from. Displays as its name in messages.
+/// The source of a document. It is displayed as the name used in messages.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DocumentSource {
     /// The keyboard, or a command-line argument.

@@ -97,7 +97,7 @@ impl Rendering {
         parts.join(" · ")
     }
 
-    /// Which part of the picture is proven.
+    /// The part of the picture that is proven, in words.
     fn proven(&self) -> String {
         let reasons = UndecidedReason::ALL.into_iter().zip(self.picture.buffer.reasons());
         let open: Vec<(UndecidedReason, usize)> = reasons.filter(|(_, count)| *count > 0).collect();

@@ -9,7 +9,6 @@ use super::session::Live;
 use super::undo::Gesture;
 use std::ops::Range;
 use zeroset_shade::{LinearRgb, SurfaceColors};
-use zeroset_style::ColorMap;
 use zeroset_syntax::{Document, Options, SurfaceColor};
 
 /// First words of style lines. These apply to the drawings below them.
@@ -27,7 +26,7 @@ pub struct Listed {
     pub colors: Vec<[u8; 3]>,
     /// Opacity, within [0, 1].
     pub opacity: f64,
-    /// Whether pictures leave it out.
+    /// Set if pictures leave the surface out.
     pub hidden: bool,
 }
 
@@ -45,8 +44,7 @@ impl Rendering {
                 Some(SurfaceColor::Plain(color)) => vec![LinearRgb::from_srgb(color.rgb).to_srgb()],
                 Some(SurfaceColor::Mapped(mapped)) => {
                     let share = |n: usize| n as f64 / (SWATCH - 1) as f64;
-                    let map = ColorMap::named(mapped.map);
-                    map.map_or_else(own, |map| (0..SWATCH).map(|n| map.bytes(share(n))).collect())
+                    (0..SWATCH).map(|n| mapped.map.bytes(share(n))).collect()
                 }
                 None => own(),
             };
@@ -210,7 +208,6 @@ impl Live {
     ///
     /// # Errors
     /// If there is no such surface, or no style line can express the change.
-    /// If there is no such surface, or its text cannot say so.
     pub fn set_opacity(&self, number: usize, opacity: f64) -> Result<(), Refusal> {
         let gesture = Gesture::Value(format!("opacity {number}"));
         let set = self.move_value(gesture, move |live, gesture| {
@@ -286,8 +283,8 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     if look(&plain).is_none_or(|now| now == wanted) {
         return Ok(plain);
     }
-    // Deleting a drawing may let its style lines apply to the next one, or leave lines for no
-    // drawing. Then it is moved to the end first, with the style of the drawing before it.
+    // Style lines with no drawing below them apply to the drawings above. So the drawing is first
+    // moved to the end, with the style of the one before it.
     let last = changed(text, options, &WORDS, |drawn| {
         let one = drawn.remove(number - 1);
         let like = drawn.last().unwrap_or(&one).clone();

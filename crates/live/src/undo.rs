@@ -42,7 +42,7 @@ pub(super) struct Said {
 }
 
 impl Said {
-    /// Whether both are the same, except for the picture's size and the axes.
+    /// Returns whether both are the same, except for the picture's size and the axes.
     fn is_same(&self, other: &Self) -> bool {
         let mut framed = self.clone();
         framed.take_frame(other);
@@ -57,13 +57,13 @@ impl Said {
     }
 }
 
-/// The steps that can be undone, and those that can be redone.
+/// The history: steps to undo and steps to redo.
 #[derive(Default)]
 pub(super) struct Undo {
     past: Vec<Said>,
     future: Vec<Said>,
     last: Option<(Gesture, Instant)>,
-    /// Whether a mouse button is held. A gesture then continues through any pause.
+    /// Set while a mouse button is held. A gesture then continues through any pause.
     held: bool,
 }
 

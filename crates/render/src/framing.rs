@@ -1,9 +1,8 @@
-//! The camera that nobody chose: as near as what is visible allows, from a side on which flat
-//! things are not seen edge-on.
+//! The automatic camera: as near as the visible points allow, and not edge-on to flat surfaces.
 //!
-//! What is visible is found by a small picture of the whole domain. Whatever lies behind it lies
-//! within its outline, too, so the outline is all that has to fit. Nothing here is a proof, nor
-//! depends on the picture's method or on threads.
+//! The visible points come from a small picture of the whole region. Points behind them lie within
+//! the same outline, so only the outline has to fit. Nothing here is a proof, and nothing depends
+//! on the picture's method or on threads.
 
 use crate::model::Model;
 use crate::picture::Settings;
@@ -18,30 +17,30 @@ use zeroset_trace::{Camera, CameraError, Projection};
 /// Rows and columns of the small picture.
 const SIDE: usize = 64;
 
-/// What is visible takes this share of the picture's shorter side.
+/// Share of the picture's shorter side that the visible points fill.
 const FILLED: f64 = 0.86;
 
-/// The domain's box takes this share of one of its sides where there are numbers beside it.
+/// Share of one of the picture's sides that the region's box takes, with room for axis labels.
 const FILLED_BY_DOMAIN: f64 = 0.8;
 
-/// A painted pixel of the small picture stands for what lies so many pixels around its centre.
+/// Radius, in pixels, that a painted pixel of the small picture stands for.
 const REACH: f64 = 0.75;
 
-/// With fewer painted pixels than these too little is known, and the whole domain is shown.
+/// With fewer painted pixels than this, the whole region is shown.
 const LEAST: usize = 8;
 
-/// What is thinner than this share of its width is flat, and shown from where the sine between it
-/// and the view is at least so much.
+/// A surface is flat if it is thinner than this share of its width. It is shown from a direction
+/// whose angle to the surface has at least this sine.
 const THIN: f64 = 0.15;
 const LEAST_SINE: f64 = 0.5;
 
-/// From so many sides is looked at what an eye goes around, and so many positions on its way are
-/// then thought of.
+/// For a camera that turns: number of sides from which small pictures are taken, and number of
+/// positions at which their points must fit.
 const ROUND_SIDES: usize = 4;
 const ROUND_STEPS: usize = 24;
 
-/// Sides from which flat things are shown, in order: higher than the usual one, and then from its
-/// right and left.
+/// Directions for flat surfaces, in order of preference: a higher one first, then from the right
+/// and the left.
 const SIDES: [DVec3; 5] = [
     DVec3::new(2.0, -3.0, 2.6),
     DVec3::new(3.0, 2.0, 2.6),
@@ -50,13 +49,13 @@ const SIDES: [DVec3; 5] = [
     DVec3::new(-3.0, 2.0, 2.6),
 ];
 
-/// The camera for pictures of `model`, which was made of `document`: what is chosen by `choice` or
-/// by the document stays as it is; where neither gives another side than the usual one, an eye, a
-/// target, a field of view or a height, what is visible is fitted into a picture of the settings'
-/// size. `None` if that was no longer `wanted`.
+/// The camera for pictures of `model`, which was compiled from `document`. Settings in `choice` or
+/// the document stay. If neither sets another side, an eye, a target, a field of view or a height,
+/// the visible points are fitted into the picture. Returns `None` once `wanted` returns false.
 ///
 /// # Errors
-/// If eye and target coincide, the upward direction is useless, or a number is out of range.
+/// If eye and target coincide, if the up direction is parallel to the view, or if a number is out
+/// of range.
 pub fn camera_while(
     model: &Model,
     document: &Document,
@@ -67,8 +66,8 @@ pub fn camera_while(
     camera_over(&[model], document, choice, settings, model.region(), false, wanted)
 }
 
-/// One camera for pictures of several models over the same region, as [`camera_while`] chooses it
-/// for one. If it is to turn around its target, what is visible from other sides fits, too.
+/// As [`camera_while`], for pictures of several models over the same region. If the camera is to
+/// turn about its target, the points visible from other sides must fit, too.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -107,12 +106,12 @@ pub fn camera_over(
     } else {
         view.fitted(side, &seen, FILLED)
     };
-    // Where floats leave no room, the usual view is as good as any.
+    // If the fitted camera is not valid in floats, the usual one is used.
     Ok(Some(fitted.unwrap_or(usual)))
 }
 
-/// As [`camera_while`], to the end, or to that of a part of the settings' budget of time: then it
-/// is the view of the whole domain.
+/// As [`camera_while`], within a part of the settings' time budget. When that runs out, the camera
+/// shows the whole region.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -128,7 +127,7 @@ pub fn camera(
     }
 }
 
-/// The camera that shows the whole domain where none is chosen.
+/// The camera that shows the whole region, unless another one is chosen.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -141,7 +140,7 @@ pub(crate) fn whole(
     Ok(usual(document, region, choice, settings)?.0)
 }
 
-/// The view of the whole domain, and how another is fitted where that is free to be chosen.
+/// The camera for the whole region, and the data for fitting another one if that is allowed.
 fn usual(
     document: &Document,
     region: &Region,
@@ -159,8 +158,7 @@ fn usual(
     Ok((usual, view))
 }
 
-/// The camera for pictures that show the whole domain with what is written around it: otherwise as
-/// [`camera_while`].
+/// As [`camera_while`], but fits the region's whole box with its axis labels.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -178,8 +176,8 @@ pub fn of_domain(
     Ok(fitted.unwrap_or(usual))
 }
 
-/// Whether somebody said from where to look, at what, or how much is seen: another side than the
-/// usual one is that of the whole domain.
+/// Returns whether the view is fixed by the user or the document: a side other than the usual one,
+/// an eye, a target or a scale.
 fn is_chosen(document: &Document, choice: &CameraChoice) -> bool {
     let CameraChoice { view, eye, target, up: _, projection } = choice;
     let other = |view: &'static StandardView| view != <&StandardView>::default();
@@ -188,13 +186,13 @@ fn is_chosen(document: &Document, choice: &CameraChoice) -> bool {
         view.is_some_and(other) || eye.is_some() || target.is_some() || projection.is_some();
     given
         || document.view.as_ref().is_some_and(|view| {
-            let side = view.preset.and_then(StandardView::named);
+            let side = view.preset;
             let place = !asked && (view.eye.is_some() || side.is_some_and(other));
             place || view.target.is_some() || view.fov.is_some() || view.ortho.is_some()
         })
 }
 
-/// A point that is visible, and how far it reaches.
+/// A visible point, and the radius that it stands for.
 #[derive(Clone, Copy)]
 struct Spot {
     at: DVec3,
@@ -205,17 +203,17 @@ fn corners(region: &Region) -> Vec<Spot> {
     view::corners(region).map(|at| Spot { at, radius: 0.0 }).to_vec()
 }
 
-/// What of a camera is not its place.
+/// Properties of a camera besides its position.
 struct View {
     fov: f64,
     up: DVec3,
-    /// Width by height of the picture.
+    /// Aspect ratio: width divided by height.
     aspect: f64,
 }
 
 impl View {
-    /// What is painted in small pictures of the models from the side of `back`; `None` if that was
-    /// no longer wanted.
+    /// The visible points in small pictures of the models, seen from the direction `back`. `None`
+    /// if that is no longer wanted.
     fn seen(
         &self,
         models: &[&Model],
@@ -256,9 +254,9 @@ impl View {
         Ok(Some(seen))
     }
 
-    /// The camera on the side of `back` whose eye can go around the upright axis through its target
-    /// and shows what `look` sees from all sides; `usual` where floats leave no room, and `None` if
-    /// that was no longer wanted.
+    /// A camera on the side of `back` whose target is on an upright axis, so that its eye can turn
+    /// around it. It fits the points that `look` finds from all sides. Returns `usual` if that
+    /// camera is not valid in floats, and `None` if it is no longer wanted.
     fn fitted_around(
         &self,
         back: DVec3,
@@ -291,14 +289,14 @@ impl View {
         };
         let everywhere: Vec<Spot> = (0..ROUND_STEPS).flat_map(around).collect();
         let Ok(camera) = self.fitted(back, &everywhere, FILLED) else { return Ok(Some(*usual)) };
-        // The target is where the view meets the axis.
+        // The target moves to the point where the view passes the axis.
         let (eye, target) = (camera.eye(), camera.target());
         let off = (target - centre).reject_from(axis);
         let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
         Ok(Some(on_axis.unwrap_or(camera)))
     }
 
-    /// Half of the picture's height at a distance of 1.
+    /// Half of the visible height at a distance of 1.
     fn slope(&self) -> f64 {
         (self.fov.to_radians() / 2.0).tan()
     }
@@ -309,8 +307,8 @@ impl View {
         self.fitted_within(back, spots, [share * self.slope() * self.aspect.min(1.0); 2])
     }
 
-    /// The nearest one that shows them within so much to each side of its middle and up and down,
-    /// at a distance of 1.
+    /// The nearest camera that shows all spots within these slopes, sideways and upward from the
+    /// middle.
     fn fitted_within(
         &self,
         back: DVec3,
@@ -324,7 +322,7 @@ impl View {
             Camera::new(middle + back * size.max(f64::MIN_POSITIVE), middle, self.up, projection)?;
         let frame = trial.rays(1, 1);
         let (forward, right, up) = (frame.forward(), frame.right(), frame.up());
-        // How far the planes through the eye and an edge of the picture have to lie outside.
+        // Distance by which a plane through the eye and an edge of the picture must move outward.
         let edge = |side: DVec3, slope: f64| {
             let room = (1.0 + slope * slope).sqrt();
             let outside = |spot: &Spot| {
@@ -342,7 +340,7 @@ impl View {
     }
 }
 
-/// The normal of the plane near which all spots lie, if there is one.
+/// The normal of a plane near all spots. `None` if they are not flat.
 fn flat(spots: &[Spot]) -> Option<DVec3> {
     let first = spots.first()?.at;
     let farthest = |distance: &dyn Fn(DVec3) -> f64| {

@@ -1,7 +1,7 @@
-//! From a scene to pictures, strips of large pictures, and sequences.
+//! Pictures of a document: whole, in strips, or in sequences.
 //!
-//! A [`model::Model`] compiles the surfaces of a document once; pictures are taken of it from
-//! anywhere. [`framing`] chooses a camera where nobody did. Nothing here knows files or terminals.
+//! A [`model::Model`] compiles the surfaces of a document once and draws pictures from any camera.
+//! [`framing`] chooses a camera where none is given. The crate knows no files or terminals.
 
 pub mod framing;
 pub mod model;

@@ -1,4 +1,4 @@
-//! Surfaces over one region, of which pictures can be taken from anywhere.
+//! Compiled surfaces over one region, drawn from any camera.
 
 mod antialias;
 mod layers;
@@ -25,32 +25,32 @@ use zeroset_style::Look;
 use zeroset_syntax::{Document, PictureLines, PointValue, SrgbColor, SurfaceKind};
 use zeroset_trace::{Camera, TraceOptions};
 
-/// All surfaces of a document over one region. Kernels are made as pictures ask for them, and freed
+/// All surfaces of a document over one region. Kernels are compiled when first needed, and freed
 /// with the last model that shares them.
 pub struct Model {
     region: Region,
     program: Program,
-    /// Of these what is not their function.
+    /// Styles of the surfaces: everything but their functions.
     styles: Vec<zeroset_syntax::Surface>,
     setting: Setting,
     remarks: Vec<String>,
-    /// What kernels compute in, unless a picture asks for something else.
+    /// Float type of the kernels, unless a picture asks for another.
     precision: Precision,
-    /// Time to simplify and to compile; none if that was done for another model.
+    /// Times of simplifying and compiling. `None` if the code was reused from another model.
     times: Option<Times>,
-    /// Per surface, whether its negative side is the one seen from far away; found for the first
-    /// picture that shows it.
+    /// For each surface, whether its negative side faces outward. Computed for the first picture
+    /// that shows the surface.
     turned: Vec<OnceLock<bool>>,
 }
 
-/// What a document says of the picture.
+/// Picture settings of a document.
 struct Setting {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
     lines: PictureLines,
-    /// What is the same along contour lines, if there are any, unless something else is said: z.
+    /// The default value for contour lines: z. `None` without contour lines.
     height: Option<PointValue>,
-    /// Values by number.
+    /// Values of the parameters, by number.
     parameters: Vec<f64>,
 }
 
@@ -64,7 +64,7 @@ impl Setting {
         };
         let values = document.parameters.iter().map(|parameter| view::nearest(&parameter.value));
         Self {
-            look: document.look.and_then(Look::named),
+            look: document.look,
             background: document.background,
             lines: lines.clone(),
             height: lines.contours.is_some().then(height),
@@ -74,11 +74,11 @@ impl Setting {
 }
 
 impl Model {
-    /// Simplifies all surfaces of `document` in `region`, and compiles what a picture by the
-    /// default method needs with these normals in this precision.
+    /// Simplifies all surfaces of `document` in `region`, and compiles the kernels that a picture
+    /// with these settings needs.
     ///
     /// # Errors
-    /// If a formula is constant or defined nowhere, or too large to compile.
+    /// If a formula is constant, undefined everywhere, or too large to compile.
     ///
     /// # Panics
     /// Never: the model is wanted to the end.
@@ -91,11 +91,11 @@ impl Model {
         Ok(model.expect("wanted to the end"))
     }
 
-    /// As [`Model::new`], but asks between kernels whether the model is still wanted; `None` if
-    /// not. The code is made for all of `reach`, which holds `region`.
+    /// As [`Model::new`], but can be cancelled: returns `None` once `wanted` returns false, which
+    /// is checked between kernels. The code serves all of `reach`, which must contain `region`.
     ///
     /// # Errors
-    /// If a formula is constant or defined nowhere, or too large to compile.
+    /// As [`Model::new`].
     pub fn new_while(
         document: &Document,
         region: &Region,
@@ -113,7 +113,7 @@ impl Model {
             Precision::F64 => make_kernels::<f64>,
         };
         let surfaces = document.surfaces.par_iter().enumerate();
-        // Those of a hidden surface are made when it is first shown.
+        // The kernels of a hidden surface are compiled when it is first shown.
         let seen = surfaces.filter(|(_, surface)| !surface.hidden);
         seen.try_for_each(|(n, surface)| {
             make(&program, n, surface.kind, region, settings, wanted)
@@ -145,12 +145,12 @@ impl Model {
         }
     }
 
-    /// The same code for the parameter values of another document and in another region, or `None`
-    /// if the document differs in more than values and colors, or if values or region are beyond
-    /// what the code was made for; a slider may be set to anything in its range.
+    /// The same code with the parameter values of another document, in another region. Returns
+    /// `None` if the documents differ in more than values and colors, or if the code does not serve
+    /// the values or the region. It serves a slider's whole range.
     ///
     /// # Errors
-    /// If a formula is constant or defined nowhere.
+    /// If a formula is constant or undefined everywhere.
     pub fn rebound(
         &self,
         document: &Document,
@@ -165,17 +165,17 @@ impl Model {
         Some(program.map(|program| Self::of(program, document, region, self.precision, None)))
     }
 
-    /// Whether the code was made for another model.
+    /// Returns whether the code was compiled for another model.
     pub fn is_rebound(&self) -> bool {
         self.times.is_none()
     }
 
-    /// Where the surfaces are looked for.
+    /// The region that is searched for surfaces.
     pub fn region(&self) -> &Region {
         &self.region
     }
 
-    /// The surfaces' functions, and the kernels made of them.
+    /// The surfaces' functions and their kernels.
     pub fn program(&self) -> &Program {
         &self.program
     }
@@ -185,30 +185,30 @@ impl Model {
         settings.look.or(self.setting.look).unwrap_or_default()
     }
 
-    /// How many surfaces there are.
+    /// Number of surfaces.
     pub fn surfaces(&self) -> usize {
         self.styles.len()
     }
 
-    /// Those that pictures show, by number.
+    /// Numbers of the visible surfaces.
     fn seen(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.surfaces()).filter(|surface| !self.styles[*surface].hidden)
     }
 
-    /// The floats that its kernels compute in unless a picture asks for others.
+    /// Precision of the kernels, unless a picture asks for another.
     pub fn precision(&self) -> Precision {
         self.precision
     }
 
-    /// Value and gradient at a point of the function whose zeros are drawn as a surface: the one
-    /// typed or a [simpler one](Program::is_reduced). The point is rounded to the model's
-    /// precision, to `f64` if that is [`Precision::Auto`]; everything is NaN if there is no such
-    /// surface, or no code for it.
+    /// Value and gradient, at a point, of the function whose zeros are drawn: the typed one or a
+    /// [simpler one](Program::is_reduced). The point is rounded to the model's precision, or to
+    /// `f64` for [`Precision::Auto`]. Everything is NaN if there is no such surface, or its code
+    /// fails to compile.
     pub fn sample(&self, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
         self.sample_of(&self.program, surface, point)
     }
 
-    /// The same of the function as typed. `document` is what the model was made of.
+    /// As [`Model::sample`], for the function as typed. `document` must be the model's.
     pub fn sample_typed(
         &self,
         document: &Document,
@@ -232,8 +232,8 @@ impl Model {
         values.flatten().unwrap_or(UNKNOWN)
     }
 
-    /// Whether the function of some surface cannot be told from 0 at any of some points strewn over
-    /// the region: then either it is 0 everywhere, or far too small for its own rounding.
+    /// Returns whether some surface's function cannot be told from 0 at any of [`FLAT_POINTS`]
+    /// points of the region. It is then 0 everywhere, or smaller than its own rounding errors.
     fn is_flat<T: KernelFloat>(&self) -> Result<bool, ProgramError> {
         let (low, high) = (self.region.low(), self.region.high());
         let points = (1..=FLAT_POINTS).map(|n| {
@@ -242,7 +242,7 @@ impl Model {
             at.to_array().map(|c| T::nearest(c).into()).map(|c| Interval { lo: c, hi: c })
         });
         let boxes = Boxes::<T>::around(&points.collect::<Vec<_>>());
-        // So few points take less time than compiling would.
+        // For so few points, interpreting is faster than compiling.
         let program = self.program.on(Evaluator::Reference);
         for surface in self.seen() {
             let zeros = program.kernels::<T>(surface).zeros()?;
@@ -257,7 +257,7 @@ impl Model {
         Ok(false)
     }
 
-    /// Takes a picture, to the end or to that of the settings' budget.
+    /// Draws a picture, to the end or until the settings' budget is used up.
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -278,24 +278,24 @@ impl Model {
     }
 }
 
-/// What stays open in a picture that another one follows, and on rays that are only for looks, as a
-/// share of the longest bracket.
+/// Length at which previews, and rays for looks only, leave a segment undecided, as a share of the
+/// longest bracket.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
-/// The options of the method for a picture's own rays to a surface of this kind.
+/// Method options for a picture's rays to a surface of this kind.
 fn options(settings: &Settings, kind: SurfaceKind) -> TraceOptions {
     TraceOptions {
         least: if settings.is_preview { PREVIEWED } else { 0.0 },
-        // At a pole a surface has no point, but a solid may have a face.
+        // A surface has no point at a pole, but a solid may have a face there.
         suppress_asymptotes: kind == SurfaceKind::Equation,
         ..settings.options
     }
 }
 
-/// Makes the kernels that pictures of a surface need, all at once, as long as they are `wanted`.
+/// Compiles the kernels that pictures of a surface need, in parallel, while they are `wanted`.
 ///
 /// # Errors
-/// If one cannot be made.
+/// If a kernel fails to compile.
 ///
 /// # Panics
 /// If there is no such surface.
@@ -329,7 +329,7 @@ pub fn make_kernels<T: KernelFloat>(
     Ok(traced.and(other).and(bounds)?)
 }
 
-/// Value and gradient where nothing answers.
+/// Value and gradient where they are not available.
 const UNKNOWN: (f64, [f64; 3]) = (f64::NAN, [f64::NAN; 3]);
 
 fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<(f64, [f64; 3])> {
@@ -337,13 +337,13 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 
-/// Told every now and then how many of how many pixels are done, from several threads.
+/// Callback for progress: pixels done, and pixels in total. Called from several threads.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// Renders all surfaces of `document` in `region` as seen by `camera`.
+/// Draws all surfaces of `document` in `region` as seen by `camera`.
 ///
 /// # Errors
-/// If a formula is constant or defined nowhere, or too large to compile.
+/// As [`Model::new`].
 pub fn render(
     document: &Document,
     region: &Region,
@@ -354,12 +354,12 @@ pub fn render(
     Model::new(document, region, settings)?.picture(camera, settings, progress)
 }
 
-/// At so many points a function is looked at to see whether it is 0 everywhere.
+/// Number of points at which a function is tested for being 0 everywhere.
 const FLAT_POINTS: usize = 64;
 /// Multiples of these fractions fill a cube evenly (Roberts 2018, generalised golden ratios).
 const FLAT_STEPS: DVec3 = DVec3::new(0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9);
 
-/// Measures one stage after another.
+/// Measures consecutive stages.
 struct Stopwatch(Instant);
 
 impl Stopwatch {

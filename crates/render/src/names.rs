@@ -1,13 +1,12 @@
-//! The names by which settings are typed and shown: one table for each, of which the command line,
-//! the prompt and what they print are made.
+//! Names of settings: one table for each, for the command line, the prompt and their output.
 
 use crate::picture::{Normals, Precision};
 use zeroset_scene::view::ClipTo;
 use zeroset_shade::UndecidedStyle;
 
-/// What is chosen by name.
+/// A setting chosen by name.
 pub trait Named: Copy + PartialEq + Send + Sync + 'static {
-    /// Each value with its name and one line on what it means.
+    /// Each value, with its name and one line of help.
     const NAMES: &'static [(Self, &'static str, &'static str)];
 
     /// The value called `name`.
@@ -15,7 +14,7 @@ pub trait Named: Copy + PartialEq + Send + Sync + 'static {
         Self::NAMES.iter().find(|row| row.1 == name).map(|row| row.0)
     }
 
-    /// What the value is called.
+    /// The value's name.
     fn name(self) -> &'static str {
         Self::NAMES.iter().find(|row| row.0 == self).map_or("", |row| row.1)
     }

@@ -13,43 +13,43 @@ use axes::draw_box;
 use ticks::ticks;
 use zeroset_syntax::Document;
 
-/// Rows of a picture for each pixel of a letter's dots, about.
+/// Number of picture rows per unit of the letters' scale, which is rounded.
 const ROWS: usize = 640;
 
-/// The height of all legends, as a share of the picture's.
+/// Height of all legends together, as a share of the picture's height.
 const TALL: f64 = 0.42;
 
-/// Letters of a legend's title, at most.
+/// Largest number of letters in a legend's title.
 const LONGEST: usize = 24;
 
-/// What is drawn around a picture.
+/// Choice of the drawings around a picture.
 #[derive(Clone, Copy)]
 pub struct Around {
-    /// The domain's box with its ticks.
+    /// Set to draw the region's box with ticks.
     pub axes: bool,
-    /// Which value has which color.
+    /// Set to draw the legends of color maps.
     legend: bool,
 }
 
 impl Around {
-    /// With axes or without, and a legend as the document says, or else with axes.
+    /// With or without axes. A legend comes with axes unless the document says otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {
         Self { axes, legend: document.picture.legend.unwrap_or(axes) }
     }
 
-    /// Axes and legend if the caller asks for them or the document does.
+    /// Axes and legend if either the caller or the document wants them.
     pub fn asked(axes: bool, legend: bool, document: &Document) -> Self {
         let said = Self::new(axes || document.picture.axes == Some(true), document);
         Self { legend: legend || said.legend, ..said }
     }
 
-    /// As the document says.
+    /// Axes and legend as the document says.
     pub fn said(document: &Document) -> Self {
         Self::new(document.picture.axes == Some(true), document)
     }
 
-    /// Draws it over a picture that takes the upper `height` rows of the canvas, legends from the
-    /// top down, or down to the bottom.
+    /// Draws axes and legends over a picture in the upper `height` rows of the canvas. Legends
+    /// start at the top, or end at the bottom with `to_bottom`.
     pub fn draw(self, canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
         if self.axes {
             draw_box(canvas, shown, height);
@@ -59,8 +59,8 @@ impl Around {
         }
     }
 
-    /// The same over a picture of this width and height, of which a smaller one may be `shown`; to
-    /// be mixed into its rows.
+    /// Axes and legends for a picture of this size, to be mixed into its rows. `shown` may be a
+    /// smaller picture of the same view.
     pub fn marks(self, shown: Shown<'_>, [width, height]: [usize; 2]) -> Canvas {
         let scale = ((height + ROWS / 2) / ROWS).max(1);
         let mut canvas = Canvas::new(width, height, Vec::new(), scale);
@@ -70,7 +70,7 @@ impl Around {
         canvas
     }
 
-    /// The picture's colors with it over them, as sRGB bytes.
+    /// The picture's colors with axes and legends, as sRGB bytes.
     pub fn over(self, shown: Shown<'_>) -> Vec<u8> {
         let (buffer, mut rgb) = (&shown.picture.buffer, shown.picture.rgb.clone());
         self.marks(shown, [buffer.width, buffer.height]).mix_into(&mut rgb, 0);
@@ -78,8 +78,8 @@ impl Around {
     }
 }
 
-/// Draws what tells colors along the right edge of a picture that takes `height` rows of the
-/// canvas, one below the other: from the top down, or down to the bottom.
+/// Draws legends below each other at the right edge of a picture that takes `height` rows of the
+/// canvas. They start at the top, or end at the bottom with `to_bottom`.
 fn draw_legends(canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
     let legends = &shown.picture.legends;
     let (ink, space) = (shown.ink(), 10 * canvas.scale);
@@ -99,7 +99,7 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
     let marks = if extent > 0.0 {
         ticks(legend.low, legend.high).0
     } else {
-        // The one value that there is, as far as floats that found its points know it.
+        // The single value, rounded to the digits that its floats support.
         let value = format!("{:.3e}", legend.low).parse().unwrap_or(legend.low);
         vec![(legend.low, f64::to_string(&value))]
     };
@@ -174,7 +174,7 @@ mod tests {
         let lines = changed(&picture, &after);
         let on_surface = lines.iter().filter(|&&n| picture.buffer.is_drawn(n)).count();
         assert!(lines.len() > 1500 && on_surface > 20, "{} {on_surface}", lines.len());
-        // As if nothing hid them.
+        // The same lines, with nothing in front of them.
         let mut clear = picture.clone();
         clear.buffer.drawn.fill(f64::INFINITY);
         let seen = Around { axes: true, legend: false }.over(Shown { picture: &clear, ..shown });

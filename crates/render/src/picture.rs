@@ -1,4 +1,4 @@
-//! From a document to a picture: simplify, compile, trace, shade, and account for all of it.
+//! Settings of a picture, the finished picture, and its statistics.
 
 use crate::overlay::Legend;
 use glam::DVec3;
@@ -14,59 +14,56 @@ use zeroset_trace::{
 
 pub use zeroset_trace::Precision;
 
-/// How a picture is made.
+/// Settings of a picture.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::struct_excessive_bools)] // choices that have nothing to do with each other
 pub struct Settings {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: usize,
-    /// Number of rows.
+    /// Height in pixels.
     pub height: usize,
-    /// How surfaces are found.
+    /// Method that finds surfaces.
     pub method: &'static Method,
-    /// The options of the method.
+    /// Options of the method.
     pub options: TraceOptions,
-    /// Whether another picture follows: places that are hard to decide are painted, and left
-    /// undecided, sooner.
+    /// Set if a finer picture follows: hard rays are then left undecided sooner, and painted.
     pub is_preview: bool,
-    /// Whether the brackets of hits are kept.
+    /// Set to keep the brackets of hits.
     pub brackets: bool,
-    /// Whether normals are kept that no further step needs. A picture without them is made faster,
-    /// but has to be traced again to be relit or settled.
+    /// Set to keep normals that no later step needs. Without them a picture is faster, but must be
+    /// traced again to be relit or settled.
     pub keeps_normals: bool,
-    /// How long surfaces may be looked for: what was not reached by then is undecided and not
-    /// painted.
+    /// Time limit for tracing. Pixels not reached by then are undecided and unpainted.
     pub budget: Option<Duration>,
-    /// When the budget's time began; `None` if it begins with the picture.
+    /// Start of the budget's time. `None` if it starts with the picture.
     pub begun: Option<Instant>,
-    /// The same depth for shadow rays; `None` for no shadows.
+    /// Number of halvings along shadow rays. `None` for no shadows.
     pub shadow_depth: Option<u32>,
-    /// Where normals come from; `None` if neither colors nor normals are wanted.
+    /// Source of normals. `None` if neither colors nor normals are wanted.
     pub normals: Option<Normals>,
-    /// How undecided pixels are drawn.
+    /// Style of undecided pixels.
     pub undecided: UndecidedStyle,
-    /// Lighting and background; `None` for what the document says, else the
-    /// first of the looks.
+    /// Lighting and background. `None` for those of the document, or else the first look.
     pub look: Option<&'static Look>,
-    /// Whether what is near takes light away, if the look has that.
+    /// Set to compute ambient occlusion, if the look has it.
     pub occlusion: bool,
-    /// Over which rays the color of a pixel with an edge is a mean. What is known of pixels is
-    /// about the ray through their centre in any case.
+    /// Rays whose mean color a pixel on an edge gets. Proofs always concern the ray through the
+    /// center.
     pub antialias: Pattern,
-    /// The light's place; `None` for far above and left of the camera.
+    /// Position of the light. `None` for far above and left of the camera.
     pub light: Option<DVec3>,
-    /// Share of the light that comes from everywhere, within [0, 1]; `None` for the look's.
+    /// Share of ambient light, within [0, 1]. `None` for that of the look.
     pub ambient: Option<f32>,
-    /// Shown where there is nothing; `None` for what the document says, else the look's.
+    /// Background color. `None` for that of the document, or else of the look.
     pub background: Option<LinearRgb>,
 }
 
-/// Where normals come from.
+/// Source of normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Normals {
     /// The exact derivative.
     Gradient,
-    /// Differences of values, as in Knoll et al. 2007.
+    /// Central differences of values, as in Knoll et al. 2007.
     Central,
 }
 
@@ -96,25 +93,25 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Halvings of a shadow ray's way, unless told otherwise: one fewer than of a ray from the eye.
+    /// Default number of halvings of a shadow ray: one less than for camera rays.
     pub fn usual_shadow_depth(&self) -> u32 {
         self.options.depth.saturating_sub(1).max(1)
     }
 
-    /// The same with all of the budget's time from now on.
+    /// The same settings with the budget starting now.
     #[must_use]
     pub fn begin(&self) -> Self {
         Self { begun: Some(Instant::now()), ..self.clone() }
     }
 
-    /// Tells whether there is time left for a picture, of which this is the beginning if it was
-    /// not begun before.
+    /// Returns a function that tells whether the budget has time left. The budget starts now unless
+    /// `begun` is set.
     pub fn has_time(&self) -> impl Fn() -> bool + Sync + use<> {
         self.has_time_for(1.0)
     }
 
-    /// Tells whether there is time left to choose where to look, or from where: each may take as
-    /// much as a quarter of what is left now, so that most of it is the picture's.
+    /// Like [`Settings::has_time`], for choosing a region or a camera. Each may take a quarter of
+    /// the time that is left now, so that most of it remains for the picture.
     pub fn has_time_to_choose(&self) -> impl Fn() -> bool + Sync + use<> {
         self.has_time_for(0.25)
     }
@@ -126,7 +123,7 @@ impl Settings {
         move || end.is_none_or(|end| Instant::now() < end)
     }
 
-    /// The same with the light and the finish of others.
+    /// These settings with the light and antialiasing of `others`.
     #[must_use]
     pub fn lit_as(&self, others: &Self) -> Self {
         Self {
@@ -142,7 +139,8 @@ impl Settings {
         }
     }
 
-    /// The same without what only makes a picture look better, and takes longer than all else.
+    /// These settings without shadows, ambient occlusion and antialiasing, which take the most
+    /// time.
     #[must_use]
     pub fn plain(&self) -> Self {
         let antialias = Pattern::ONE;
@@ -153,34 +151,33 @@ impl Settings {
 /// A finished picture.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// What is known of each pixel.
+    /// The results for each pixel.
     pub buffer: GBuffer,
-    /// Red, green and blue bytes (sRGB) of each pixel; empty if colors were not asked for.
+    /// Red, green and blue bytes (sRGB) of each pixel. Empty if no colors were requested.
     pub rgb: Vec<u8>,
-    /// The method that traced the surfaces: another one than that of the settings if all were traced
-    /// by a fallback.
+    /// The method that traced the surfaces. A fallback method if that traced all of them.
     pub method: &'static Method,
-    /// The surfaces, by number, that another method than that of the settings traced.
+    /// Surfaces, by number, that were traced by a fallback method.
     pub fallbacks: Vec<(usize, Fallback)>,
-    /// What kernels computed in.
+    /// Precision of the kernels.
     pub precision: Precision,
-    /// How it is lit.
+    /// Lighting and background.
     pub look: &'static Look,
-    /// What tells which value has which color; empty if no color is that of a value.
+    /// Legends of the color maps. Empty if no color depends on a value.
     pub legends: Vec<Legend>,
-    /// What it took.
+    /// Times and counts.
     pub statistics: Statistics,
-    /// Whether some surface is proven to have no value anywhere in the domain.
+    /// Set if some surface's function is proven undefined in the whole region.
     pub undefined: bool,
-    /// One line for each surface whose function is constant on the domain.
+    /// One line for each surface whose function is constant on the region.
     pub remarks: Vec<String>,
-    /// Whether some surface's function could not be told from 0 wherever it was looked at: it may
-    /// be 0 everywhere.
+    /// Set if some surface's function may be 0 everywhere: it could not be told from 0 at any test
+    /// point.
     pub flat: bool,
 }
 
 impl Picture {
-    /// The same without its rows.
+    /// The same picture without its rows.
     pub(crate) fn without_rows(mut self) -> Self {
         let buffer = GBuffer::new(self.buffer.width, 0, 0);
         std::mem::replace(&mut self.buffer, buffer).hand_back();
@@ -188,7 +185,7 @@ impl Picture {
         self
     }
 
-    /// Counts what another part of the same picture took.
+    /// Adds the statistics of another part of the same picture.
     pub(crate) fn add(&mut self, other: &Self) {
         let (all, part) = (&mut self.statistics, &other.statistics);
         all.times += part.times;
@@ -199,31 +196,31 @@ impl Picture {
         all.open.unreached += open.unreached;
         all.work += part.work;
         all.edge_rays += part.edge_rays;
-        // A later part may have asked for more of them.
+        // A later part may have compiled further kernels.
         (all.code_bytes, all.kernels) = (part.code_bytes, part.kernels.clone());
         self.flat |= other.flat;
     }
 
-    /// How many pixels are open only because this is a preview or time was short.
+    /// Number of pixels left open only because of the preview or the budget.
     pub fn left_open(&self) -> usize {
         self.statistics.open.reasons[UndecidedReason::Budget as usize]
     }
 
-    /// Of each pixel, row by row, whether it is open only because this is a preview or time was
-    /// short.
+    /// For each pixel, row by row, whether it is open only because of the preview or the budget.
     pub(crate) fn unsettled(&self) -> impl Iterator<Item = bool> + '_ {
         (0..self.buffer.status.len())
             .map(|pixel| self.buffer.reason(pixel) == UndecidedReason::Budget)
     }
 
-    /// Leaves the memory to the next pictures, which then are made faster. Up to two pictures' is
-    /// kept, until the end of the process.
+    /// Recycles the memory for later pictures, which are then faster. The memory of up to two
+    /// pictures is kept until the process ends.
     pub fn hand_back(self) {
         self.buffer.hand_back();
         hand_back_colors(self.rgb);
     }
 
-    /// Why pixels are undecided, and how many for each reason, in one line; `None` if none are.
+    /// The reasons for undecided pixels with their counts, in one line. `None` if every pixel is
+    /// decided.
     pub fn why_undecided(&self) -> Option<String> {
         let counts = self.statistics.open.reasons;
         let parts: Vec<(UndecidedReason, usize)> =
@@ -248,36 +245,36 @@ impl Picture {
     }
 }
 
-/// What a picture took to make.
+/// Times and counts of a picture.
 #[derive(Clone, Debug, Default)]
 pub struct Statistics {
-    /// Time to simplify, compile, trace and shade.
+    /// Times of the stages.
     pub times: Times,
-    /// Pixels by what is proven.
+    /// Numbers of pixels by status.
     pub pixels: PixelCounts,
-    /// What is known of undecided pixels.
+    /// Statistics of undecided pixels.
     pub open: Open,
-    /// Calls of kernels and lanes they computed, but for edges.
+    /// Evaluations of kernels, except for antialiasing.
     pub work: KernelStats,
-    /// Further rays that were followed for the colors of pixels with edges.
+    /// Number of rays for antialiasing.
     pub edge_rays: usize,
-    /// Size of all machine code, in bytes.
+    /// Total size of machine code, in bytes.
     pub code_bytes: usize,
-    /// The kernels that were made for it, or earlier.
+    /// Kernels compiled for this picture or earlier.
     pub kernels: Vec<Made>,
-    /// Nodes of the graph as typed, and after simplification.
+    /// Number of nodes in the graph, as typed and simplified.
     pub nodes: (usize, usize),
 }
 
-/// What is known of undecided pixels.
+/// Statistics of undecided pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Open {
-    /// How many there are for each of [`UndecidedReason::ALL`].
+    /// Number of pixels for each of [`UndecidedReason::ALL`].
     pub reasons: [usize; UndecidedReason::ALL.len()],
-    /// How many are not painted, but for those of which that is said otherwise: rays of a method
-    /// that proves nothing, or along which no bound of the slope is known.
+    /// Number of unpainted undecided pixels. It excludes rays of methods that prove nothing, and
+    /// rays without a bound of the slope.
     pub blank: usize,
-    /// How many of these were not reached in time.
+    /// Number of these pixels that were not reached in time.
     pub unreached: usize,
 }
 
@@ -302,22 +299,22 @@ impl Open {
 /// Wall-clock times of the stages.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Times {
-    /// Graph to simplified graph.
+    /// Simplifying the graph.
     pub simplify: Duration,
-    /// Graph to native code.
+    /// Compiling native code.
     pub compile: Duration,
-    /// Rays to distances.
+    /// Tracing rays.
     pub trace: Duration,
-    /// Distances to normals and colors.
+    /// Computing normals and colors.
     pub shade: Duration,
-    /// What is near to what, and shadows.
+    /// Ambient occlusion and shadows.
     pub occlude: Duration,
-    /// Further rays where there are edges.
+    /// Rays for antialiasing.
     pub antialias: Duration,
 }
 
 impl AddAssign for Times {
-    /// Adds the times that parts of one picture take; kernels are made once.
+    /// Adds the times of another part of the picture. Kernels are compiled only once.
     fn add_assign(&mut self, part: Self) {
         self.trace += part.trace;
         self.shade += part.shade;

@@ -1,8 +1,8 @@
-//! Pictures in sequence: values that move from frame to frame, or an eye that goes around.
+//! Sequences of pictures, with values that move or a camera that turns.
 //!
-//! Every frame depends on its number alone, so that frames can be made in any order and on
-//! different machines. All have the same domain and the same camera, but for its turning: both are
-//! chosen for samples of the whole sequence.
+//! A frame depends on its number alone, so frames can be drawn in any order and on different
+//! machines. All frames share one region and one camera, apart from turning. Both are chosen from
+//! samples of the whole sequence.
 
 use crate::framing;
 use crate::model::Model;
@@ -16,74 +16,73 @@ use zeroset_space::Region;
 use zeroset_syntax::{Document, Errors, Options};
 use zeroset_trace::{Camera, CameraError};
 
-/// So many frames, evenly spread, are looked at to choose domain and camera.
+/// Number of evenly spread frames from which region and camera are chosen.
 const SAMPLES: usize = 33;
 
 /// A value that moves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// The parameter's name; `t` for the time.
+    /// Name of the parameter; `t` is the time.
     pub name: String,
-    /// Its value in the first frame.
+    /// Value in the first frame.
     pub from: f64,
-    /// Its value in the last frame, or after it in a loop.
+    /// Value in the last frame, or one frame later in a loop.
     pub to: f64,
 }
 
-/// What moves, and in how many frames.
+/// The motion of a sequence, and its number of frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sequence {
-    /// How many frames there are, at least 1.
+    /// Number of frames, at least 1.
     pub frames: usize,
     /// The values that move.
     pub sweeps: Vec<Sweep>,
-    /// By how many degrees the eye goes around what it looks at; seen from above,
-    /// counter-clockwise.
+    /// Degrees by which the camera turns around its target, counter-clockwise seen from above.
     pub turn: Option<f64>,
-    /// Whether the end is left out, because it shows what the start shows.
+    /// Set to omit the end, because it looks like the start.
     pub is_loop: bool,
 }
 
-/// Where a sequence takes place.
+/// Region and camera of a sequence.
 #[derive(Clone, Debug)]
 pub struct Stage {
-    /// The domain of all frames.
+    /// The region of all frames.
     pub region: Region,
-    /// What was found if it was searched for.
+    /// The automatic domain, if the region was searched for.
     pub searched: Option<AutoDomain>,
-    /// The camera of the first frame.
+    /// Camera of the first frame.
     camera: Camera,
 }
 
-/// Why there is no sequence.
+/// Why a sequence cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum SequenceError {
-    /// The text cannot be read with the values of this frame.
+    /// The document has errors with the values of this frame.
     #[error("frame {frame}: {errors}")]
     Text {
-        /// The frame's number, from 0.
+        /// Number of the frame, from 0.
         frame: usize,
-        /// What is wrong.
+        /// The errors.
         errors: Errors,
     },
-    /// The frame cannot be looked at.
+    /// The frame has no valid region or camera.
     #[error("frame {frame}: {error}")]
     Scene {
-        /// The frame's number, from 0.
+        /// Number of the frame, from 0.
         frame: usize,
-        /// What is wrong.
+        /// The error.
         error: SceneError,
     },
 }
 
 impl Sequence {
-    /// How far the sequence has come at a frame, counted from 0: from 0 to 1.
+    /// Progress at a frame, from 0 to 1. Frames count from 0.
     fn share(&self, frame: usize) -> f64 {
         let steps = if self.is_loop { self.frames } else { self.frames.saturating_sub(1) };
         frame as f64 / steps.max(1) as f64
     }
 
-    /// The moving values at a frame, counted from 0.
+    /// The moving values at a frame. Frames count from 0.
     pub fn values(&self, frame: usize) -> impl Iterator<Item = (&str, f64)> {
         let share = self.share(frame);
         self.sweeps
@@ -91,11 +90,11 @@ impl Sequence {
             .map(move |sweep| (sweep.name.as_str(), sweep.from * (1.0 - share) + sweep.to * share))
     }
 
-    /// The document at a frame, counted from 0. Its moving parameters have the sweep for their
-    /// range, so that kernels serve for all of it.
+    /// The document at a frame, counted from 0. The range of a moving parameter is its whole sweep,
+    /// so that the same kernels serve all frames.
     ///
     /// # Errors
-    /// What is wrong with the text or with a value.
+    /// If the text or a value has errors.
     pub fn document(
         &self,
         text: &str,
@@ -109,8 +108,7 @@ impl Sequence {
             zeroset_syntax::read(text, &Options { overrides: &overrides, ..*options })?;
         let point = |value: f64| Interval::point(value).map(Constant::enclosed);
         for sweep in &self.sweeps {
-            // Values are typed in decimals, and may lie an ulp beyond the floats that these were
-            // read as.
+            // Values are passed as decimal text, which may read as one ulp beyond these floats.
             let low = sweep.from.min(sweep.to).next_down();
             let high = sweep.from.max(sweep.to).next_up();
             let mut parameters = document.parameters.iter_mut();
@@ -121,12 +119,12 @@ impl Sequence {
         Ok(document)
     }
 
-    /// Domain and camera for all frames. A frame that has no surface is passed over. The camera
-    /// shows all of the domain's box if `shows_domain`, or if the time to find what is visible ran
-    /// out, else what is visible.
+    /// Chooses region and camera for all frames. Frames without a surface are skipped. The camera
+    /// fits what is visible. It fits the whole box instead if `shows_domain`, or if the time for
+    /// choosing runs out.
     ///
     /// # Errors
-    /// If the text is wrong, if no frame has a surface, or if domain or camera are impossible.
+    /// If the text has errors, if no frame has a surface, or if region or camera are not valid.
     ///
     /// # Panics
     /// Never: there is at least one sample.
@@ -163,12 +161,12 @@ impl Sequence {
         for document in &seen {
             let rebound = models.first().and_then(|model| model.rebound(document, &region));
             let made = rebound.unwrap_or_else(|| Model::new(document, &region, settings));
-            // What has no surface is said when its frame is made.
+            // A frame without a surface is reported when it is drawn.
             models.extend(made);
         }
         let models: Vec<&Model> = models.iter().collect();
         let is_turned = self.turn.is_some();
-        // Of nothing all is seen that is written around it.
+        // Without models, the camera shows the whole box.
         let visible = if shows_domain { &[] } else { &*models };
         let camera = if shows_domain && !is_turned {
             framing::of_domain(&region, &seen[0], choice, settings).map(Some)
@@ -184,7 +182,7 @@ impl Sequence {
     /// The camera of a frame, counted from 0.
     ///
     /// # Errors
-    /// If there can be none: too near to what it looks at, for example.
+    /// If the camera is not valid, for example too near its target.
     pub fn camera(&self, stage: &Stage, frame: usize) -> Result<Camera, CameraError> {
         let camera = &stage.camera;
         match self.turn {
@@ -194,10 +192,10 @@ impl Sequence {
     }
 }
 
-/// The camera with its eye gone around the upright axis through its target, by so many degrees.
+/// The camera with its eye turned by this many degrees about the upright axis through its target.
 fn turned(camera: &Camera, degrees: f64) -> Result<Camera, CameraError> {
     let up = camera.up();
-    // Whole turns end exactly where they began.
+    // A whole number of turns ends exactly at the start.
     let angle = (degrees % 360.0).to_radians();
     let around = DQuat::from_axis_angle(up.normalize_or(DVec3::Z), angle);
     let eye = camera.target() + around * (camera.eye() - camera.target());
@@ -205,7 +203,7 @@ fn turned(camera: &Camera, degrees: f64) -> Result<Camera, CameraError> {
     Camera::new(eye, camera.target(), up, camera.projection())
 }
 
-/// What holds two domains.
+/// The smallest region that contains both.
 fn both(
     (one, found): &(Region, Option<AutoDomain>),
     (other, found_too): &(Region, Option<AutoDomain>),

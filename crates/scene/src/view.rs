@@ -320,7 +320,7 @@ pub fn camera(
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
     };
-    let view = choice.view.or(typed.preset.and_then(StandardView::named)).unwrap_or_default();
+    let view = choice.view.or(typed.preset).unwrap_or_default();
     let (offset, view_up) = (DVec3::from(view.offset), DVec3::from(view.up));
     let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
     let given_eye = choice.eye.or(typed_eye);

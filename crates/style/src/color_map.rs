@@ -26,6 +26,12 @@ pub const COLOR_MAPS: [ColorMap; 12] = [
     ColorMap { name: "redblue", gradient: colorous::RED_BLUE },
 ];
 
+impl PartialEq for ColorMap {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
 impl ColorMap {
     /// The color map with this name.
     pub fn named(name: &str) -> Option<&'static Self> {

@@ -44,7 +44,7 @@ pub use messages::note::{Note, NoteKind};
 pub use picture::lines::{PictureLines, SettingLine};
 pub use picture::paint::{Contours, MappedColor, POINT_NAMES, PointValue, SurfaceColor};
 pub use picture::scene::{ConstantRange, DomainLine, SrgbColor, ViewLine};
-pub use settings::{COLOR_MAPS, LOOKS, PRESETS, setting_word};
+pub use settings::setting_word;
 pub use span::Span;
 pub use tree::ast;
 pub use words::{WordKind, language_names, word_help, words};

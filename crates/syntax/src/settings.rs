@@ -1,17 +1,5 @@
 //! Lines that set something about the picture: the table of them.
 
-/// Directions that a `view` line can name.
-pub const PRESETS: [&str; 7] = ["iso", "front", "back", "left", "right", "top", "bottom"];
-
-/// What a `look` line may name.
-pub const LOOKS: [&str; 4] = ["studio", "flat", "paper", "night"];
-
-/// Color maps that a `color` line can name.
-pub const COLOR_MAPS: [&str; 12] = [
-    "viridis", "magma", "inferno", "plasma", "cividis", "turbo", "spectral", "sinebow", "rainbow",
-    "blues", "greys", "redblue",
-];
-
 /// A word that begins a line about the picture.
 pub(crate) struct SettingRow {
     pub word: &'static str,
@@ -69,7 +57,7 @@ pub(crate) const SETTINGS: &[SettingRow] = &[
     SettingRow {
         word: "look",
         kind: SettingKind::Look,
-        hint: "there are `studio`, `flat`, `paper` and `night`",
+        hint: "write the name of a look, such as `paper`",
     },
     SettingRow {
         word: "background",

@@ -3,9 +3,9 @@
 
 use crate::picture::paint::POINT_NAMES;
 use crate::settings::SETTINGS;
-use crate::settings::{COLOR_MAPS, LOOKS, PRESETS};
 use crate::tree::scope::{ROOT_NAMES, meaning};
 use zeroset_ir::NamedConstant;
+use zeroset_style::{COLOR_MAPS, LOOKS, VIEWS};
 
 /// What a word is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -61,7 +61,10 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
     let functions = zeroset_ops::names().chain(ROOT_NAMES.iter().copied());
     let values = VALUES.iter().map(|(name, _)| *name).filter(|name| *name != "r");
     let values = values.chain(NamedConstant::ALL.iter().map(|constant| constant.name()));
-    let within = PRESETS.into_iter().chain(LOOKS).chain(COLOR_MAPS).chain(POINT_NAMES);
+    let views = VIEWS.map(|view| view.name).into_iter();
+    let looks = LOOKS.map(|look| look.name).into_iter();
+    let maps = COLOR_MAPS.map(|map| map.name).into_iter();
+    let within = views.chain(looks).chain(maps).chain(POINT_NAMES);
     let within = within.chain(["auto", "ball", "on", "off", "eye", "target", "up", "fov", "ortho"]);
     let first = |(word, _): &(&'static str, &str)| *word;
     functions

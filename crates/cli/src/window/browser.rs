@@ -1,5 +1,5 @@
-//! The gallery in the window: pictures to choose from. Letters choose by name, arrows and the mouse
-//! one after the other.
+//! The gallery in the window. A surface is chosen by typing part of its name, or by arrow keys or
+//! the mouse.
 
 use super::Window;
 use super::enlarge::enlarge;
@@ -13,23 +13,23 @@ use zeroset_render::overlay::{Canvas, Rgb};
 const GROUND: Rgb = 0x0018_1820;
 const CELL: Rgb = 0x0028_2832;
 
-/// Between pictures, in dots of a letter.
+/// Gap between pictures, in glyph dots.
 const GAP: usize = 8;
 
-/// The surfaces to choose from, while they are shown.
+/// State of the gallery.
 #[derive(Default)]
 pub struct Browser {
     is_open: bool,
-    /// Made when it is first opened.
+    /// Created when the gallery is first opened.
     thumbnails: Option<Thumbnails>,
     filter: String,
-    /// Among those that the filter leaves.
+    /// Index of the chosen surface in the filtered list.
     chosen: usize,
-    /// The first row that is shown.
+    /// The first visible row.
     scroll: usize,
 }
 
-/// All that is drawn of it, but for the pictures.
+/// Everything that is drawn, except the pictures.
 #[derive(Clone, PartialEq)]
 pub struct Shown {
     filter: String,
@@ -39,11 +39,11 @@ pub struct Shown {
     version: u64,
 }
 
-/// Where pictures are, in pixels.
+/// Layout of the pictures, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Grid {
     columns: usize,
-    /// Rows that are shown, and the first of them.
+    /// Number of visible rows, and the first of them.
     rows: usize,
     first: usize,
     left: usize,
@@ -54,7 +54,8 @@ struct Grid {
 }
 
 impl Grid {
-    /// In a window of so many pixels with letters of this scale, so that the `chosen` one is seen.
+    /// Lays out a window of this size with letters of this scale, so that the `chosen` one is
+    /// visible.
     fn new((width, height): (usize, usize), scale: usize, scroll: usize, chosen: usize) -> Self {
         let (side, gap, line) = (SIDE * scale, GAP * scale, Canvas::line_height_at(scale));
         let columns = (width.saturating_sub(gap) / (side + gap)).max(1);
@@ -73,7 +74,7 @@ impl Grid {
         (self.left + column * across, self.top + row * down)
     }
 
-    /// The numbers of the pictures that are shown, of so many.
+    /// Returns the numbers of the visible pictures, if there are `count` pictures.
     fn shown(&self, count: usize) -> Range<usize> {
         let first = (self.first * self.columns).min(count);
         first..(first + self.rows * self.columns).min(count)
@@ -94,14 +95,14 @@ impl Browser {
         self.is_open
     }
 
-    /// Ends what makes pictures.
+    /// Ends the thread that renders pictures.
     pub fn stop(&mut self) {
         if let Some(thumbnails) = &mut self.thumbnails {
             thumbnails.stop();
         }
     }
 
-    /// Places in the gallery of what the filter leaves: what begins with it comes first.
+    /// Returns the gallery indices that match the filter. Names that begin with it come first.
     fn matches(&self) -> Vec<usize> {
         let examples = self.thumbnails.as_ref().map_or(&[][..], Thumbnails::examples);
         let filter = self.filter.trim().to_lowercase();
@@ -133,13 +134,13 @@ impl Window {
         }
     }
 
-    /// Where its pictures are now.
+    /// Returns the current layout.
     fn grid(&self) -> Grid {
         let (size, Browser { scroll, chosen, .. }) = (self.size(), &self.browser);
         Grid::new(size, self.scale_at(size.1), *scroll, *chosen)
     }
 
-    /// Sees to it that there are pictures of what is shown, and says what that is.
+    /// Requests pictures of the visible surfaces, and returns what to draw.
     pub(super) fn browsed(&mut self) -> Option<Shown> {
         if !self.browser.is_open {
             return None;
@@ -156,13 +157,13 @@ impl Window {
         Some(Shown { filter, matches, chosen, grid, version: thumbnails.version() })
     }
 
-    /// What a letter does while the gallery is open.
+    /// Adds a letter to the filter.
     pub(super) fn filter_gallery(&mut self, letter: char) {
         self.browser.filter.push(letter);
         (self.browser.chosen, self.browser.scroll) = (0, 0);
     }
 
-    /// What another key does then.
+    /// Handles any other key.
     pub(super) fn browse(&mut self, key: Key) {
         let count = self.browser.matches().len();
         let grid = self.grid();
@@ -188,7 +189,7 @@ impl Window {
         };
     }
 
-    /// What the mouse does then: it chooses and, where it is pressed, opens.
+    /// Chooses the picture under the mouse, and opens it if a button is pressed.
     pub(super) fn point_gallery(&mut self, at: (f64, f64), moved: bool, pressed: bool) {
         let count = self.browser.matches().len();
         let grid = self.grid();
@@ -209,7 +210,7 @@ impl Window {
         let most = rows.saturating_sub(grid.rows);
         let first = grid.first;
         browser.scroll = if steps > 0.0 { first.saturating_sub(1) } else { (first + 1).min(most) };
-        // The one that is chosen stays among those that are seen.
+        // The chosen picture stays among the visible ones.
         let (row, column) = (browser.chosen / grid.columns, browser.chosen % grid.columns);
         let row = row.clamp(browser.scroll, browser.scroll + grid.rows - 1);
         browser.chosen = (row * grid.columns + column).min(count.saturating_sub(1));

@@ -1,6 +1,6 @@
-//! Clicks that begin and end between two looks at the mouse, which the window's library does not
-//! see: a touchpad's tap can be as short as that. The X server tells of every press; on other
-//! systems none is known to be missed.
+//! Clicks that begin and end between two polls of the mouse, as a tap on a touchpad can. The
+//! window's library misses them. The X server reports every press; on other systems no missed click
+//! is known.
 
 #[cfg(all(unix, not(target_os = "macos")))]
 pub use x11::Clicks;
@@ -10,7 +10,7 @@ pub use elsewhere::Clicks;
 
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 mod elsewhere {
-    /// Knows of no click.
+    /// Reports no click.
     pub struct Clicks;
 
     impl Clicks {
@@ -18,7 +18,7 @@ mod elsewhere {
             Self
         }
 
-        #[allow(clippy::unused_self)] // as elsewhere
+        #[allow(clippy::unused_self)] // same signature as on X11
         pub fn was_missed(&mut self, _: bool) -> bool {
             false
         }
@@ -33,10 +33,10 @@ mod x11 {
     use x11rb::protocol::xproto::{ConnectionExt as _, Window};
     use x11rb::rust_connection::RustConnection;
 
-    /// The left button.
+    /// Number of the left button.
     const LEFT: u32 = 1;
 
-    /// Presses that the server tells of; none where it does not.
+    /// Presses reported by the X server, if there is a connection.
     pub struct Clicks {
         server: Option<Server>,
         /// Whether there was a press that has not been seen as a held button yet.
@@ -55,11 +55,11 @@ mod x11 {
             Self { server, pressed: false }
         }
 
-        /// To be asked once after every look at the mouse: whether the left button was pressed and
-        /// let go over this window without having been seen held.
+        /// Whether the left button was pressed and released over this window without having been
+        /// seen as held. Call this once after every poll of the mouse.
         pub fn was_missed(&mut self, held: bool) -> bool {
             let Some(server) = &self.server else { return false };
-            // The library has looked since: a button that is still held would be seen.
+            // The library has polled since the press, and would see a button that is still held.
             let missed = self.pressed && !held;
             self.pressed = server.presses() && !held;
             missed && server.is_under_pointer().unwrap_or(false)
@@ -77,7 +77,7 @@ mod x11 {
             Some(Self { connection, root, window })
         }
 
-        /// Whether the left button was pressed since this was last asked, over whatever window.
+        /// Whether the left button was pressed since the last call, over any window.
         fn presses(&self) -> bool {
             let mut pressed = false;
             while let Ok(Some(event)) = self.connection.poll_for_event() {
@@ -87,11 +87,11 @@ mod x11 {
             pressed
         }
 
-        /// Whether no other window is between the pointer and this one.
+        /// Whether this window is the topmost one under the pointer.
         fn is_under_pointer(&self) -> Option<bool> {
             let top = self.connection.query_pointer(self.root).ok()?.reply().ok()?.child;
             let mut window = self.window;
-            // Around the window there may be those of a window manager.
+            // A window manager may put the window into others.
             while window != top {
                 let parent = self.connection.query_tree(window).ok()?.reply().ok()?.parent;
                 if parent == self.root || parent == x11rb::NONE {

@@ -1,6 +1,5 @@
-//! What the window shows: the picture, and over it the line that is typed, messages, sliders, the
-//! list of surfaces and the status; or the gallery. It is drawn again only when something of that
-//! changes.
+//! The content of the window: the picture with line, messages, sliders, list of surfaces and status
+//! over it, or the gallery. It is drawn again only when it changes.
 
 use super::enlarge::enlarge;
 use super::page::Page;
@@ -21,7 +20,7 @@ const DIM: Rgb = 0x00b0_b0bc;
 const WRONG: Rgb = 0x00d0_3030;
 const WRONG_TEXT: Rgb = 0x00ff_9090;
 
-/// The picture at the window's size, with its axes, kept while only what lies over it changes.
+/// The picture at the window's size, with its axes, kept while only overlays change.
 #[derive(Default)]
 pub struct Backdrop {
     rendering: Option<Arc<Rendering>>,
@@ -34,7 +33,7 @@ pub struct Backdrop {
 #[derive(Clone, PartialEq)]
 pub struct Content {
     size: (usize, usize),
-    /// The rendering, by its place in memory: it is kept while it is shown.
+    /// Address of the rendering, which stays alive while it is shown.
     rendering: Option<*const Rendering>,
     fault: Option<String>,
     wrong: bool,
@@ -50,7 +49,7 @@ pub struct Content {
 }
 
 impl Content {
-    /// What there is to say above the line that is typed or the status line.
+    /// Returns the message above the line or the status line, with its color.
     fn said(&self) -> Option<(&str, Rgb)> {
         let candidates = self.candidates.as_deref().map(|text| (text, DIM));
         let fault = self.fault.as_deref().map(|text| (text, WRONG_TEXT));
@@ -59,11 +58,11 @@ impl Content {
     }
 }
 
-/// Where lines of text go, in pixels.
+/// Layout of the lines of text, in pixels.
 struct Layout {
-    /// Around what is written.
+    /// Margin around text.
     margin: usize,
-    /// What a line has room for between margins.
+    /// Width of a line between the margins.
     room: usize,
     row: usize,
     /// The top of the status line.
@@ -71,7 +70,7 @@ struct Layout {
 }
 
 impl Window {
-    /// Draws what is seen, if it is not what is shown already, and tells whether it did.
+    /// Draws the window unless its content is unchanged, and returns whether it did.
     pub(super) fn draw(&mut self, seen: &Snapshot) -> Result<bool> {
         if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE) {
             self.message = None;
@@ -153,7 +152,7 @@ impl Window {
     }
 }
 
-/// What is wrong in one line, and the key that mends it if there is one.
+/// Returns one line about a fault, with the key that mends it if there is one.
 fn wrong(fault: &Fault) -> String {
     let message = fault.message();
     match fault.missing_letter() {
@@ -162,7 +161,7 @@ fn wrong(fault: &Fault) -> String {
     }
 }
 
-/// How the first surface was read, and how many more there are.
+/// Returns the first surface as it was read, and the number of further surfaces.
 fn echo(rendering: &Rendering) -> String {
     let surfaces = &rendering.document.surfaces;
     let echo = surfaces.first().map_or("", |surface| surface.echo.as_str());
@@ -172,7 +171,7 @@ fn echo(rendering: &Rendering) -> String {
     }
 }
 
-/// The status line: what is seen at its left, and at its right what is under the pointer.
+/// Draws the status line: status at its left, point under the pointer at its right.
 fn draw_status(
     canvas: &mut Canvas,
     layout: &Layout,
@@ -192,21 +191,21 @@ fn draw_status(
     if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
         canvas.write(&hover, right, text_y, DIM);
     } else if content.line.is_none() && content.said().is_none() {
-        // Both do not fit one line.
+        // The two do not fit in one line.
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
     let left = canvas.fitting(&status, room);
     canvas.write(&left, margin as i64, text_y, INK);
 }
 
-/// The line that is typed, what it may be completed to, and what there is to say.
+/// Draws the line that is being typed, its completions, and messages.
 fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
     let Layout { margin, room, row, bottom } = *layout;
     let (width, dot) = (canvas.width, canvas.scale);
     let mut above = bottom - row as i64;
     if let Some((text, column)) = &content.line {
         canvas.fill(0, above, width, row, 0x0010_1014, 240);
-        // The end of a long line is where it is typed.
+        // A long line is shown up to the cursor.
         let letters = (room / canvas.advance()).saturating_sub(3).max(1);
         let skip = column.saturating_sub(letters);
         let part: String = text.chars().skip(skip).take(letters + 1).collect();
@@ -222,8 +221,8 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
 }
 
 impl Backdrop {
-    /// Scales the rendering's picture to its part of the window and draws its axes, if something of
-    /// that has changed.
+    /// Scales the rendering's picture to its part of the window and draws its axes, unless nothing
+    /// has changed.
     fn follow(
         &mut self,
         rendering: Option<&Arc<Rendering>>,
@@ -246,7 +245,7 @@ impl Backdrop {
         let axes = rendering.request.axes.are_shown(&rendering.document);
         let pixels = std::mem::take(&mut self.pixels);
         let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
-        // Legends stand at the bottom: above are the lists.
+        // Legends are at the bottom, since the lists are at the top.
         let around = Around::new(axes, &rendering.document);
         around.draw(&mut canvas, (&**rendering).into(), picture.1, true);
         self.pixels = canvas.pixels;

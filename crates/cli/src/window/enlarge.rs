@@ -1,11 +1,11 @@
-//! A picture in a window that has more pixels: coarse ones are seen smooth, not as blocks.
+//! Enlarges pictures for the window. Coarse ones appear smooth, without blocks.
 
 use zeroset_render::overlay::Rgb;
 
-/// Steps between two pixels of a picture.
+/// Steps between two neighboring pixels.
 const ONE: usize = 256;
 
-/// Between which two pixels another one lies, and how far from the first, in steps.
+/// A position between two pixels; `share` is its distance from the first, in steps.
 #[derive(Clone, Copy)]
 struct Between {
     first: usize,
@@ -13,11 +13,11 @@ struct Between {
     share: u32,
 }
 
-/// For each of `to` pixels, its place among `from` that cover the same length.
+/// Returns the position of each of `to` pixels among `from` pixels over the same length.
 fn places(from: usize, to: usize) -> Vec<Between> {
     let last = from.saturating_sub(1);
     let place = |n: usize| {
-        // From centre to centre.
+        // Distances are between centers of pixels.
         let at = ((2 * n + 1) * from * ONE / (2 * to)).saturating_sub(ONE / 2);
         let first = (at / ONE).min(last);
         Between { first, second: (first + 1).min(last), share: (at % ONE) as u32 }
@@ -25,8 +25,8 @@ fn places(from: usize, to: usize) -> Vec<Between> {
     (0..to).map(place).collect()
 }
 
-/// Draws rows of red, green and blue bytes into the upper `height` rows of `pixels`, of `width`
-/// each: as they are if the sizes are the same, else with colors in between.
+/// Draws rows of red, green and blue bytes into the upper `height` rows of `pixels`, each `width`
+/// pixels wide. Colors are interpolated unless the sizes are equal.
 pub fn enlarge(rgb: &[u8], from: [usize; 2], pixels: &mut [Rgb], [width, height]: [usize; 2]) {
     let colors = rgb.as_chunks::<3>().0;
     let rows = pixels.chunks_exact_mut(width).take(height);
@@ -82,7 +82,7 @@ mod tests {
         assert_eq!((greys[0], greys[7]), (0, 255));
         assert!(greys.is_sorted() && greys[3] > 80 && greys[4] < 175, "{greys:?}");
         assert!(pixels.iter().all(|pixel| pixel & 0xff == pixel >> 16));
-        // The middle of a smaller one, and one pixel for all.
+        // A smaller picture takes the middle, and a single pixel fills a larger one.
         let mut one = [7];
         enlarge(&rgb, [2, 1], &mut one, [1, 1]);
         assert_eq!(one[0] & 0xff, 128);

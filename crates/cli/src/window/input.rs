@@ -1,34 +1,34 @@
-//! What is typed, in order, until it is looked at. Knows no commands.
+//! The queue of keyboard input. Knows no commands.
 
 use minifb::{InputCallback, Key};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// What was typed. A key that is pressed and let go between two looks at the keyboard is not lost.
+/// One key or letter. Nothing is lost when a key is released before the next poll.
 #[derive(Clone, Copy)]
 pub enum Input {
     Letter(char),
     Key(Key),
-    /// A key while Ctrl was held.
+    /// A key pressed while Ctrl was held.
     Control(Key),
 }
 
-/// What was typed and has not been looked at yet.
+/// Input that has not been handled yet.
 #[derive(Clone, Default)]
 pub struct Typed(Rc<RefCell<VecDeque<Input>>>);
 
 impl Typed {
-    /// Takes all of it, in order.
+    /// Takes all input, in order.
     pub fn take(&self) -> Vec<Input> {
         self.0.borrow_mut().drain(..).collect()
     }
 }
 
-/// Collects what is typed.
+/// Receives input from the window's library.
 pub struct Keyboard {
     pub typed: Typed,
-    /// How many of the two Ctrl keys are held.
+    /// Whether the left and the right Ctrl key are held.
     pub controls: [bool; 2],
 }
 

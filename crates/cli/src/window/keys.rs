@@ -1,4 +1,4 @@
-//! What keys do in the window, and the line that is typed in it.
+//! Keys in the window, and the line that is typed in it.
 
 use super::Window;
 use super::input::Input;
@@ -11,10 +11,10 @@ use std::thread::spawn;
 use std::time::Instant;
 use zeroset_live::{Axes, status_words};
 
-/// Pixels that an arrow key turns by, in a window this high.
+/// Pixels that an arrow key turns by, in a window of [`ARROW_HEIGHT`].
 const ARROW: f64 = 20.0;
 const ARROW_HEIGHT: usize = 400;
-/// What one step of the wheel, or of + and -, scales by.
+/// Scale factor of one step of the wheel, or of + and -.
 pub const ZOOM: f64 = 0.85;
 
 impl Window {
@@ -52,7 +52,7 @@ impl Window {
         }
     }
 
-    /// Closes what is open, the last first; never the program.
+    /// Closes the drag, line, help or page that is open; never the program.
     fn escape(&mut self) {
         self.candidates.clear();
         if self.mouse.cancel() {
@@ -67,15 +67,15 @@ impl Window {
         }
     }
 
-    /// Shows the keys, then the words of the status line and what is written elsewhere, then
-    /// neither.
+    /// Shows the keys, then the words of the status line with the equivalents of other programs,
+    /// then neither.
     fn next_help(&mut self) {
         let was_closed = !self.help && self.page.is_none();
         self.page = self.help.then(|| Page::new(&status_words()));
         self.help = was_closed;
     }
 
-    /// Scrolls the text that is shown by so many lines.
+    /// Scrolls the page by this many lines.
     pub(super) fn turn_page(&mut self, lines: isize) {
         let size = self.size();
         let scale = self.scale_at(size.1);
@@ -95,7 +95,7 @@ impl Window {
         self.send(line);
     }
 
-    /// Takes the last step back, or does it again.
+    /// Undoes the last step, or redoes it.
     fn step_back(&mut self, back: bool) {
         self.sliders.pause();
         let live = &self.session.live;
@@ -109,7 +109,7 @@ impl Window {
         }
     }
 
-    /// Gives the letter that lacks a value one, where that is all that is wrong.
+    /// Gives the undefined letter a value, if nothing else is wrong.
     fn define_letter(&mut self) {
         let fault = self.session.live.snapshot().fault;
         let Some(letter) = fault.and_then(|fault| fault.missing_letter()) else { return };
@@ -141,7 +141,7 @@ impl Window {
         self.follow_line();
     }
 
-    /// Lets the picture follow the line, if there is one.
+    /// Updates the picture to the line, if one is being typed.
     pub(super) fn follow_line(&mut self) {
         if let Some(line) = &self.line {
             self.session.live.type_line(line.text());
@@ -149,7 +149,7 @@ impl Window {
         }
     }
 
-    /// Scrolls the text that is shown, changes what is under the pointer, or turns the view.
+    /// Scrolls the page, changes the slider or surface under the pointer, or turns the view.
     fn arrow(&mut self, key: Key) {
         if self.page.is_some() {
             return self.turn_page(match key {
@@ -214,7 +214,7 @@ impl Window {
         }
     }
 
-    /// Shows the domain's box and axes, or no longer.
+    /// Shows or hides the domain's box and axes.
     fn toggle_axes(&self) {
         let live = &self.session.live;
         let Some(seen) = live.snapshot().rendering else { return };
@@ -223,7 +223,7 @@ impl Window {
         live.set_axes(match (are_shown, are_usual) {
             (true, true) => Axes::Off,
             (false, false) => Axes::On,
-            // As it would be if nobody had said anything.
+            // The usual choice already gives what is wanted.
             (true, false) | (false, true) => Axes::Usual,
         });
     }

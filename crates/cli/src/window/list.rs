@@ -1,5 +1,4 @@
-//! The list of surfaces: where its rows and their parts are, and what they look like. Knows no
-//! mouse and no document.
+//! The list of surfaces: layout and drawing of its rows. Knows no mouse and no document.
 
 use super::rows::{RowLayout, SPACE};
 use crate::theme::{CHOSEN, GROUND, INK, TRACK};
@@ -9,13 +8,12 @@ use zeroset_render::overlay::{Canvas, Rgb};
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
-/// Letters of a formula, at most; where there is room for fewer than the least, colors are shown
-/// alone.
+/// Most letters of a formula, and fewest. With room for fewer, only colors are shown.
 const LETTERS: usize = 24;
 const LEAST_LETTERS: usize = 8;
-/// The list takes no more than this share of the window's width.
+/// Greatest share of the window's width that the list takes.
 const MOST: f64 = 0.55;
-/// Widths in dots of a letter: a color, the track of an opacity, the sign that deletes.
+/// Widths in glyph dots of a color, the track of an opacity, and the sign that deletes.
 const SWATCH: usize = 18;
 const TRACK_WIDTH: usize = 40;
 const DELETE: usize = 12;
@@ -23,41 +21,41 @@ const DELETE: usize = 12;
 /// A part of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ListPart {
-    /// Its color, which hides and shows it.
+    /// The color; a press hides or shows the surface.
     Swatch,
-    /// Its formula, by which it is dragged.
+    /// The formula; dragging it moves the surface.
     Formula,
-    /// Its opacity, and which one that place stands for.
+    /// The track of the opacity, with the opacity at this position.
     Opacity(f64),
-    /// What takes it away.
+    /// The sign that deletes the surface.
     Delete,
 }
 
-/// Where the surfaces are listed. All places are in pixels of the window.
+/// Layout of the list, in pixels of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct List {
     pub rows: RowLayout,
     left: usize,
     width: usize,
-    /// Letters of each formula; 0 where only colors are shown.
+    /// Number of letters of each formula; 0 if only colors are shown.
     letters: usize,
     scale: usize,
 }
 
-/// All that is drawn of the list.
+/// Everything that is drawn of the list.
 #[derive(Clone, PartialEq)]
 pub struct Shown {
     pub list: List,
     pub surfaces: Vec<Listed>,
     pub hovered: Option<(usize, ListPart)>,
-    /// The surface that is dragged, and where it would go.
+    /// The surface that is being dragged, and its new index.
     pub dragged: Option<(usize, usize)>,
 }
 
 impl List {
-    /// The list of so many surfaces from the `scroll`-th on, at the right of a picture of so many
-    /// pixels of which `taken` at the left are taken, with the letters of `canvas`; `None` if there
-    /// is no surface or no room.
+    /// Lays out `count` surfaces from the `scroll`-th on, with the letters of `canvas`. The list is
+    /// at the right of a picture of this size in pixels, whose left `taken` columns are occupied.
+    /// Returns `None` if there is no surface or no room.
     pub fn new(
         count: usize,
         scroll: usize,
@@ -65,7 +63,7 @@ impl List {
         (width, height): (usize, usize),
         canvas: &Canvas,
     ) -> Option<Self> {
-        // The last line of the picture is left to what is said there.
+        // The last line of the picture is reserved for messages.
         let bottom = height.saturating_sub(canvas.line_height());
         let rows = RowLayout::new(count, scroll, bottom, canvas)?;
         let (scale, letter) = (canvas.scale, canvas.advance());
@@ -83,7 +81,7 @@ impl List {
         Some(Self { rows, left: width - own, width: own, letters: letters.unwrap_or(0), scale })
     }
 
-    /// The surface at a place, and the part of its row.
+    /// Returns the surface at a position, and the part of its row.
     pub fn at(&self, (x, y): (f64, f64)) -> Option<(usize, ListPart)> {
         let across = x - self.left as f64;
         let inside = across >= 0.0 && across < self.width as f64;
@@ -101,7 +99,7 @@ impl List {
         Some((index, part))
     }
 
-    /// The opacity that a place of the track stands for, in whole hundredths.
+    /// Returns the opacity at a position of the track, in whole hundredths.
     pub fn opacity(&self, x: f64) -> f64 {
         let share = (x - self.track() as f64) / (TRACK_WIDTH * self.scale) as f64;
         (share.clamp(0.0, 1.0) * 100.0).round() / 100.0
@@ -124,7 +122,7 @@ impl List {
         self.left + self.width - (DELETE + SPACE) * self.scale
     }
 
-    /// Its colors, or a frame of them if it is hidden.
+    /// Draws the colors of a surface, or only their frame if it is hidden.
     fn swatch(&self, canvas: &mut Canvas, surface: &Listed, top: i64, is_bright: bool) {
         let scale = self.scale;
         let (left, top) = ((self.left + SPACE * scale) as i64, top + 4 * scale as i64);
@@ -148,7 +146,7 @@ impl List {
 }
 
 impl Shown {
-    /// Draws the list, the row under the pointer brighter; of one that is dragged, where it
+    /// Draws the list, with the row under the pointer brighter, and a line where a dragged row
     /// would go.
     pub fn draw(&self, canvas: &mut Canvas) {
         let Self { list, surfaces, hovered, dragged } = self;

@@ -1,5 +1,5 @@
-//! The window: pictures as they come, the mouse and the keys. It owns the main thread and knows
-//! nothing of how a picture is made.
+//! The window: pictures, mouse and keys. It owns the main thread, and does not know how pictures
+//! are rendered.
 
 mod browser;
 mod clicks;
@@ -40,62 +40,62 @@ use tasks::{Outcome, enter_all};
 use zeroset_live::{Rendering, Snapshot};
 use zeroset_render::overlay::Canvas;
 
-/// A message in the window is shown for so long.
+/// Time that a message is shown.
 const MESSAGE: Duration = Duration::from_secs(8);
-/// What is wrong with a line is said when nothing has been typed for so long.
+/// A fault is shown when nothing has been typed for this long.
 const PAUSE: Duration = Duration::from_millis(300);
 
-/// Mouse and keyboard are looked at this often.
+/// Interval between polls of mouse and keyboard.
 const LOOK: Duration = Duration::from_millis(4);
-/// The same when nothing has happened for [`REST`]: a look takes some 100 µs.
+/// The interval after [`REST`] without activity, since a poll takes some 100 µs.
 const IDLE_LOOK: Duration = Duration::from_millis(20);
 const REST: Duration = Duration::from_secs(2);
-/// The window is drawn at most this often.
+/// Least time between two drawings of the window.
 const FRAME: Duration = Duration::from_millis(16);
-/// The same when nothing has happened: messages come and go.
+/// The least time without activity, when messages still come and go.
 const IDLE_FRAME: Duration = Duration::from_millis(100);
 
-/// The first tip comes after so long, and the others after so long again.
+/// Time before the first tip, and between tips.
 const TIP: Duration = Duration::from_secs(20);
 
-/// Windows at least this high get letters twice as large, unless told otherwise.
+/// Windows at least this high have letters of twice the size by default.
 const HIGH: usize = 1400;
 
-/// A window that has been opened.
+/// An open window.
 pub struct Window {
     native: minifb::Window,
     session: Arc<Session>,
-    /// Lines to be entered one after the other.
+    /// Lines to be entered, in order.
     lines: Sender<LineEdit>,
     outcomes: Receiver<Outcome>,
-    /// Hands out ends for whoever has an outcome to tell.
+    /// Cloned for each thread that has an outcome to send.
     tell: Sender<Outcome>,
     threads: Vec<JoinHandle<()>>,
     typed_keys: Typed,
     scale: Option<usize>,
     mouse: Mouse,
     clicks: Clicks,
-    /// Whose sliders and surfaces these are.
+    /// The rendering that the sliders and surfaces belong to.
     rendering: Option<Arc<Rendering>>,
     sliders: Sliders,
     surfaces: Surfaces,
     browser: Browser,
     line: Option<LineEdit>,
-    /// What the line's last word may be completed to.
+    /// Possible completions of the line's last word.
     candidates: Vec<String>,
     typed: Instant,
     message: Option<(String, Instant)>,
     /// When a tip was last shown.
     tip: Instant,
     help: bool,
-    /// A text that somebody asked for.
+    /// A text that a command or key has opened.
     page: Option<Page>,
     backdrop: Backdrop,
     drawn: Option<Content>,
-    /// When what is to be seen was last compared with that.
+    /// When the current content was last compared with the drawn one.
     compared: Instant,
     title: String,
-    /// When something was last done or seen.
+    /// Time of the last activity.
     active: Instant,
 }
 
@@ -103,7 +103,7 @@ impl Window {
     /// Opens a window.
     ///
     /// # Errors
-    /// One phrase that says why there can be none.
+    /// A phrase that says why no window can be opened.
     pub fn open(size: Size, scale: Option<usize>, session: &Arc<Session>) -> Result<Self, String> {
         #[cfg(all(unix, not(target_os = "macos")))]
         if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
@@ -116,7 +116,7 @@ impl Window {
         };
         let mut window = minifb::Window::new("zeroset", size.width, size.height, options)
             .map_err(|error| format!("a window cannot be opened ({error})"))?;
-        // It is looked at more often than it is drawn, and sleeps between.
+        // The loop in `run` sleeps by itself, since it polls more often than it draws.
         window.set_target_fps(0);
         let typed_keys = Typed::default();
         let keyboard = Keyboard { typed: typed_keys.clone(), controls: [false; 2] };
@@ -186,11 +186,11 @@ impl Window {
             sleep(if is_idle { IDLE_LOOK } else { LOOK });
         }
         self.browser.stop();
-        // What was begun is finished, but no picture is waited for any more.
+        // Lines sent so far are still entered, but no picture is waited for any more.
         self.session.end();
         drop(self.lines);
         for thread in self.threads {
-            // A panic has been reported where it happened.
+            // A panic was reported where it happened.
             let _ = thread.join();
         }
         while let Ok(outcome) = self.outcomes.try_recv() {
@@ -201,7 +201,7 @@ impl Window {
         Ok(())
     }
 
-    /// Takes the sliders and surfaces of what is seen, and finds a place for them.
+    /// Takes the sliders and surfaces of the visible rendering, and lays them out.
     fn follow(&mut self, seen: &Snapshot) {
         let rendering = seen.rendering.as_ref();
         if self.rendering.as_ref().map(Arc::as_ptr) != rendering.map(Arc::as_ptr) {
@@ -216,9 +216,9 @@ impl Window {
         self.surfaces.lay_out(self.sliders.width(), size, &letters);
     }
 
-    /// Enters a line, on another thread.
+    /// Enters a line on another thread.
     fn send(&self, line: impl Into<LineEdit>) {
-        // There is somebody to take it as long as there is a window.
+        // The receiver lives as long as the window.
         let _ = self.lines.send(line.into());
     }
 
@@ -227,14 +227,14 @@ impl Window {
         (width.max(1), height.max(1))
     }
 
-    /// The part above the status line.
+    /// Size of the part above the status line.
     fn picture_size(&self) -> (usize, usize) {
         let (width, height) = self.size();
         let status = Canvas::line_height_at(self.scale_at(height));
         (width, height.saturating_sub(status).max(1))
     }
 
-    /// Pixels on the side of one dot of a letter, in a window this high.
+    /// Side of a glyph dot in pixels, in a window of this height.
     fn scale_at(&self, height: usize) -> usize {
         self.scale.unwrap_or(if height >= HIGH { 2 } else { 1 })
     }
@@ -256,7 +256,7 @@ impl Window {
         self.message = Some((first.to_owned(), Instant::now()));
     }
 
-    /// Shows a tip where nothing else is said.
+    /// Shows a tip if there is no other message.
     fn show_tips(&mut self) {
         if self.message.is_some() || self.line.is_some() || self.tip.elapsed() < TIP {
             return;
@@ -267,7 +267,7 @@ impl Window {
         }
     }
 
-    /// Shows what has been done meanwhile.
+    /// Shows the results of other threads.
     fn settle(&mut self) {
         while let Ok(outcome) = self.outcomes.try_recv() {
             self.active = Instant::now();
@@ -279,13 +279,13 @@ impl Window {
                         Some(text) => self.say(&text),
                         None => {}
                     }
-                    // What is still being typed may need what was entered.
+                    // The line that is being typed may need the entered one.
                     self.follow_line();
                 }
                 Outcome::Entered(line, Err(wrong)) => {
                     self.session.say(&wrong.full);
                     self.say(&wrong.summary);
-                    // It is there to be mended.
+                    // The refused line is offered for correction.
                     self.line.get_or_insert(line);
                 }
                 Outcome::Saved(Ok(())) => {
@@ -304,12 +304,12 @@ impl Window {
         }
     }
 
-    /// What is wrong, unless a hand is at work that will pass over it.
+    /// Returns the fault, unless a slider is moving and will soon leave the faulty value.
     fn fault<'a>(&self, seen: &'a Snapshot) -> Option<&'a zeroset_live::Fault> {
         seen.fault.as_deref().filter(|_| !self.sliders.is_moving())
     }
 
-    /// Names the document in the title bar.
+    /// Shows the name of the document in the title bar.
     fn entitle(&mut self) {
         let live = &self.session.live;
         let name = live.request().source.to_string();

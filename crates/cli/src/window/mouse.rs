@@ -1,4 +1,4 @@
-//! What the mouse does in the window: it turns, moves, zooms, clicks, and drags sliders and
+//! Mouse actions in the window: turning, moving, zooming, clicking, and dragging sliders and
 //! surfaces.
 
 use super::Window;
@@ -9,29 +9,29 @@ use minifb::{MouseButton, MouseMode};
 use std::time::Instant;
 use zeroset_live::Snapshot;
 
-/// A press that moves no farther than this, in pixels, is a click.
+/// Farthest that a click may move, in pixels.
 const CLICK: f64 = 3.0;
 
-/// What is known of the mouse.
+/// State of the mouse.
 #[derive(Default)]
 pub struct Mouse {
     drag: Option<Drag>,
-    /// Where it was, and whether a button was held.
+    /// Last position, and whether a button was held.
     last: Option<((f64, f64), bool)>,
     wheel: Wheel,
 }
 
-/// A press of a mouse button that has not ended.
+/// A press of a button that has not ended.
 struct Drag {
     start: (f64, f64),
     last: (f64, f64),
     moves: bool,
     what: Dragged,
-    /// Esc ends a drag before the button does.
+    /// Whether Esc ended the drag before the button was released.
     cancelled: bool,
 }
 
-/// What a drag moves.
+/// The target of a drag.
 #[derive(Clone, Copy, PartialEq)]
 enum Dragged {
     /// The view turns.
@@ -40,12 +40,12 @@ enum Dragged {
     Pan,
     /// A slider.
     Slider,
-    /// Something on the list of surfaces.
+    /// An opacity or a row of the list of surfaces.
     Surface,
 }
 
 impl Mouse {
-    /// Ends a drag before the button is let go, and tells whether there was one.
+    /// Ends a drag before the button is released, and returns whether there was one.
     pub fn cancel(&mut self) -> bool {
         let Some(drag) = &mut self.drag else { return false };
         drag.cancelled = true;
@@ -72,12 +72,12 @@ impl Window {
             let clicked = self.clicks.was_missed(held);
             let pressed = clicked || left && self.mouse.drag.is_none();
             if left {
-                // What was begun there goes on nowhere else.
+                // A press that begins in the gallery has no effect outside it.
                 let (start, last, what) = (at, at, Dragged::Turn);
                 let drag = Drag { start, last, moves: true, what, cancelled: true };
                 self.mouse.drag.get_or_insert(drag);
             } else {
-                // What was held before is let go where it is.
+                // A drag that began before the gallery opened ends here.
                 self.mouse.cancel();
                 self.let_go(seen);
             }
@@ -136,7 +136,7 @@ impl Window {
         }
     }
 
-    /// What a press of the left button does that was over before it was seen.
+    /// Performs a click of the left button that was over before a poll saw it.
     fn click(&mut self, at: (f64, f64), seen: &Snapshot) {
         if self.press_slider(at) {
             self.release_slider();
@@ -148,12 +148,12 @@ impl Window {
         }
     }
 
-    /// What is seen at a place.
+    /// Returns the surface point visible at a position.
     pub(super) fn pick<'a>(&self, at: (f64, f64), seen: &'a Snapshot) -> Option<Pick<'a>> {
         Pick::at(seen.rendering.as_ref()?, at, self.picture_size())
     }
 
-    /// Says what is known of the point that is seen at a place.
+    /// Describes the point visible at a position, in the window and in the terminal.
     fn tell_point(&mut self, at: (f64, f64), seen: &Snapshot) {
         if let Some(text) = self.pick(at, seen).map(|pick| pick.describe()) {
             self.session.say(&text);
@@ -161,7 +161,7 @@ impl Window {
         }
     }
 
-    /// Zooms, or moves the cut, or scrolls what is listed.
+    /// Zooms, moves the cut, or scrolls a list.
     fn wheel(&mut self, at: (f64, f64), inside: bool) {
         let Some((_, counted)) = self.native.get_scroll_wheel() else { return };
         let steps = self.mouse.wheel.steps(counted).clamp(-5.0, 5.0);

@@ -1,13 +1,12 @@
-//! A text over the picture, in lines that fit, as far as there is room; the rest is scrolled to.
-//! Knows no keys.
+//! A text over the picture, wrapped to fit and scrolled if it is too long. Knows no keys.
 
 use crate::theme::{DIM, GROUND, INK};
 use zeroset_render::overlay::Canvas;
 
-/// Space around the text, in dots of a letter.
+/// Padding around the text, in glyph dots.
 const PAD: usize = 8;
 
-/// A text, and the first of its lines that is shown.
+/// A text, and the number of its first visible line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Page {
     text: String,
@@ -16,12 +15,12 @@ pub struct Page {
 
 impl Page {
     pub fn new(text: &str) -> Self {
-        // A sign that the letters lack.
+        // The font lacks this character.
         Self { text: text.trim_end().replace('…', ".."), scroll: 0 }
     }
 
-    /// Goes so many lines down, or up if negative, in a window of so many pixels with letters of
-    /// this scale.
+    /// Scrolls down by this many lines, or up if negative, in a window of this size in pixels with
+    /// letters of this scale.
     pub fn scroll(&mut self, lines: isize, size: (usize, usize), scale: usize) {
         let canvas = Canvas::new(size.0, size.1, Vec::new(), scale);
         let (all, shown) = (wrapped(&self.text, letters(&canvas)).len(), rows(&canvas));
@@ -29,7 +28,7 @@ impl Page {
         self.scroll = self.scroll.min(most).saturating_add_signed(lines).min(most);
     }
 
-    /// Draws what is shown of it in the middle.
+    /// Draws the visible lines in the middle.
     pub fn draw(&self, canvas: &mut Canvas) {
         let lines = wrapped(&self.text, letters(canvas));
         let rows = rows(canvas);
@@ -56,19 +55,19 @@ impl Page {
     }
 }
 
-/// Letters that fit a line.
+/// Number of letters that fit in a line.
 fn letters(canvas: &Canvas) -> usize {
     (canvas.width.saturating_sub(2 * PAD * canvas.scale) / canvas.advance()).max(1)
 }
 
-/// Lines that fit, beside one that says how many there are.
+/// Number of lines that fit, with one left for the range of visible lines.
 fn rows(canvas: &Canvas) -> usize {
     let room = canvas.height.saturating_sub(2 * PAD * canvas.scale);
     (room / canvas.line_height()).saturating_sub(1).max(1)
 }
 
-/// The lines of a text, those that are longer than so many letters in parts, of which all but the
-/// first stand farther to the right.
+/// Breaks lines that are longer than this many letters. All parts but the first are indented
+/// further.
 fn wrapped(text: &str, letters: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for line in text.lines() {

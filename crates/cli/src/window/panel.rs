@@ -1,19 +1,19 @@
-//! The panel of sliders: where each is, what it looks like, and which value a place on its track
-//! stands for. Knows no mouse and no document.
+//! The panel of sliders: layout, drawing, and the value at a position of a track. Knows no mouse
+//! and no document.
 
 use super::rows::{RowLayout, SPACE};
 use crate::theme::{CHOSEN, DIM, INK, TRACK};
 use zeroset_live::Slider;
 use zeroset_render::overlay::Canvas;
 
-/// Letters of a name, and of a value, that are shown.
+/// Most letters of a name, and of a value.
 const NAME: usize = 8;
 const VALUE: usize = 9;
-/// The longest and the shortest track, in dots of a letter.
+/// Longest and shortest track, in glyph dots.
 const LONGEST: usize = 160;
 const SHORTEST: usize = 40;
 
-/// Where the sliders are. All places are in pixels of the window.
+/// Layout of the panel, in pixels of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Panel {
     pub rows: RowLayout,
@@ -23,8 +23,8 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// The panel of these sliders from the `scroll`-th on, below the first line of a picture of so
-    /// many pixels, with the letters of `canvas`; `None` if there are none, or no room.
+    /// Lays out the sliders from the `scroll`-th on, below the first line of a picture of this size
+    /// in pixels, with the letters of `canvas`. Returns `None` if there is no slider or no room.
     pub fn new(
         sliders: &[Slider],
         scroll: usize,
@@ -44,23 +44,23 @@ impl Panel {
         Some(Self { rows, width: letters + track, track: (left, left + track), scale })
     }
 
-    /// The slider at a place.
+    /// Returns the slider at a position.
     pub fn at(&self, (x, y): (f64, f64)) -> Option<usize> {
         let inside = x >= 0.0 && x < self.width as f64;
         self.rows.at(y).filter(|_| inside)
     }
 
-    /// How much a value changes with every pixel of the track.
+    /// Change of the value per pixel of the track.
     pub fn step(&self, slider: &Slider) -> f64 {
         (slider.high - slider.low) / (self.track.1 - self.track.0) as f64
     }
 
-    /// The value at a place of the track.
+    /// Returns the value at a position of the track.
     pub fn value(&self, slider: &Slider, x: f64) -> f64 {
         slider.low + (x - self.track.0 as f64) * self.step(slider)
     }
 
-    /// Whether a place is on the handle, or near it.
+    /// Whether a position is on the handle, or near it.
     pub fn is_on_handle(&self, slider: &Slider, x: f64) -> bool {
         (x - self.handle(slider)).abs() <= (SPACE * self.scale) as f64
     }
@@ -68,11 +68,11 @@ impl Panel {
     fn handle(&self, slider: &Slider) -> f64 {
         let (left, right) = (self.track.0 as f64, self.track.1 as f64);
         let share = (slider.value - slider.low) / (slider.high - slider.low);
-        // A range too wide for floats has no share.
+        // If the range overflows, the share is not finite.
         left + if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 } * (right - left)
     }
 
-    /// Draws the sliders, the one under the pointer brighter.
+    /// Draws the sliders, with the one under the pointer brighter.
     pub fn draw(&self, canvas: &mut Canvas, sliders: &[Slider], hovered: Option<usize>) {
         let dot = self.scale as i64;
         let space = SPACE as i64 * dot;

@@ -1,29 +1,29 @@
-//! Rows over the picture, one below the other: as many as there is room for, and the others are
-//! scrolled to. Knows nothing of what stands in them.
+//! Rows over the picture, one below the other. Rows without room are scrolled to. Knows nothing of
+//! their content.
 
 use crate::theme::GROUND;
 use zeroset_render::overlay::{Canvas, Rgb};
 
-/// So many are shown at once.
+/// Most rows that are visible at once.
 const SHOWN: usize = 8;
-/// Space around things, in dots of a letter.
+/// Space around items, in glyph dots.
 pub const SPACE: usize = 6;
 
-/// Where rows are, in pixels of the window.
+/// Layout of rows, in pixels of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowLayout {
     pub top: usize,
-    /// The height of each.
+    /// Height of each row.
     pub height: usize,
-    /// The first that is shown, and how many are, of how many.
+    /// First visible row, number of visible rows, and number of all rows.
     pub first: usize,
     pub shown: usize,
     count: usize,
 }
 
 impl RowLayout {
-    /// So many rows from the `scroll`-th on, below the first line of a picture and above `bottom`,
-    /// with the letters of `canvas`; `None` if there are none, or no room.
+    /// Lays out `count` rows from the `scroll`-th on, below the first line of a picture and above
+    /// `bottom`, with the letters of `canvas`. Returns `None` if there is no row or no room.
     pub fn new(count: usize, scroll: usize, bottom: usize, canvas: &Canvas) -> Option<Self> {
         let height = canvas.line_height();
         let top = height + SPACE * canvas.scale;
@@ -33,24 +33,24 @@ impl RowLayout {
         (shown > 0).then_some(Self { top, height, first, shown, count })
     }
 
-    /// The row at a height.
+    /// Returns the row at a vertical position.
     pub fn at(&self, y: f64) -> Option<usize> {
         let place = (y - self.top as f64) / self.height as f64;
         (place >= 0.0 && place < self.shown as f64).then_some(self.first + place as usize)
     }
 
-    /// The row among those that are shown that is nearest to a height.
+    /// Returns the visible row nearest to a vertical position.
     pub fn nearest(&self, y: f64) -> usize {
         let place = ((y - self.top as f64) / self.height as f64).max(0.0) as usize;
         self.first + place.min(self.shown - 1)
     }
 
-    /// Whether there are more than are shown.
+    /// Whether some rows are not visible.
     pub fn scrolls(&self) -> bool {
         self.shown < self.count
     }
 
-    /// Scrolls by a step of the wheel if there are more than are shown, and tells whether so.
+    /// Scrolls by a row if some rows are not visible, and returns whether that is so.
     pub fn scroll(&self, scroll: &mut usize, steps: f64) -> bool {
         if self.scrolls() {
             *scroll = if steps > 0.0 { self.first.saturating_sub(1) } else { self.first + 1 };
@@ -58,19 +58,19 @@ impl RowLayout {
         self.scrolls()
     }
 
-    /// The rows that are shown, each with its top.
+    /// Returns the visible rows, each with its top.
     pub fn each(&self) -> impl Iterator<Item = (usize, i64)> + use<> {
         let Self { top, height, first, shown, .. } = *self;
         (0..shown).map(move |place| (first + place, (top + place * height) as i64))
     }
 
-    /// Draws the ground behind them.
+    /// Draws the background of the rows.
     pub fn draw_ground(&self, canvas: &mut Canvas, left: usize, width: usize) {
         let height = (self.shown + usize::from(self.scrolls())) * self.height;
         canvas.fill(left as i64, self.top as i64, width, height, GROUND, 208);
     }
 
-    /// Writes below them which are shown if there are more, and with `all` of how many.
+    /// Writes the range of visible rows below them if some are not visible; `all` adds the total.
     pub fn write_range(&self, canvas: &mut Canvas, left: i64, ink: Rgb, all: bool) {
         if self.scrolls() {
             let of = if all { format!(" of {}", self.count) } else { String::new() };

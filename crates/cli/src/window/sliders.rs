@@ -1,5 +1,5 @@
-//! How sliders are moved: by the mouse, by the keys, by the clock. A value is asked for when the
-//! picture of the one before is there, so that pictures are seen however long they take.
+//! Moves sliders by mouse, keys and clock. A value is requested only when the picture of the last
+//! one is visible, so that pictures appear however long they take.
 
 use super::panel::Panel;
 use super::{FRAME, Window};
@@ -7,50 +7,50 @@ use std::time::{Duration, Instant};
 use zeroset_live::{Slider, Snapshot};
 use zeroset_render::overlay::Canvas;
 
-/// Two presses of the same slider within so long are a double click.
+/// Longest time between the two presses of a double click.
 const DOUBLE: Duration = Duration::from_millis(400);
-/// A coarse picture is followed by that of the next value so long after its value was asked for, so
-/// that a finer one that comes within that time is seen.
+/// Least time between requests while only a coarse picture is visible. A finer picture that comes
+/// within this time is shown.
 const COARSE: Duration = Duration::from_millis(30);
-/// A picture of a value is waited for so long before the next value is asked for.
+/// Longest wait for the picture of a value before the next value is requested.
 const LATE: Duration = Duration::from_millis(250);
-/// Between keys that move a slider on there is no more than this.
+/// Key presses with at most this time between them are one movement.
 const NUDGE: Duration = Duration::from_millis(700);
-/// With Shift, a slider moves so many times less far.
+/// Factor on the movement of a slider while Shift is held.
 const FINE: f64 = 0.1;
 /// Steps of an arrow key from one end of a slider to the other.
 const STEPS: f64 = 100.0;
-/// A loop of time has so many values that are told apart.
+/// Number of distinct values in one loop of time.
 const TIMES: f64 = 5000.0;
 
-/// The sliders of the picture that is seen, and what moves them.
+/// The sliders of the visible picture, and their movement.
 #[derive(Default)]
 pub struct Sliders {
     all: Vec<Slider>,
     panel: Option<Panel>,
     scroll: usize,
     hovered: Option<usize>,
-    /// The slider that is held, with the value that the hand is at.
+    /// The slider that is being dragged, with its value before rounding.
     held: Option<(usize, f64)>,
-    /// The slider that was pressed last.
+    /// The slider pressed last, and when.
     pressed: Option<(String, Instant)>,
-    /// A value that is still to be asked for.
+    /// A value that is still to be requested.
     wanted: Option<(Slider, f64)>,
-    /// The last request, and when it was made.
+    /// The last request, and its time.
     sent: Option<(u64, Instant)>,
     playing: Option<Playing>,
-    /// When a key last moved one.
+    /// When a key last moved a slider.
     nudged: Option<Instant>,
 }
 
-/// Time that passes.
+/// Time that is playing: since when, and from which value.
 struct Playing {
     since: Instant,
     from: f64,
 }
 
 impl Sliders {
-    /// Stops time, where it is seen to be, and tells whether it passed.
+    /// Stops time at the displayed value, and returns whether it was playing.
     pub fn pause(&mut self) -> bool {
         let passed = self.playing.take().is_some();
         if passed {
@@ -59,29 +59,29 @@ impl Sliders {
         passed
     }
 
-    /// Whether a hand or the clock moves one.
+    /// Whether the mouse or the clock is moving a slider.
     pub fn is_moving(&self) -> bool {
         self.held.is_some() || self.playing.is_some()
     }
 
-    /// The same, where keys that follow each other are one movement.
+    /// Whether a slider is being moved, if a quick series of keys counts as one movement.
     pub fn is_in_motion(&self) -> bool {
         self.is_moving() || self.nudged.is_some_and(|at| at.elapsed() < NUDGE)
     }
 
-    /// What their panel takes of the window, in pixels.
+    /// Width of the panel in pixels, or 0 without a panel.
     pub fn width(&self) -> usize {
         self.panel.map_or(0, |panel| panel.width)
     }
 
-    /// The sliders as they are to be drawn, where, and which is under the pointer.
+    /// Returns the panel, the sliders to draw, and the index of the one under the pointer.
     pub fn shown(&self) -> Option<(Panel, Vec<Slider>, Option<usize>)> {
         Some((self.panel?, self.all.clone(), self.hovered))
     }
 
-    /// Takes those of another picture.
+    /// Takes the sliders of a new picture.
     pub fn follow(&mut self, mut all: Vec<Slider>) {
-        // The hand, or what was asked for, is ahead of the picture.
+        // A value that is being dragged or requested is newer than the picture.
         for slider in &mut all {
             let asked = self.all.iter().find(|one| one.name == slider.name);
             let is_ahead = self.held.is_some() || self.wanted.is_some();
@@ -95,7 +95,7 @@ impl Sliders {
         self.all = all;
     }
 
-    /// Finds a place for them in a picture of so many pixels, with the letters of `canvas`.
+    /// Lays out the panel in a picture of this size in pixels, with the letters of `canvas`.
     pub fn lay_out(&mut self, size: (usize, usize), canvas: &Canvas) {
         self.panel = Panel::new(&self.all, self.scroll, size, canvas);
     }
@@ -114,7 +114,7 @@ impl Window {
         sliders.hovered = sliders.held.map(|(index, _)| index).or_else(|| sliders.panel?.at(at?));
     }
 
-    /// Takes hold of the slider under the pointer, and tells whether there is one.
+    /// Presses the slider under the pointer, and returns whether there is one.
     pub(super) fn press_slider(&mut self, at: (f64, f64)) -> bool {
         let sliders = &mut self.sliders;
         let Some(panel) = sliders.panel else { return false };
@@ -140,14 +140,14 @@ impl Window {
         true
     }
 
-    /// Moves the slider that is held by so many pixels.
+    /// Moves the dragged slider by this many pixels.
     pub(super) fn drag_slider(&mut self, across: f64) {
         let fine = if self.is_shifted() { FINE } else { 1.0 };
         let Some((panel, (index, value))) = self.sliders.panel.zip(self.sliders.held) else {
             return;
         };
         let Some(slider) = self.sliders.all.get(index) else { return };
-        // What moves is no click.
+        // A press that moves is not a click.
         self.sliders.pressed = None;
         let value = value + across * fine * panel.step(slider);
         self.move_slider(value);
@@ -164,15 +164,15 @@ impl Window {
         sliders.want(index, rounded);
     }
 
-    /// Lets go of the slider: its last value counts, whether there is a picture of the one before
-    /// or not.
+    /// Releases the slider and requests its last value, even if the picture of the one before is
+    /// missing.
     pub(super) fn release_slider(&mut self) {
         self.sliders.held = None;
         self.sliders.sent = None;
         self.ask_for_value();
     }
 
-    /// Moves the slider under the pointer by a step, and tells whether there is one.
+    /// Moves the slider under the pointer by this many steps, and returns whether there is one.
     pub(super) fn nudge(&mut self, steps: f64) -> bool {
         let fine = if self.is_shifted() { FINE } else { 1.0 };
         let sliders = &mut self.sliders;
@@ -187,14 +187,14 @@ impl Window {
         true
     }
 
-    /// Scrolls the sliders if the pointer is over them and there are more, and tells whether so.
+    /// Scrolls the sliders if the pointer is over them and some are hidden. Returns whether it did.
     pub(super) fn scroll_sliders(&mut self, steps: f64) -> bool {
         let sliders = &mut self.sliders;
         let panel = sliders.panel.filter(|_| sliders.hovered.is_some());
         panel.is_some_and(|panel| panel.rows.scroll(&mut sliders.scroll, steps))
     }
 
-    /// Lets time pass, or no longer.
+    /// Starts or stops the playing of time.
     pub(super) fn toggle_play(&mut self) {
         if self.sliders.pause() {
             return;
@@ -203,12 +203,12 @@ impl Window {
             return self.say("there is no time t in what is drawn: write it into a formula first");
         };
         let slider = self.sliders.all[index].clone();
-        // A step to be taken back to: what the clock does afterwards is none.
+        // An undo returns to this value: the changes by the clock are no steps of their own.
         self.session.live.drag(&slider, slider.value);
         self.sliders.playing = Some(Playing { since: Instant::now(), from: slider.value });
     }
 
-    /// Lets time go on by as much as has passed, round and round within its range.
+    /// Advances time by as much as has passed, in a loop over its range.
     pub(super) fn play(&mut self, seen: &Snapshot) {
         let sliders = &mut self.sliders;
         let Some(Playing { since, from }) = &sliders.playing else { return };
@@ -225,7 +225,7 @@ impl Window {
         sliders.want(index, value);
     }
 
-    /// Asks for the value that is wanted, if the picture of the one before is there.
+    /// Requests the wanted value if the picture of the last one is visible.
     pub(super) fn send_value(&mut self, seen: &Snapshot) {
         if is_next_due(self.sliders.sent, seen) {
             self.ask_for_value();
@@ -245,8 +245,8 @@ impl Window {
     }
 }
 
-/// Whether what was asked for last is seen: the full picture, or a coarse one that has been there
-/// for a while.
+/// Whether the next value may be requested. The picture of the last request, full or coarse, must
+/// have been visible for a while, unless it is late.
 pub fn is_next_due(sent: Option<(u64, Instant)>, seen: &Snapshot) -> bool {
     let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
     let (latest, coarse) = match &seen.rendering {

@@ -1,4 +1,4 @@
-//! How surfaces are hidden, seen through, moved and taken away by the mouse and the keys.
+//! Hides, fades, moves and deletes surfaces by mouse and keys.
 
 use super::Window;
 use super::list::{List, ListPart, Shown};
@@ -8,36 +8,36 @@ use std::time::Instant;
 use zeroset_live::{Listed, Snapshot};
 use zeroset_render::overlay::Canvas;
 
-/// How far an arrow key moves an opacity.
+/// Change of an opacity by one press of an arrow key.
 const STEP: f64 = 0.05;
 
-/// The list of the surfaces that are seen, and what changes them.
+/// The list of surfaces, and their changes.
 #[derive(Default)]
 pub struct Surfaces {
     all: Vec<Listed>,
     list: Option<List>,
-    /// Whether the list is wanted; if nobody says so, where there is more than one surface.
+    /// Whether the list is wanted; by default, if there are several surfaces.
     wanted: Option<bool>,
     scroll: usize,
     hovered: Option<(usize, ListPart)>,
     held: Option<Held>,
-    /// An opacity that is still to be asked for.
+    /// An opacity that is still to be requested.
     opacity: Option<(usize, f64)>,
-    /// The last request for one, and when it was made.
+    /// The last request of an opacity, and its time.
     sent: Option<(u64, Instant)>,
 }
 
-/// What a hand holds.
+/// The target of a drag.
 #[derive(Clone, Copy)]
 enum Held {
-    /// The opacity of a surface.
+    /// The opacity of the surface with this index.
     Opacity(usize),
-    /// A surface, and the place where it would go.
+    /// The surface with this index, and its new index.
     Row(usize, usize),
 }
 
 impl Surfaces {
-    /// The list as it is to be drawn.
+    /// Returns the list to draw.
     pub fn shown(&self) -> Option<Shown> {
         let dragged = match self.held {
             Some(Held::Row(from, to)) => Some((from, to)),
@@ -47,20 +47,20 @@ impl Surfaces {
         Some(Shown { list, surfaces, hovered, dragged })
     }
 
-    /// Takes those of another picture.
+    /// Takes the surfaces of a new picture.
     pub fn follow(&mut self, mut all: Vec<Listed>) {
         if all.len() != self.all.len() {
             (self.held, self.hovered, self.opacity) = (None, None, None);
         }
-        // The hand is ahead of the picture.
+        // An opacity that is to be requested is newer than the picture.
         if let Some((index, opacity)) = self.opacity {
             all[index].opacity = opacity;
         }
         self.all = all;
     }
 
-    /// Finds a place for the list in a picture of so many pixels, of which `taken` at the left are
-    /// taken, with the letters of `canvas`.
+    /// Lays out the list in a picture of this size in pixels, whose left `taken` columns are
+    /// occupied, with the letters of `canvas`.
     pub fn lay_out(&mut self, taken: usize, size: (usize, usize), canvas: &Canvas) {
         let count = self.all.len();
         let is_wanted = self.wanted.unwrap_or(count > 1);
@@ -84,13 +84,13 @@ impl Window {
         }
     }
 
-    /// Shows the list, or no longer.
+    /// Shows or hides the list.
     pub(super) fn toggle_list(&mut self) {
         let is_shown = self.surfaces.list.is_some();
         self.surfaces.wanted = Some(!is_shown);
     }
 
-    /// Does what a press of the left button means on the list, and tells whether it is there.
+    /// Handles a press of the left button, and returns whether it hit the list.
     pub(super) fn press_surface(&mut self, at: (f64, f64)) -> bool {
         let Some((index, part)) = self.surfaces.list.and_then(|list| list.at(at)) else {
             return false;
@@ -107,7 +107,7 @@ impl Window {
         true
     }
 
-    /// Moves what is held on the list.
+    /// Moves the dragged opacity or surface.
     pub(super) fn drag_surface(&mut self, at: (f64, f64)) {
         let surfaces = &mut self.surfaces;
         let Some(list) = surfaces.list else { return };
@@ -121,7 +121,7 @@ impl Window {
         }
     }
 
-    /// Lets go of what is held on the list; if `cancelled`, it goes nowhere.
+    /// Ends a drag on the list; if `cancelled`, a surface stays where it was.
     pub(super) fn release_surface(&mut self, cancelled: bool) {
         match self.surfaces.held.take() {
             Some(Held::Row(from, to)) if from != to && !cancelled => self.move_surface(from, to),
@@ -130,7 +130,7 @@ impl Window {
         }
     }
 
-    /// Hides the surface with this index, or shows it.
+    /// Hides or shows the surface with this index.
     pub(super) fn toggle_surface(&mut self, index: usize) {
         let Some(surface) = self.surfaces.all.get(index) else { return };
         let result = self.session.live.hide(index + 1, !surface.hidden);
@@ -142,12 +142,12 @@ impl Window {
         self.told(result);
     }
 
-    /// What is left is looked at anew, on another thread.
+    /// Deletes a surface on another thread, since the view of the others is then found anew.
     fn delete_surface(&mut self, index: usize) {
         self.send(format!(":delete {}", index + 1));
     }
 
-    /// What a key does to the surface under the pointer; tells whether there is one.
+    /// Handles a key for the surface under the pointer, and returns whether it had an effect.
     pub(super) fn change_surface(&mut self, key: Key) -> bool {
         let Some((index, _)) = self.surfaces.hovered else { return false };
         let Some(surface) = self.surfaces.all.get(index) else { return false };
@@ -163,14 +163,15 @@ impl Window {
         true
     }
 
-    /// Scrolls the list if the pointer is over it and there are more, and tells whether so.
+    /// Scrolls the list if the pointer is over it and some surfaces are hidden. Returns whether it
+    /// did.
     pub(super) fn scroll_surfaces(&mut self, steps: f64) -> bool {
         let surfaces = &mut self.surfaces;
         let list = surfaces.list.filter(|_| surfaces.hovered.is_some());
         list.is_some_and(|list| list.rows.scroll(&mut surfaces.scroll, steps))
     }
 
-    /// Asks for the opacity that is wanted, if the picture of the one before is there.
+    /// Requests the wanted opacity if the picture of the last one is visible.
     pub(super) fn send_opacity(&mut self, seen: &Snapshot) {
         if is_next_due(self.surfaces.sent, seen) {
             self.ask_for_opacity();
@@ -185,7 +186,7 @@ impl Window {
         self.told(result);
     }
 
-    /// Says why something was refused.
+    /// Shows why a change was refused.
     fn told(&mut self, result: Result<(), zeroset_live::Refusal>) {
         self.session.hush();
         match result {

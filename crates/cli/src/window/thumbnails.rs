@@ -1,5 +1,5 @@
-//! Small pictures of the gallery, made one after the other on a thread of their own while somebody
-//! looks, and kept. Whatever else is drawn goes first.
+//! Small pictures of the gallery, rendered one after another on a separate thread while the gallery
+//! is open, and kept. All other pictures have priority.
 
 use crate::render::beautiful;
 use crate::session::{Session, lock};
@@ -12,11 +12,11 @@ use std::time::Duration;
 use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::{Example, examples};
 
-/// Rows and columns of a picture, for letters whose dots are pixels.
+/// Rows and columns of a picture at scale 1.
 pub const SIDE: usize = 96;
-/// The first picture has so many times fewer.
+/// The first, coarse picture has rows and columns fewer by this factor.
 const COARSE: usize = 4;
-/// While another picture is made this is looked at so often.
+/// Interval at which the thread checks whether other pictures are finished.
 const LOOK: Duration = Duration::from_millis(4);
 
 /// A square picture, as sRGB bytes.
@@ -25,7 +25,7 @@ pub struct Thumbnail {
     pub rgb: Vec<u8>,
 }
 
-/// The small pictures, by the place of their surfaces in the gallery.
+/// The small pictures, by gallery index.
 pub struct Thumbnails {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -34,16 +34,16 @@ pub struct Thumbnails {
 struct Shared {
     examples: Vec<Example>,
     pictures: Mutex<Vec<Option<Arc<Thumbnail>>>>,
-    /// Places in the gallery, those first that are looked at.
+    /// Gallery indices of the surfaces that are rendered first.
     order: Mutex<Vec<usize>>,
-    /// Counts the pictures that were made, coarse or not.
+    /// Number of pictures rendered so far, coarse or not.
     version: AtomicU64,
     wanted: AtomicBool,
     side: usize,
 }
 
 impl Thumbnails {
-    /// None yet; each is to have so many times [`SIDE`] rows and columns.
+    /// Creates an empty store for pictures of `scale` times [`SIDE`] rows and columns.
     pub fn new(scale: usize) -> Self {
         let examples = examples();
         let pictures = Mutex::new(vec![None; examples.len()]);
@@ -62,21 +62,21 @@ impl Thumbnails {
         &self.shared.examples
     }
 
-    /// The picture of the surface at this place, as far as it was made.
+    /// Returns the picture of the surface with this index, perhaps a coarse one.
     pub fn picture(&self, place: usize) -> Option<Arc<Thumbnail>> {
         lock(&self.shared.pictures).get(place)?.clone()
     }
 
-    /// Another number whenever there is another picture.
+    /// Returns a number that changes with every new picture.
     pub fn version(&self) -> u64 {
         self.shared.version.load(Ordering::Relaxed)
     }
 
-    /// Makes those that are missing, these places first. To be asked for as long as they are looked
-    /// at.
+    /// Renders the missing pictures, `first` ones first. Call this repeatedly while they are
+    /// visible.
     pub fn want(&mut self, first: Vec<usize>, session: &Arc<Session>) {
         *lock(&self.shared.order) = first;
-        // One that was told to end does so soon, and then this is asked again.
+        // A thread that was told to end ends soon; a later call starts another.
         if self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
             return;
         }
@@ -87,12 +87,12 @@ impl Thumbnails {
         }
     }
 
-    /// Makes no more; what is there is kept.
+    /// Stops rendering; finished pictures are kept.
     pub fn leave(&self) {
         self.shared.wanted.store(false, Ordering::Relaxed);
     }
 
-    /// The same, and waits for the end of what was begun.
+    /// Stops rendering, and waits until the thread has ended.
     pub fn stop(&mut self) {
         self.leave();
         if let Some(thread) = self.thread.take() {
@@ -103,7 +103,7 @@ impl Thumbnails {
 }
 
 impl Shared {
-    /// The place of the next surface that lacks its picture.
+    /// Returns the index of the next surface without a full picture.
     fn next(&self) -> Option<usize> {
         let (pictures, order) = (lock(&self.pictures), lock(&self.order));
         let is_missing = |place: &usize| {
@@ -115,25 +115,26 @@ impl Shared {
     }
 
     fn make(&self, session: &Session) {
-        // Waits where a picture is being made that somebody asked for.
+        // Wait while a picture of the session is being rendered.
         let wanted = || {
             while self.wanted.load(Ordering::Relaxed) && !session.live.is_settled() {
                 sleep(LOOK);
             }
             self.wanted.load(Ordering::Relaxed)
         };
-        // One thread, so that there is one left for whatever else is drawn.
+        // Use one thread, and leave the others to the session.
         let Ok(pool) = ThreadPoolBuilder::new().num_threads(1).build() else { return };
         while let Some(place) = self.next().filter(|_| wanted()) {
             let made = pool.install(|| self.picture(&self.examples[place], place, &wanted));
             if made.is_err() && wanted() {
-                // What cannot be drawn is not tried again.
+                // A surface that cannot be drawn gets a blank picture, so that it is not tried
+                // again.
                 self.keep(place, self.side, vec![0xff; 3 * self.side * self.side]);
             }
         }
     }
 
-    /// A coarse picture, and then the whole one.
+    /// Renders a coarse picture, and then the full one.
     fn picture(
         &self,
         example: &Example,

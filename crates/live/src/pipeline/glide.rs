@@ -39,7 +39,7 @@ impl Glide {
     }
 }
 
-/// The camera at this share of the way, in [0, 1]. `None` if there is none.
+/// The camera at this share of the way, in [0, 1]. `None` if it is not valid.
 fn between(from: &Camera, to: &Camera, share: f64) -> Option<Camera> {
     let projection = match (from.projection(), to.projection()) {
         (Projection::Perspective { fov: one }, Projection::Perspective { fov: other }) => {

@@ -3,14 +3,14 @@
 
 use std::time::Duration;
 
-/// Target time of a coarse picture. With the work around it, about thirty appear per second.
+/// Target time of a coarse picture. With other work, about thirty appear per second.
 const COARSE: Duration = Duration::from_millis(20);
 
 /// No coarse picture comes first if the full one takes at most this long.
 const PROMPT: Duration = Duration::from_millis(30);
 
-/// If the full picture should take longer than this after a coarse one, a picture of half its width
-/// comes between.
+/// If the full picture is expected to take longer than this after a coarse one, a picture of half
+/// its width comes between.
 const PATIENCE: Duration = Duration::from_millis(150);
 
 /// Largest reduction of width and height. It is also used while the cost of a surface is unknown.
@@ -22,7 +22,7 @@ const NEARLY_FULL: f64 = 1.15;
 /// Measured cost of the current model's pictures.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
-    /// Number of pixels that take [`COARSE`].
+    /// Number of pixels drawn in the time [`COARSE`].
     affordable: Option<f64>,
     /// Time per pixel of the last full picture, in seconds.
     full: Option<f64>,
@@ -75,8 +75,8 @@ mod tests {
         Duration::from_secs_f64(ms / 1e3)
     }
 
-    /// Reductions of the pictures of one request. The full picture takes `full_ms`, and pixels of
-    /// coarse ones take a third longer.
+    /// Reductions chosen for the pictures of one request. The full picture takes `full_ms`, and a
+    /// pixel of a coarse one takes a third longer.
     fn scales(pace: &mut Pace, full_ms: f64) -> Vec<f64> {
         let mut scales = vec![pace.first(FULL)];
         loop {

@@ -1,5 +1,5 @@
-//! How an automatic region follows sliders: it changes rarely, so that a surface visibly grows and
-//! shrinks, and nothing is compiled again.
+//! Automatic regions that follow sliders. The region changes rarely, so that a surface visibly
+//! grows and shrinks, and code is reused.
 
 use glam::DVec3;
 use zeroset_scene::program::Program;
@@ -16,7 +16,7 @@ const SPARE: f64 = 0.25;
 /// Number of sliders whose ends are searched when code is compiled.
 const SLIDERS: usize = 4;
 
-/// Largest extent that code is compiled for, in extents of the shown region.
+/// Farthest that code is compiled beyond the shown region, in half extents of that region.
 const FARTHEST: f64 = 64.0;
 
 /// The same box or ball with this clipping plane.
@@ -31,7 +31,7 @@ pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, Regio
 /// `found`. Returns `before` with the present clip while it fits.
 ///
 /// # Errors
-/// If neither region can be represented in floats.
+/// If `before` with the present clip is not a valid region.
 pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> {
     let is_round = found.ball().is_some();
     let enough = is_inside(found, before)
@@ -46,8 +46,8 @@ pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> 
     view::clipped(low, high, is_round, found.clip()).or(Ok(*found))
 }
 
-/// A box around the shown region and the regions at the ends of the sliders. Code compiled for it
-/// serves all values of them.
+/// A box around the shown region and the regions needed at the ends of the sliders' ranges. Code
+/// compiled for it serves all values of the sliders.
 pub fn reach(
     shown: &Region,
     document: &Document,

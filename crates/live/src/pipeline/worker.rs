@@ -63,7 +63,7 @@ pub(super) struct Framed {
     pub formula: u64,
     pub asked: Asked,
     pub camera: Camera,
-    /// Whether the camera has reached its fitted position, rather than still gliding.
+    /// Set once the camera has reached its fitted position.
     pub arrived: bool,
 }
 
@@ -117,7 +117,7 @@ pub(super) struct Job {
 }
 
 impl Shared {
-    /// Whether this request is still the latest.
+    /// Returns whether this request is still the latest.
     pub fn wanted(&self, job: &Job) -> bool {
         let state = self.lock();
         !state.stop && state.revision == job.revision

@@ -1,5 +1,5 @@
-//! Colors of pixels through which an edge goes: the mean over many rays, each followed and lit as
-//! the one through the centre was.
+//! Antialiasing. A pixel on an edge gets the mean color of many rays, each traced and lit like the
+//! ray through its center.
 
 use super::PREVIEWED;
 use super::paint::Finish;
@@ -15,19 +15,19 @@ use zeroset_shade::{
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{GBuffer, Patch, RayGrid, Status};
 
-/// Pixels that are cut up at a time: few enough for the nearer caches.
+/// Number of pixels that are refined at a time, few enough for the inner caches.
 const PART: usize = 64;
 
-/// What is seen by a pixel's rays may be so many pixels' widths nearer or farther than what is
-/// known of it and of those around it, and so many times as far as slopes there explain.
+/// Depth margin for the finer rays around the known depths of a pixel and its neighbors: a number
+/// of pixel widths, and a multiple of the depth that their slopes explain.
 const OFF: f64 = 4.0;
 const STEEPER: f64 = 2.0;
 
-/// Room for a part, and for one surface of it.
+/// Buffers for all surfaces of a part, and for a single one.
 type Buffers = [GBuffer; 2];
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// Gives pixels with edges the mean of their colors; returns how many rays it took.
+    /// Replaces the colors of pixels on edges by means. Returns the number of rays traced.
     pub(super) fn smooth_edges(
         &self,
         rays: &RayGrid,
@@ -38,15 +38,15 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, options: TraceOptions { tolerance, .. }, .. } =
             *self.settings;
-        // Pixels of the finer picture are so much smaller. What is near a silhouette in depth is as
-        // near to the eye.
+        // The tolerance is in pixels, and finer pixels are smaller by this factor. In world units,
+        // it stays.
         let tolerance = tolerance * pattern.side as f64;
         let mut wanted = edges(picture, rays);
         for layer in layers {
-            // What is seen through a surface has edges, too.
+            // Edges behind a translucent surface are visible, too.
             wanted.iter_mut().zip(edges(layer, rays)).for_each(|(all, edge)| *all |= edge);
         }
-        // What is marked stays marked.
+        // Marks of undecided pixels stay.
         let marks = finish.appearance.undecided != UndecidedStyle::Shade;
         let is_marked = |pixel: usize| marks && picture.status[pixel] == Status::Undecided;
         let is_own = |pixel: usize| {
@@ -88,14 +88,14 @@ struct Edges<'a, T> {
     picture: &'a GBuffer,
     pattern: Pattern,
     finish: &'a Finish<'a>,
-    /// Whether light is hidden from any point.
+    /// Set if any point has shadow or ambient occlusion.
     is_hidden: bool,
-    /// Whether there is one surface, which hides what is behind it.
+    /// Set if there is a single surface, and it is opaque.
     has_one: bool,
 }
 
 impl<T: KernelFloat> Edges<'_, T> {
-    /// The colors of some pixels, but of those that have the right one.
+    /// The mean colors of some pixels, except those whose color is right already.
     fn smooth(
         &self,
         [all, layer]: &mut Buffers,
@@ -139,9 +139,8 @@ impl<T: KernelFloat> Edges<'_, T> {
         Ok(found)
     }
 
-    /// Takes back what was found for pixels all of whose rays meet what the one through the centre
-    /// did, which has been lit: those beside an edge that does not go through them. Tells which
-    /// these are.
+    /// Resets the finer results of pixels that need no antialiasing: all their rays meet the same
+    /// smooth part of a surface as the central ray. Returns which pixels these are.
     fn leave_smooth(&self, pixels: &[usize], rays: &RayGrid, finer: &mut GBuffer) -> Vec<bool> {
         let patches = rays.height() / pixels.len();
         let leave = |(n, &pixel): (usize, &usize)| {
@@ -160,7 +159,7 @@ impl<T: KernelFloat> Edges<'_, T> {
         pixels.iter().enumerate().map(leave).collect()
     }
 
-    /// What a pixel is cut into.
+    /// The patches of finer rays that cover a pixel.
     fn patches(&self, pixel: usize) -> impl Iterator<Item = Patch> {
         let (column, row) = (pixel % self.rays.width(), pixel / self.rays.width());
         let picture = self.picture;
@@ -178,16 +177,15 @@ impl<T: KernelFloat> Edges<'_, T> {
             nearest = nearest.min(drawn - margin);
             farthest = farthest.max(drawn + margin);
         }
-        // Beside the background, rays that meet nothing of what is around meet nothing.
+        // On an outline, a ray that meets nothing in this range meets nothing behind it.
         let until = if is_outline { farthest } else { f64::INFINITY };
         let between = [nearest, until].map(|distance| ray.parameter(distance));
         let [first, top] = [column, row].map(|place| place * self.pattern.side);
         self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, between })
     }
 
-    /// How much light is hidden from the points of some places of the finer picture: as much as
-    /// from the nearest one of the same surface that is known, in the pixel that they belong to or
-    /// beside it.
+    /// Copies shadow and occlusion to the finer points at `places`. Each takes the values of the
+    /// point nearest in depth on the same surface, in its pixel or a neighbor.
     fn borrow(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
         let picture = self.picture;
         let (mut known, mut count) = ([0; 9], 0);
@@ -212,7 +210,7 @@ impl<T: KernelFloat> Edges<'_, T> {
                     (&mut finer.shadow, &picture.shadow),
                     (&mut finer.occlusion, &picture.occlusion),
                 ] {
-                    // There is none of what is hidden nowhere.
+                    // An empty array means that no light is hidden.
                     if let Some(hidden) = theirs.get(nearest) {
                         mine[n] = *hidden;
                     }
@@ -222,7 +220,7 @@ impl<T: KernelFloat> Edges<'_, T> {
     }
 }
 
-/// A pixel and those around it.
+/// A pixel and its neighbors.
 fn around(rays: &RayGrid, pixel: usize) -> impl Iterator<Item = usize> {
     let (width, height) = (rays.width(), rays.height());
     let (column, row) = (pixel % width, pixel / width);

@@ -1,7 +1,6 @@
-//! What is seen through translucent surfaces: all points of each surface along a ray, and their
-//! light together.
+//! Translucent surfaces: all points of each surface along a ray, and the mix of their colors.
 //!
-//! What is claimed of pixels is about the nearest point, and nothing here changes that.
+//! Proofs concern the nearest point only, and nothing here changes them.
 
 use super::paint::Finish;
 use super::trace::{RenderPass, Tracers};
@@ -11,24 +10,24 @@ use zeroset_scene::program::ProgramError;
 use zeroset_shade::{LinearRgb, UndecidedStyle, hand_back_colors, shade};
 use zeroset_trace::{Driver, GBuffer, RayGrid, Start, Status};
 
-/// Points of one surface along a ray, at most.
+/// Largest number of points of one surface along a ray.
 const MOST: usize = 8;
 
-/// What is left of the light from behind can no longer be seen.
+/// Share of light from behind that is too small to be visible.
 const DARK: f32 = 1.0 / 512.0;
 
-/// Of an undecided point nobody knows where it ends: what is so many pixels behind it is taken to
-/// be something else.
+/// An undecided point has no proven end. A point this many pixels behind it counts as another one.
 const PIXELS_BEHIND: f64 = 2.0;
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// Whether anything shows what is behind it.
+    /// Returns whether any visible surface is translucent.
     pub fn is_translucent(&self) -> bool {
         self.model.seen().any(|surface| self.model.styles[surface].opacity < 1.0)
     }
 
-    /// All that is seen along the rays for which `only` says so, all if that is empty: for each
-    /// surface the nearest points, those behind them, and so on; empty if nothing is translucent.
+    /// All points along the rays selected by `only`, or along all rays if that is empty. For each
+    /// surface, the first layer has the nearest points, the next the points behind them, and so on.
+    /// Empty if nothing is translucent.
     pub fn layers(
         &self,
         rays: &RayGrid,
@@ -51,7 +50,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 if point == MOST || starts.iter().all(|start| start.is_infinite()) || !wanted(0) {
                     break;
                 }
-                // The surface is left before it is met again.
+                // The ray must leave the surface before it can meet it again.
                 layer = new();
                 let driver = Driver { rays, tracer: &**tracer, advance: &wanted };
                 driver.behind(&starts, Start::OnSurface, &mut layer);
@@ -61,8 +60,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(layers)
     }
 
-    /// By pixel, from where on its ray goes on behind a translucent point, in world units; infinite
-    /// if it does not.
+    /// For each pixel, the distance at which its ray continues behind a translucent point, in world
+    /// units. Infinite if it does not continue.
     fn starts(&self, rays: &RayGrid, front: &GBuffer) -> Vec<f64> {
         let start = |pixel: usize| {
             let surface = usize::from(front.surface[pixel]);
@@ -71,7 +70,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             }
             let drawn = front.drawn[pixel];
             let end = front.bracket.get(pixel).map_or(f64::NAN, |bracket| bracket[1]);
-            // A bracket is that of the hit, and something else may be painted in front of it.
+            // The bracket belongs to the hit, and another point may be painted in front of it.
             if front.status[pixel] == Status::Hit && end >= drawn && !front.is_cap(pixel) {
                 return end;
             }
@@ -82,8 +81,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         (0..front.drawn.len()).into_par_iter().map(start).collect()
     }
 
-    /// The colors of a picture as sRGB bytes, with what is seen through it, of which `layers` are
-    /// all points.
+    /// The colors of a picture as sRGB bytes. `layers` holds all points for translucency, or is
+    /// empty.
     pub fn colored(
         &self,
         rays: &RayGrid,
@@ -113,7 +112,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             if !picture.is_drawn(pixel) {
                 return color(&first);
             }
-            // The nearest point is that of the picture, which knows its shadows.
+            // The picture's own point stands for the nearest one, because it has shadows.
             let is_behind = |layer: &usize| {
                 let layer = &layers[*layer];
                 let is_first = layer.surface[pixel] == picture.surface[pixel]

@@ -1,6 +1,6 @@
-//! Colors by a value at each point, and lines along which a value stays the same.
+//! Colors mapped from a value at each point, and contour lines of a value.
 //!
-//! Values are those of floats: no claim depends on them.
+//! Values are computed in plain floats. No claim depends on them.
 
 use super::Model;
 use crate::overlay::{Legend, nice};
@@ -15,35 +15,35 @@ use zeroset_trace::{GBuffer, RayGrid};
 
 /// Width of a contour line, in pixels.
 const WIDTH: f64 = 1.4;
-/// About so many lines lie between the least and the greatest value, unless told otherwise.
+/// Approximate default number of contour lines between the least and the greatest value.
 const LINES: f64 = 12.0;
-/// Where lines are closer than so many pixels they fade into their mean.
+/// Contour lines closer than this many pixels fade into their mean.
 const DENSE: f64 = 3.0;
-/// Values that differ by more than this share of the largest are surely different.
+/// A range wider than this share of its largest value is surely no rounding error.
 const SAME: f64 = 1e-2;
-/// How far a painted point may be from the surface along its ray, in pixels.
+/// Uncertainty of a painted point along its ray, in pixels.
 const PLACE: f64 = 0.1;
-/// Points that a thread takes at a time.
+/// Number of points that a thread processes at a time.
 const PART: usize = 512;
 
-/// How a picture's points are colored.
+/// Appearance and paint of a picture.
 pub(super) struct Finish<'a> {
-    /// Under its light.
+    /// Light and surface colors.
     pub appearance: Appearance,
-    /// What is painted; `None` if all of it has its surfaces' own colors.
+    /// Paint on the surfaces. `None` if all have their own colors.
     pub painter: Option<Painter<'a>>,
 }
 
-/// What is painted on surfaces.
+/// Color maps and contour lines on the surfaces.
 pub(super) struct Painter<'a> {
     model: &'a Model,
-    /// By surface.
+    /// Scale of each surface.
     scales: Vec<Option<Scale<'a>>>,
-    /// By surface, what is the same along lines, and how far the values of lines are apart.
+    /// Value and step of the contour lines on each surface.
     contours: Vec<Option<(&'a PointValue, f64)>>,
 }
 
-/// Which values have which colors.
+/// Assignment of a color map to a range of values.
 #[derive(Clone, Copy)]
 struct Scale<'a> {
     map: &'static ColorMap,
@@ -53,13 +53,13 @@ struct Scale<'a> {
 }
 
 impl<'a> Painter<'a> {
-    /// Whether anything has other colors than its surface's own.
+    /// Returns whether there are color maps or contour lines.
     pub fn is_wanted(model: &Model) -> bool {
         let is_mapped = |surface| Self::mapped(model, surface).is_some();
         model.setting.lines.contours.is_some() || (0..model.surfaces()).any(is_mapped)
     }
 
-    /// What colors a surface by a value, if it is shown.
+    /// The color map of a surface. `None` without a map, or if the surface is hidden.
     fn mapped(model: &Model, surface: usize) -> Option<&MappedColor> {
         match &model.styles[surface].color {
             Some(SurfaceColor::Mapped(mapped)) if !model.styles[surface].hidden => Some(mapped),
@@ -67,8 +67,8 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// For pictures of what is painted in `picture`; `None` if all of it has its surfaces' own
-    /// colors.
+    /// The paint for pictures like `picture`, whose points give the range of values. `None` if all
+    /// surfaces have their own colors.
     pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
         let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();
@@ -88,7 +88,7 @@ impl<'a> Painter<'a> {
             if high - low > SAME * low.abs().max(high.abs()) {
                 return [low, high];
             }
-            // What differs by less than a point's place on its ray is unsure is one value.
+            // A range that the uncertainty of the points explains counts as a single value.
             let moved = blank.values(value, &points, picture, rays, PLACE);
             let both = values.iter().zip(moved);
             let unsure = both.map(|(value, moved)| (moved - value).abs()).fold(0.0, f64::max);
@@ -101,12 +101,12 @@ impl<'a> Painter<'a> {
             let own = mapped(surface)?;
             let [low, high] = match &own.range {
                 Some(ends) => ends.each_ref().map(nearest),
-                // Surfaces that are colored alike have one scale.
+                // Surfaces with the same color map and value share a scale.
                 None => {
                     range(&own.value, &|other| mapped(other).is_some_and(|one| is_same(own, one)))
                 }
             };
-            Some(Scale { map: ColorMap::named(own.map)?, value: &own.value, low, high })
+            Some(Scale { map: own.map, value: &own.value, low, high })
         };
         let scales: Vec<Option<Scale<'_>>> = surfaces.clone().map(scale).collect();
         let contours = surfaces.map(|surface| {
@@ -126,7 +126,7 @@ impl<'a> Painter<'a> {
         Some(Self { model, scales, contours })
     }
 
-    /// What tells which value has which color: one for each scale.
+    /// The legends: one for each different scale.
     pub fn legends(&self) -> Vec<Legend> {
         let mut legends: Vec<Legend> = Vec::new();
         for (scale, contours) in self.scales.iter().zip(&self.contours) {
@@ -141,7 +141,7 @@ impl<'a> Painter<'a> {
         legends
     }
 
-    /// What is painted in a picture of which `side` pixels are as wide as one of the whole.
+    /// The paint for a picture in which `side` pixels span one pixel of the final picture.
     pub fn paint(&self, picture: &GBuffer, rays: &RayGrid, side: usize) -> Vec<Paint> {
         let mut paint = vec![Paint::NONE; picture.drawn.len()];
         for surface in 0..self.model.surfaces() {
@@ -152,7 +152,7 @@ impl<'a> Painter<'a> {
                 let values = self.values(value, &points, picture, rays, 0.0);
                 let extent = high - low;
                 for (&pixel, value) in points.iter().zip(&values) {
-                    // Where there is one value only it has the middle color.
+                    // A single value gets the middle color.
                     let share = if extent > 0.0 { (value - low) / extent } else { 0.5 };
                     if !value.is_nan() {
                         paint[pixel].base = LinearRgb::from_srgb(map.bytes(share));
@@ -175,7 +175,7 @@ impl<'a> Painter<'a> {
         paint
     }
 
-    /// The value at each of these pixels' points, or so many pixels behind them.
+    /// The value at the point of each pixel, or `behind` pixels behind the point.
     fn values(
         &self,
         value: &PointValue,
@@ -192,7 +192,7 @@ impl<'a> Painter<'a> {
             let t = ray.parameter(drawn);
             let at = ray.at(t + behind * rays.footprint(t));
             let [nx, ny, nz] = picture.normal[pixel].map(f64::from);
-            // x, y and z, and then the point's own names in their order.
+            // The coordinates x, y and z, and the named quantities of a point in their order.
             let own: [f64; POINT_NAMES.len()] = [nx, ny, nz, drawn];
             (at.to_array(), own)
         };
@@ -232,26 +232,25 @@ impl<'a> Painter<'a> {
     }
 }
 
-/// The painted pixels for which something holds.
+/// The painted pixels for which `holds` is true.
 fn points(picture: &GBuffer, holds: impl Fn(usize) -> bool) -> Vec<usize> {
     (0..picture.drawn.len()).filter(|&pixel| picture.is_drawn(pixel) && holds(pixel)).collect()
 }
 
-/// Where lines of equal value are in a picture.
+/// Contour lines in a picture.
 struct Lines {
-    /// How far their values are apart.
+    /// Difference of the values of neighboring lines.
     step: f64,
-    /// How many pixels are as wide as one of the whole picture.
+    /// Number of pixels that span one pixel of the final picture.
     side: f64,
 }
 
 impl Lines {
-    /// How much of a pixel lines cover, given the value at each and those [beside](RayGrid::beside)
-    /// it.
+    /// The share of a pixel that lines cover, from its value and the values of the pixels
+    /// [beside](RayGrid::beside) it.
     fn ink(&self, field: &[f64], pixel: usize, beside: [Option<usize>; 4]) -> f64 {
         let value = field[pixel];
-        // The lesser change to the one or the other side: across an edge of what is seen values
-        // jump.
+        // Uses the smaller change of the two sides, because values jump at silhouettes.
         let [left, right, above, below] =
             beside.map(|there| (there.map_or(f64::NAN, |there| field[there]) - value).abs());
         let (across, down) = (left.min(right), above.min(below));
@@ -282,11 +281,12 @@ mod tests {
             let (rays, lines) = (rays(width, height), Lines { step: 1.0, side: 1.0 });
             let row = width..2 * width;
             let ink: f64 = row.map(|pixel| lines.ink(&field, pixel, rays.beside(pixel))).sum();
-            // One for each whole number among the values, and a part of that below the first.
+            // One line for each whole number among the values, and a part of the one below the
+            // first.
             let crossed = (slope * 399.0 + 0.01).floor();
             assert!((ink / crossed / WIDTH - 1.0).abs() < 0.1, "{slope}: {ink} of {crossed}");
         }
-        // Far too many fade into grey, and where nothing changes there is none.
+        // Far too many lines fade into gray. A constant value has no lines.
         let field: Vec<f64> = (0..300).map(|n| 7.3 * f64::from(n % 100)).collect();
         let (rays, lines) = (rays(100, 3), Lines { step: 1.0, side: 1.0 });
         let ink = |field: &[f64], pixel: usize| lines.ink(field, pixel, rays.beside(pixel));

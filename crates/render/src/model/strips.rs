@@ -1,8 +1,8 @@
-//! Pictures too large to be held whole: strips of rows, one after another.
+//! Pictures too large for memory, drawn as strips of rows.
 //!
-//! A strip shows what the whole picture would, bit for bit, but for what surrounds each point at a
-//! distance: what is near to what, and which values colors stand for, is taken from an overview, a
-//! smaller picture of the whole. Where that is no smaller, nothing differs.
+//! A strip equals that part of the whole picture bit for bit, except for ambient occlusion and
+//! color scales. These need distant rows and come from an overview: a smaller picture of the whole.
+//! If the overview has full size, nothing differs.
 
 use super::{Model, Progress};
 use crate::picture::{Picture, Settings};
@@ -11,41 +11,41 @@ use zeroset_scene::program::ProgramError;
 use zeroset_shade::Pattern;
 use zeroset_trace::{Camera, RayGrid};
 
-/// Strips begin at multiples of so many rows, and know as many beyond either end: what methods look
-/// at together, and more than smoothing reaches.
+/// Strips begin at multiples of this many rows, and are drawn with as many extra rows at both ends.
+/// Methods trace bands of this height, and antialiasing reaches less far.
 const ALIGNED: usize = 16;
 
-/// Pixels of a strip, about, and of a picture that is held whole: some hundred bytes each.
+/// Approximate pixels of a strip, and largest picture drawn whole. A pixel takes some hundred
+/// bytes.
 const STRIP: usize = 1 << 21;
 const WHOLE: usize = 1 << 22;
 
-/// Rows of an overview, and pixels, at most.
+/// Largest number of rows and of pixels in an overview.
 const OVERVIEW_ROWS: usize = 1024;
 const OVERVIEW_PIXELS: usize = 1 << 21;
 
-/// Some rows of a picture.
+/// A strip: some rows of a picture.
 pub struct Strip<'a> {
-    /// The first row, counted from the whole picture's top.
+    /// First row, counted from the top of the whole picture.
     pub top: usize,
-    /// What is known of these rows alone.
+    /// The picture of these rows.
     pub picture: &'a mut Picture,
-    /// A picture of the whole, perhaps smaller; `None` if `picture` is the whole.
+    /// A picture of the whole, perhaps smaller. `None` if `picture` is the whole.
     pub overview: Option<&'a Picture>,
 }
 
-/// A picture of the whole that tells what strips cannot know.
+/// A small picture of the whole, which supplies data from distant rows.
 pub(super) struct Overview {
     pub picture: Picture,
     pub rays: RayGrid,
 }
 
 impl Model {
-    /// Takes a picture strip by strip, of as many rows as take little memory; one of a moderate
-    /// size is a single strip. Returns a picture without rows that tells of all of them: times,
-    /// counts and remarks.
+    /// Draws a picture strip by strip to limit memory. A picture of moderate size is a single
+    /// strip. Returns a picture without rows, with the times, counts and remarks of the whole.
     ///
     /// # Errors
-    /// As [`Model::trace`], and those of `each`.
+    /// As [`Model::trace`], and errors of `each`.
     pub fn strips<E: From<ProgramError>>(
         &self,
         camera: &Camera,
@@ -61,14 +61,14 @@ impl Model {
         self.strips_of(rows, camera, settings, progress, each)
     }
 
-    /// As [`Model::strips`], of so many rows each, which are a multiple of sixteen unless they are
-    /// all.
+    /// As [`Model::strips`], with a given number of rows per strip. It must be a multiple of
+    /// sixteen, or at least the picture's height.
     ///
     /// # Errors
     /// As [`Model::strips`].
     ///
     /// # Panics
-    /// If there are so few rows.
+    /// If `rows` is neither.
     pub fn strips_of<E: From<ProgramError>>(
         &self,
         rows: usize,
@@ -125,7 +125,7 @@ impl Model {
     }
 }
 
-/// Of a picture of the whole that is small enough.
+/// Settings of the overview.
 fn overview_settings(settings: &Settings) -> Settings {
     let Settings { width, height, .. } = *settings;
     let by_area = (OVERVIEW_PIXELS as f64 / (width * height) as f64).sqrt();

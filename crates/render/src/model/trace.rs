@@ -1,4 +1,4 @@
-//! One picture of a model: surfaces are found one after another, then lit.
+//! One picture of a model: finds the surfaces one after another, then lights them.
 
 mod light;
 
@@ -20,23 +20,23 @@ use zeroset_trace::{
     TraceOptions, Tracer, cap, cap_rows,
 };
 
-/// Told how many pixels were finished since it was last called; `false` ends the work.
+/// Callback with the number of pixels finished since the last call. Returning `false` ends the
+/// work.
 pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 
-/// Reach of central differences, as a share of the domain's largest extent.
+/// Step of central differences, as a share of the region's largest extent.
 const STEP: f64 = 1e-3;
 
-/// Where a region is farther from the origin than so many times its size, `f32` places points too
-/// coarsely for their normals.
+/// Farther from the origin than this many half extents, `f32` positions are too coarse for normals.
 const FAR: f64 = 1024.0;
 
 impl Model {
-    /// Takes a picture. `advance` is told how many pixels of how many surfaces were finished since
-    /// it was last called, and ends the work early by returning `false`, as the end of the
-    /// settings' budget does: what was not reached then is undecided, and not painted.
+    /// Draws a picture. `advance` gets the number of pixels finished since the last call, counted
+    /// per surface. The work ends early when it returns `false` or the settings' budget is used up.
+    /// Pixels not reached by then are undecided and unpainted.
     ///
     /// # Errors
-    /// If a kernel is needed that cannot be made. What [`Model::new`] compiled is there already.
+    /// If a kernel fails to compile that [`Model::new`] has not compiled.
     pub fn trace(
         &self,
         camera: &Camera,
@@ -49,8 +49,8 @@ impl Model {
         self.along(&rays, settings, &advance, None, None)
     }
 
-    /// The picture along these rays: of a strip's, its `own` rows are kept, and what is near to
-    /// what is what the `overview` of the whole knows.
+    /// The picture along these rays. For a strip, only its `own` rows are kept, and `overview`
+    /// supplies ambient occlusion and color scales.
     pub(super) fn along(
         &self,
         rays: &RayGrid,
@@ -71,10 +71,10 @@ impl Model {
         }
     }
 
-    /// The same picture with what a preview (`Settings::is_preview`) left open looked at again, as
-    /// `settings` say, which are those of the picture but for that. One whose normals were not kept
-    /// is taken anew, and what that takes is all that is accounted for. `advance` is as for
-    /// [`Model::trace`]; `None` if it ended the work: nothing is worth keeping then.
+    /// Decides the pixels that a preview (`Settings::is_preview`) left open. `settings` must be
+    /// those of the picture, except for `is_preview`. A picture without normals is drawn again, and
+    /// the statistics then cover only the new one. `advance` is as for [`Model::trace`]. Returns
+    /// `None` if it ended the work.
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -96,9 +96,8 @@ impl Model {
         }
     }
 
-    /// The same picture in other light: what was found is not looked for again, if its normals were
-    /// kept. `settings` are those of the picture but for what lights it, and `advance` is as for
-    /// [`Model::trace`].
+    /// The picture in other light. It is traced again only if its normals were not kept. `settings`
+    /// must be those of the picture, except for the light. `advance` is as for [`Model::trace`].
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -124,29 +123,29 @@ impl Model {
     }
 }
 
-/// Surfaces by number, each with what finds it.
+/// Prepared tracers, with the numbers of their surfaces.
 pub(super) type Tracers<'a> = Vec<(usize, Box<dyn Tracer + 'a>)>;
 
-/// What was found along some rays.
+/// Result of tracing some rays.
 struct Traced {
     buffer: GBuffer,
-    /// How many pixels have each status, if they were counted while they were in the caches.
+    /// Number of pixels by status, if counted during tracing.
     counts: Option<PixelCounts>,
     work: KernelStats,
-    /// Colors, if they are known already.
+    /// Colors, if computed during tracing.
     rgb: Option<Vec<u8>>,
-    /// Surfaces that another method traced.
+    /// Surfaces that were traced by a fallback method.
     fallbacks: Vec<(usize, Fallback)>,
 }
 
-/// What all parts of a picture share; colors come from kernels of `T`.
+/// State shared by all parts of a picture. Colors are computed by kernels of `T`.
 pub(super) struct RenderPass<'a, T> {
     pub model: &'a Model,
     pub settings: &'a Settings,
     pub advance: Advance<'a>,
-    /// What is known of the whole, if this is a strip.
+    /// A picture of the whole, if this is a strip.
     overview: Option<&'a Overview>,
-    /// The rows that are kept of a strip; `None` if all are.
+    /// The rows of a strip that are kept, or `None` for all.
     pub own: Option<Range<usize>>,
     floats: PhantomData<fn() -> T>,
 }
@@ -156,7 +155,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
     }
 
-    /// The method prepared for a surface, its options changed by `change`.
+    /// The method prepared for a surface, with its options changed by `change`.
     pub fn tracer(
         &self,
         surface: usize,
@@ -167,7 +166,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(self.settings.method.prepare(surface, region, options)?)
     }
 
-    /// Looks for a surface along the rays for which `only` says so, all if that is empty.
+    /// Traces a surface along the rays selected by `only`, or along all if that is empty.
     pub fn find(
         &self,
         surface: usize,
@@ -186,7 +185,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(work)
     }
 
-    /// The normals of a surface where it was found.
+    /// Computes the normals of a surface at its painted points.
     pub fn face(
         &self,
         surface: usize,
@@ -198,7 +197,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(source.map_or_else(KernelStats::default, face))
     }
 
-    /// What answers for a surface's normals, if they are wanted.
+    /// Kernels for a surface's normals, if normals are wanted.
     fn normals_of(&self, surface: usize) -> Result<Option<NormalSource<'a, T>>, ProgramError> {
         let kernels = self.model.program.kernels::<T>(surface);
         Ok(match self.settings.normals {
@@ -219,7 +218,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         2.0 * self.model.region.half_extent()
     }
 
-    /// The picture of these rays, of which only some rows may be kept.
+    /// Draws the picture of these rays. Only the rows `own` are kept.
     pub fn take(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let mut times = self.model.times.unwrap_or_default();
         let appearance = self.is_plain().then(|| self.appearance(self.lamp(rays)));
@@ -228,7 +227,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         self.finished(rays, found, times)
     }
 
-    /// The picture with its unsettled pixels looked at again; `None` if that is no longer wanted.
+    /// The picture with its open pixels traced again. `None` if that is no longer wanted.
     fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Option<Picture>, ProgramError> {
         if picture.buffer.normal.is_empty() {
             let anew = self.take(rays)?;
@@ -262,7 +261,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(lit)
     }
 
-    /// Whether each row of the picture can be colored once it is traced, whatever is in the
+    /// Returns whether each row can be colored as soon as it is traced, independently of the
     /// others.
     fn is_plain(&self) -> bool {
         self.settings.normals.is_some()
@@ -273,9 +272,9 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             && !Painter::is_wanted(self.model)
     }
 
-    /// All surfaces along the rays for which `only` says so, all if that is empty; and the
-    /// picture's colors, if there is a shader for them, which needs normals. Rows go from nothing
-    /// to colors while they are in the nearer caches.
+    /// Traces all surfaces along the rays selected by `only`, or along all if that is empty. With a
+    /// shader, which needs normals, it colors the picture as well. Each band is finished while it
+    /// is in cache.
     fn surfaces(
         &self,
         rays: &RayGrid,
@@ -310,7 +309,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                     work += source.face(rows, rays, self.extent() * STEP, canvas);
                 }
                 shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
-                // Before the lock is taken, which others would wait for.
+                // Counted before the lock is taken, so that others wait less.
                 let counts = rows.counts();
                 *counted.lock().unwrap_or_else(PoisonError::into_inner) += counts;
                 work
@@ -320,23 +319,23 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
             let driver = Driver { rays, tracer: &*tracer, advance };
-            // Caps have theirs before others do, and edges are found by them.
+            // Caps get their normals first, and edges are found from normals.
             let needs_normals = shader.is_none() || is_solid || settings.antialias != Pattern::ONE;
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
-                // Layers are merged by theirs.
+                // Layers are merged by their brackets.
                 brackets: settings.brackets || model.seen().count() > 1,
                 caps: is_solid,
             };
             let (layer, found) =
                 driver.new_picture(surface as u16, kept, only, picture.as_ref(), parts, finish);
             work += found;
-            // As if all threads had been busy all the time.
+            // Time per thread, assuming that all threads were busy all the time.
             let shading = shading.into_inner() / rayon::current_num_threads() as u64;
             let (lap, shading) = (watch.lap(), Duration::from_nanos(shading));
             times.trace += lap.saturating_sub(shading);
             times.shade += lap.min(shading);
-            // One layer at a time, so that many surfaces take no more memory than one.
+            // Merging one layer at a time keeps memory independent of the number of surfaces.
             match &mut picture {
                 None => picture = Some(layer),
                 Some(picture) => {
@@ -356,14 +355,14 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         if !settings.brackets {
             buffer.bracket.clear();
         }
-        // Of several surfaces, or of rows that are not kept, they are others.
+        // With several surfaces or cropped rows, these counts would be wrong.
         let is_counted = self.own.is_none() && model.seen().count() == 1;
         let counts =
             is_counted.then(|| counted.into_inner().unwrap_or_else(PoisonError::into_inner));
         Ok(Traced { buffer, counts, work, rgb, fallbacks })
     }
 
-    /// What was found of these rays, lit and accounted for.
+    /// Lights the traced rays and fills in the statistics.
     fn finished(
         &self,
         rays: &RayGrid,
@@ -397,7 +396,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             kernels: made,
             nodes: model.program.nodes(),
         };
-        // Where it is 0 everywhere no ray through the region is decided.
+        // A function that is 0 everywhere leaves every ray through the region undecided.
         let flat = pixels.hit == 0 && pixels.undecided > 0 && model.is_flat::<T>()?;
         Ok(Picture {
             buffer,
@@ -414,7 +413,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         })
     }
 
-    /// The method at work on each surface that is seen, with its number.
+    /// The method prepared for each visible surface, with the surface's number.
     pub fn tracers(
         &self,
         change: impl Fn(TraceOptions) -> TraceOptions,

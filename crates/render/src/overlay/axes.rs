@@ -1,4 +1,4 @@
-//! The domain's box over the picture, with labelled ticks. Lines behind the surface are faint.
+//! The region's box over a picture, with labeled ticks. Lines behind the surface are faint.
 
 use super::canvas::{Canvas, Rgb};
 use super::ticks::ticks;
@@ -8,7 +8,7 @@ use zeroset_scene::view::corners;
 use zeroset_space::Region;
 use zeroset_trace::{Camera, Projection};
 
-/// Lines and letters on light ground, and on dark.
+/// Colors of lines and letters, for light and dark backgrounds.
 const INKS: [Rgb; 2] = [0x0030_3038, 0x00d8_d8e0];
 const SEEN: u32 = 190;
 const HIDDEN: u32 = 36;
@@ -16,22 +16,22 @@ const HIDDEN: u32 = 36;
 /// Width of a line, in dots of a letter.
 const WIDTH: f64 = 1.1;
 
-/// Pieces into which an edge is cut, for what is behind the eye or the surface.
+/// Number of pieces of an edge that are tested for visibility.
 const PIECES: usize = 256;
 
-/// What is shown, and from where.
+/// A picture with its camera and region.
 #[derive(Clone, Copy)]
 pub struct Shown<'a> {
-    /// The camera that took it.
+    /// Camera of the picture.
     pub camera: &'a Camera,
-    /// The region that it shows.
+    /// Region of the picture.
     pub region: &'a Region,
-    /// The picture itself.
+    /// The picture.
     pub picture: &'a Picture,
 }
 
 impl Shown<'_> {
-    /// The color of lines and letters that can be read on the picture's ground.
+    /// A color for lines and letters that contrasts with the background.
     pub fn ink(&self) -> Rgb {
         let ground =
             (0..self.picture.buffer.drawn.len()).find(|&n| !self.picture.buffer.is_drawn(n));
@@ -42,14 +42,14 @@ impl Shown<'_> {
     }
 }
 
-/// Where points of space appear in a window of a given size.
+/// Projects points into a picture of a given size.
 struct Projector<'a> {
     shown: Shown<'a>,
     rays: zeroset_trace::RayGrid,
 }
 
 impl Projector<'_> {
-    /// The place in pixels and the distance from the ray's origin; `None` behind the eye.
+    /// Position in pixels and distance from the ray's origin. `None` behind the eye.
     fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
         let rays = &self.rays;
         let way = point - rays.eye();
@@ -69,7 +69,7 @@ impl Projector<'_> {
         Some((DVec2::new(across, down), distance))
     }
 
-    /// Whether nothing is painted in front of a point seen at this place.
+    /// Returns whether nothing is painted in front of a point at this position.
     fn is_seen(&self, at: DVec2, distance: f64) -> bool {
         let buffer = &self.shown.picture.buffer;
         let scaled = |at: f64, size: usize, of: usize| {
@@ -78,12 +78,12 @@ impl Projector<'_> {
         };
         let x = scaled(at.x, self.rays.width(), buffer.width);
         let y = scaled(at.y, self.rays.height(), buffer.height);
-        // What lies on the box is not behind itself.
+        // The margin keeps a surface on the box from hiding the box.
         buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
     }
 
     fn line(&self, cover: &mut Cover, from: DVec3, to: DVec3) {
-        // Where the part begins that is seen alike, where it ends so far, and how it is seen.
+        // Start, end and opacity of a part with equal visibility.
         let mut part: Option<(DVec2, DVec2, Option<u32>)> = None;
         let mut draw = |part: Option<(DVec2, DVec2, Option<u32>)>| {
             if let Some((from, to, Some(share))) = part {
@@ -92,7 +92,7 @@ impl Projector<'_> {
         };
         for piece in 0..=PIECES {
             let point = from.lerp(to, piece as f64 / PIECES as f64);
-            // Far outside there is nothing to draw, and no end to it.
+            // Positions far outside the picture are not drawn.
             let near = |at: DVec2| at.abs().max_element() < 1e5;
             let Some((at, distance)) = self.project(point).filter(|(at, _)| near(*at)) else {
                 draw(part.take());
@@ -114,11 +114,11 @@ impl Projector<'_> {
     }
 }
 
-/// How much of each pixel lines cover, so that lines that meet are no darker there.
+/// Opacity of the lines at each pixel. Lines that cross do not add up.
 struct Cover {
     width: usize,
     height: usize,
-    /// Of a line, in pixels.
+    /// Thickness of a line, in pixels.
     thickness: f64,
     shares: Vec<u8>,
 }
@@ -130,7 +130,7 @@ impl Cover {
         Self { width, height, thickness, shares: vec![0; width * height] }
     }
 
-    /// A straight line with smooth edges.
+    /// Draws a straight line with smooth edges.
     fn line(&mut self, from: DVec2, to: DVec2, share: u32) {
         let reach = self.thickness / 2.0 + 0.5;
         let range = |a: f64, b: f64, size: usize| {
@@ -139,7 +139,7 @@ impl Cover {
             low as usize..high as usize
         };
         let (way, rows) = (to - from, range(from.y, to.y, self.height));
-        // In a row no more than this lies beside where the line crosses it.
+        // Horizontal distance from the line's center, within which it covers pixels of a row.
         let beside = reach * way.length() / way.y.abs();
         for y in rows {
             let columns = if beside.is_finite() {
@@ -164,7 +164,7 @@ impl Cover {
     }
 
     fn blend(&self, canvas: &mut Canvas, ink: Rgb) {
-        // Most of it is empty.
+        // Most pixels have no line.
         for (part, shares) in self.shares.chunks(64).enumerate() {
             if shares.iter().fold(0, |any, share| any | share) == 0 {
                 continue;
@@ -177,7 +177,7 @@ impl Cover {
     }
 }
 
-/// Something written beside the box: its upper left corner and its size in pixels.
+/// A label beside the box: text, upper left corner and size, both in pixels.
 #[derive(Clone, Debug)]
 pub struct Label {
     pub text: String,
@@ -186,7 +186,7 @@ pub struct Label {
 }
 
 impl Label {
-    /// Whether there is less than `space` between them to the sides, or they overlap.
+    /// Returns whether labels overlap or are closer than `space` horizontally.
     fn touches(&self, other: &Self, space: f64) -> bool {
         let space = DVec2::new(space, 0.0);
         self.place.cmplt(other.place + other.size + space).all()
@@ -194,8 +194,8 @@ impl Label {
     }
 }
 
-/// Draws the box and ticks on one edge for each coordinate, over a picture in the upper `height`
-/// pixels, and returns what is written.
+/// Draws the box, with ticks on one edge per axis, over a picture in the upper `height` rows.
+/// Returns the labels.
 pub fn draw_box(canvas: &mut Canvas, shown: Shown<'_>, height: usize) -> Vec<Label> {
     let mut labels = Vec::new();
     let projector = Projector { shown, rays: shown.camera.rays(canvas.width, height) };
@@ -210,7 +210,7 @@ pub fn draw_box(canvas: &mut Canvas, shown: Shown<'_>, height: usize) -> Vec<Lab
         for (from, to) in &edges {
             projector.line(&mut cover, *from, *to);
         }
-        // x and y along the lowest edges of the picture, z along the leftmost.
+        // Ticks of x and y are on the lowest edge in the picture, and of z on the leftmost.
         let rank = |(from, to): &&(DVec3, DVec3)| {
             let at = projector.project(from.midpoint(*to)).map(|(at, _)| at)?;
             let rank = if axis == 2 { -at.x } else { at.y };
@@ -225,7 +225,7 @@ pub fn draw_box(canvas: &mut Canvas, shown: Shown<'_>, height: usize) -> Vec<Lab
     labels
 }
 
-/// Writes numbers and the name of an axis along an edge.
+/// Writes numbers and the axis name along an edge.
 fn label(
     canvas: &mut Canvas,
     cover: &mut Cover,
@@ -238,8 +238,8 @@ fn label(
     let (low, high) = (from[axis], to[axis]);
     let (ticks, step) = ticks(low, high);
     let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
-    // Across the edge, so that labels of two edges that meet part; an edge that is seen from its
-    // end has no such direction.
+    // Labels are offset perpendicular to the edge, so that labels of adjacent edges separate. An
+    // edge seen end-on has no such direction.
     let away = (middle - centre).normalize_or(DVec2::Y);
     let ends = projector.project(from).zip(projector.project(to));
     let across = ends.map_or(DVec2::ZERO, |((a, _), (b, _))| (b - a).perp());
@@ -249,8 +249,8 @@ fn label(
         None => away,
     };
     let scale = canvas.scale as f64;
-    // Where a label of this text belongs, and where it goes: where the box is cut off, its labels
-    // are not.
+    // The position of a value on the edge, and its label, which is moved into the picture if it
+    // lies outside.
     let size = DVec2::new(canvas.width as f64, projector.rays.height() as f64);
     let letter = DVec2::new(canvas.advance() as f64, canvas.letter_height() as f64);
     let label = |value: f64, text: String, reach: f64| {
@@ -262,8 +262,7 @@ fn label(
         let place = place.clamp(DVec2::ZERO, (size - 2.0 * half).max(DVec2::ZERO));
         Some((at, Label { text, place, size: 2.0 * half }))
     };
-    // With a letter's space to what is there already, on this edge and on others: what finds no
-    // room is left away.
+    // A label without a letter's space around it is left out.
     let free = |label: &Label, labels: &[Label]| {
         !labels.iter().any(|other| label.touches(other, letter.x))
     };
@@ -281,7 +280,7 @@ fn label(
             write(label, labels);
         }
     }
-    // The name stands beside the middle, or as near to that as is free.
+    // The axis name goes to the middle of the edge, or to the nearest free place.
     let name = ["x", "y", "z"][axis].to_owned();
     let places = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75].into_iter().filter_map(|steps| {
         let (_, label) = label(low.midpoint(high) + steps * step, name.clone(), 40.0)?;
@@ -305,7 +304,7 @@ mod tests {
     use crate::picture::Settings;
     use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 
-    /// What is written around the domain ±2 in a window of this size.
+    /// The labels around the region ±2, in a picture of this size.
     fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
         let settings = Settings { width, height, ..Settings::default() };
         let document = zeroset_syntax::read("domain 2\nx^2+y^2+z^2 = 1", &Default::default());
@@ -345,14 +344,15 @@ mod tests {
         let labels = labels(800, 600, 1, true);
         let mut texts: Vec<&str> = labels.iter().map(|label| label.text.as_str()).collect();
         texts.sort_unstable();
-        // The corner where x and z are both -2 says so once.
+        // The label at the corner where x and z are both -2 appears once.
         let mut expected =
             vec!["-1", "-1", "-1", "-2", "-2", "0", "0", "0", "1", "1", "1", "2", "2", "2"];
         expected.extend(["x", "y", "z"]);
         assert_eq!(texts, expected);
     }
 
-    /// Only pixels near a line are asked; all others lie too far away from it.
+    /// [`Cover::line`] visits only pixels near the line. The others must not be covered.
+    /// covered.
     #[test]
     fn a_line_covers_what_is_near_it() {
         let (width, height) = (120, 90);

@@ -1,12 +1,12 @@
-//! Pixels of a picture or the window, and letters, lines and boxes on them. The letters are Noto
-//! Sans Mono (SIL Open Font License 1.1), as the crate `noto-sans-mono-bitmap` has drawn them.
+//! Drawing letters, lines and boxes into an image. The letters are Noto Sans Mono (SIL Open Font
+//! License 1.1), rasterized by the crate `noto-sans-mono-bitmap`.
 
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 const WEIGHT: FontWeight = FontWeight::Regular;
 const HEIGHT: RasterHeight = RasterHeight::Size16;
 
-/// The letter π, which the font lacks, as high and as bold as its others.
+/// The letter π, which the font lacks, in the height and weight of the others.
 const PI: [[u8; 7]; 16] = {
     let none = [0; 7];
     let bar = [90, 235, 250, 250, 250, 235, 90];
@@ -18,27 +18,27 @@ const PI: [[u8; 7]; 16] = {
 /// A color as 0xRRGGBB.
 pub type Rgb = u32;
 
-/// A color into which so much of 255 of another is mixed.
+/// Mixes `share` of 255 parts of `new` into `old`.
 fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
     let part = |n: usize| (u32::from(old[n]) * (255 - share) + u32::from(new[n]) * share) / 255;
     [0, 1, 2].map(|n| part(n) as u8)
 }
 
-/// An image as a window takes it: one number per pixel, row by row from the top.
+/// An image in a window's format: one number per pixel.
 pub struct Canvas {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: usize,
-    /// Number of rows.
+    /// Height in pixels.
     pub height: usize,
-    /// Row by row from the top; empty if only marks are kept.
+    /// Pixels, row by row from the top. Empty if drawings are recorded for [`Canvas::mix_into`].
     pub pixels: Vec<Rgb>,
-    /// Pixels on the side of one dot of a letter.
+    /// Pixels on each side of a letter's dot.
     pub scale: usize,
-    /// If there are no pixels: what would be mixed into them.
+    /// Recorded drawings, if there are no pixels.
     marks: Vec<Mark>,
 }
 
-/// A color that is mixed into the pixel of this index, and its share.
+/// A color to mix into the pixel with this index, and its share of 255.
 struct Mark {
     pixel: usize,
     color: Rgb,
@@ -46,13 +46,14 @@ struct Mark {
 }
 
 impl Canvas {
-    /// The size of each dot of a letter, and a pixel each or none.
+    /// A canvas with these pixels, or one that records drawings if `pixels` is empty. `scale` is
+    /// the size of a letter's dots.
     pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, scale: usize) -> Self {
         Self { width, height, pixels, scale, marks: Vec::new() }
     }
 
-    /// Mixes what was drawn where there were no pixels into rows of red, green and blue bytes, of
-    /// which the first is the row `top`.
+    /// Mixes the recorded drawings into rows of red, green and blue bytes. The first of them is row
+    /// `top`.
     pub fn mix_into(&self, rgb: &mut [u8], top: usize) {
         let (pixels, first) = (rgb.as_chunks_mut::<3>().0, top * self.width);
         for Mark { pixel, color, share } in &self.marks {
@@ -73,17 +74,17 @@ impl Canvas {
         HEIGHT.val() * self.scale
     }
 
-    /// Height of a line of text in pixels, with some space.
+    /// Height of a line of text in pixels, including space between lines.
     pub fn line_height(&self) -> usize {
         Self::line_height_at(self.scale)
     }
 
-    /// The same for letters of this scale.
+    /// As [`Canvas::line_height`], for letters of this scale.
     pub fn line_height_at(scale: usize) -> usize {
         (HEIGHT.val() + 4) * scale
     }
 
-    /// Mixes `color` into a pixel; `share` is 255 for all of it. Pixels outside are ignored.
+    /// Mixes `color` into a pixel; a `share` of 255 replaces it. Pixels outside are ignored.
     pub fn blend(&mut self, x: i64, y: i64, color: Rgb, share: u32) {
         let inside = |at: i64, size: usize| at >= 0 && at < size as i64;
         if !(inside(x, self.width) && inside(y, self.height)) {
@@ -109,7 +110,7 @@ impl Canvas {
         }
     }
 
-    /// Puts rows of so many pixels where they belong, as far as there is room for them.
+    /// Copies an image of this width to a position. Parts outside the canvas are cut off.
     pub fn paste(&mut self, pixels: &[Rgb], width: usize, (left, top): (usize, usize)) {
         let shown = width.min(self.width.saturating_sub(left));
         let rows = self.pixels.chunks_exact_mut(self.width).skip(top);
@@ -118,7 +119,7 @@ impl Canvas {
         }
     }
 
-    /// A frame along the edge.
+    /// Draws a frame along the edges.
     pub fn border(&mut self, thickness: usize, color: Rgb) {
         let (w, h, t) = (self.width, self.height, thickness);
         self.fill(0, 0, w, t, color, 255);
@@ -127,8 +128,8 @@ impl Canvas {
         self.fill(w as i64 - t as i64, 0, t, h, color, 255);
     }
 
-    /// Writes one line with its upper left corner at a place. What the font lacks becomes a
-    /// question mark.
+    /// Writes a line of text with its upper left corner at this position. Letters that the font
+    /// lacks become question marks.
     pub fn write(&mut self, text: &str, x: i64, y: i64, color: Rgb) {
         let advance = self.advance() as i64;
         for (place, letter) in (0_i64..).zip(text.chars()) {
@@ -147,7 +148,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a letter, given how much of each of its dots is covered, row by row.
+    /// Draws a letter from the coverage of its dots, row by row.
     fn dots<'a>(&mut self, x: i64, y: i64, rows: impl Iterator<Item = &'a [u8]>, color: Rgb) {
         let scale = self.scale as i64;
         for (row, line) in (0_i64..).zip(rows) {
@@ -161,15 +162,14 @@ impl Canvas {
         }
     }
 
-    /// Writes one line on a dark ground.
+    /// Writes a line of text on a dark background.
     pub fn label(&mut self, text: &str, x: i64, y: i64, color: Rgb) {
         let width = text.chars().count() * self.advance() + 8 * self.scale;
         self.fill(x, y, width, self.line_height(), 0x0020_2028, 208);
         self.write(text, x + 4 * self.scale as i64, y + 2 * self.scale as i64, color);
     }
 
-    /// As many letters as fit the width between margins, with `…` spelt as two dots where some do
-    /// not.
+    /// The text, shortened to fit a width in pixels. Shortened text ends with two dots.
     pub fn fitting(&self, text: &str, room: usize) -> String {
         let letters = room / self.advance();
         if text.chars().count() <= letters {

@@ -1,19 +1,19 @@
-//! What tells which value has which color, and the round numbers that are written beside scales.
+//! Legends of color maps, and round numbers for scales.
 
 use zeroset_style::ColorMap;
 
-/// The scale of a color map in a picture.
+/// A legend: the scale of a color map in a picture.
 #[derive(Clone, Debug)]
 pub struct Legend {
-    /// The colors.
+    /// The color map.
     pub map: &'static ColorMap,
-    /// What has them, as text.
+    /// The formula of the value, as text.
     pub value: String,
     /// The value with the first color.
     pub low: f64,
     /// The value with the last color.
     pub high: f64,
-    /// How far the values of contour lines are apart, if there are such lines of it.
+    /// Difference between contour lines of this value, if there are any.
     pub step: Option<f64>,
 }
 
@@ -24,7 +24,8 @@ impl PartialEq for Legend {
     }
 }
 
-/// The smallest of 1, 2 and 5 times a power of ten that is not below `least`, which is above 0.
+/// The least number of the form 1, 2 or 5 times a power of ten that is at least `least`, which must
+/// be positive.
 pub fn nice(least: f64) -> f64 {
     let power = 10.0_f64.powf(least.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);

@@ -1,23 +1,22 @@
-//! Where an axis has ticks, and how they are written: round numbers, or multiples of π where its
-//! ends are such.
+//! Positions and texts of axis ticks: round numbers, or multiples of π if the ends are such.
 
 use super::legend::nice;
 use std::f64::consts::{FRAC_PI_2, PI};
 use zeroset_scene::coordinate::of_pi;
 
-/// Ticks on an axis, about.
+/// Approximate number of ticks on an axis.
 const TICKS: f64 = 4.0;
 
-/// No more than a screen could show, whatever rounding does.
+/// Largest number of ticks, in case rounding yields a tiny step.
 const MOST: usize = 16;
 
-/// An end is a multiple of π/2 if it is one to within this share of π.
+/// Tolerance for rounding: in multiples of π/2 for ends, and in steps for ticks.
 const NEAR: f64 = 1e-9;
 
-/// Parts of π that ticks may be apart, below its multiples.
+/// Steps below π, as parts of π.
 const PARTS: [f64; 2] = [0.25, 0.5];
 
-/// The places of ticks between two ends, with what is written there, and how far they are apart.
+/// Positions and texts of the ticks between two ends, and the step between them.
 pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     let in_halves = |end: f64| {
         let halves = end / FRAC_PI_2;
@@ -31,7 +30,7 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     } else {
         (1.0, nice(least))
     };
-    // An end that is a tick but for rounding is one.
+    // An end that is a tick up to rounding counts as a tick.
     let first = (low / unit / step - NEAR).ceil() as i64;
     let last = (high / unit / step + NEAR).floor() as i64;
     let tick = |tick: i64| {
@@ -42,11 +41,11 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     ((first..=last).take(MOST).map(tick).collect(), step * unit)
 }
 
-/// A multiple of `step` with no more digits than it needs.
+/// A multiple of `step`, with no more digits than needed.
 fn shown(value: f64, step: f64) -> String {
     let digits = (-step.log10().floor()).max(0.0) as usize;
     let text = format!("{value:.digits$}");
-    // Zero has no sign.
+    // Avoids `-0`.
     if value == 0.0 { text.trim_start_matches('-').to_owned() } else { text }
 }
 
@@ -74,7 +73,7 @@ mod tests {
         assert_eq!(texts(0.0, PI), ["0", "π/4", "π/2", "3π/4", "π"]);
         assert_eq!(texts(-1.5 * PI, 0.5 * PI), ["-3π/2", "-π", "-π/2", "0", "π/2"]);
         assert_eq!(texts(-6.0 * PI, 6.0 * PI), ["-5π", "0", "5π"]);
-        // What only looks like π is not.
+        // A number close to a multiple of π is not one.
         assert_eq!(texts(-PI - 1e-5, PI), ["-2", "0", "2"]);
     }
 }

@@ -48,8 +48,8 @@ pub struct Document {
     pub domain: Option<DomainLine>,
     /// The `view` line, if there is one.
     pub view: Option<ViewLine>,
-    /// How it is to be lit, one of [`LOOKS`](crate::LOOKS), if a line says so.
-    pub look: Option<&'static str>,
+    /// How it is to be lit, if a line says so.
+    pub look: Option<&'static zeroset_style::Look>,
     /// What is shown where nothing is, if a line says so.
     pub background: Option<SrgbColor>,
     /// What else is said of the picture.

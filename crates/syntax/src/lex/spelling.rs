@@ -1,7 +1,8 @@
 //! Every spelling of the language, brought to one. Knows characters only, not meanings.
 
 use crate::lex::token_kind::TokenKind;
-use crate::settings::{PRESETS, SettingRow, setting};
+use crate::settings::{SettingRow, setting};
+use zeroset_style::StandardView;
 
 /// The kind of a fixed spelling. A blank only separates, a line break ends a statement.
 ///
@@ -81,7 +82,7 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         "auto" => Auto,
         "eye" | "target" | "up" => VectorKey,
         "fov" | "ortho" => NumberKey,
-        name if PRESETS.contains(&name) => Preset,
+        name if StandardView::named(name).is_some() => Preset,
         name if let Some(setting) = setting(name) => TokenKind::of_setting(setting.kind),
         _ => return None,
     })

@@ -1,8 +1,8 @@
 //! Why something is an error and what to do about it, in words.
 
 use crate::messages::error::{Error, ErrorKind, Suggestion};
-use crate::settings::PRESETS;
 use crate::settings::setting;
+use zeroset_style::{LOOKS, VIEWS};
 
 /// Longest piece of corrected text that is quoted.
 const QUOTED: usize = 60;
@@ -204,12 +204,15 @@ impl Error {
             ErrorKind::InversePower { name } => format!("for the reciprocal, write `1/{name}(…)`"),
             ErrorKind::BadView => format!(
                 "write `view front` ({}) or `view eye (2, -3, 1.5) target (0, 0, 0)`",
-                PRESETS.join(", ")
+                VIEWS.map(|view| view.name).join(", ")
             ),
             ErrorKind::BadVector { key } => format!("write `{key} (1, 2, 3)`"),
             ErrorKind::BadDomain => setting("domain")?.hint.to_owned(),
             ErrorKind::BadColor => setting("background")?.hint.to_owned(),
-            ErrorKind::BadLook => setting("look")?.hint.to_owned(),
+            ErrorKind::BadLook => {
+                let [names @ .., last] = &LOOKS.map(|look| format!("`{}`", look.name));
+                format!("there are {} and {last}", names.join(", "))
+            }
             ErrorKind::BadSetting { hint, .. } => (*hint).to_owned(),
             ErrorKind::BadColorMap => {
                 "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, \

@@ -54,7 +54,7 @@ pub struct SettingLine {
 pub(crate) struct CollectedLines {
     pub domain: Option<DomainLine>,
     pub view: Option<ViewLine>,
-    pub look: Option<&'static str>,
+    pub look: Option<&'static zeroset_style::Look>,
     pub background: Option<SrgbColor>,
     pub picture: PictureLines,
     /// Each perhaps with an opacity of its own.

@@ -3,13 +3,13 @@
 //! What a value is at a point is not computed here.
 
 use crate::tree::grammar::{Pair, Rule, parts};
+use zeroset_style::{COLOR_MAPS, ColorMap};
 
 use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::lower::lowering::{Lowering, NameBinding};
 use crate::messages::error::{ErrorKind, Fallible};
 use crate::picture::scene::{SrgbColor, bad};
-use crate::settings::COLOR_MAPS;
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
@@ -43,8 +43,8 @@ pub enum SurfaceColor<V = PointValue> {
 /// Which value has which color.
 #[derive(Clone, Debug)]
 pub struct MappedColor<V = PointValue> {
-    /// One of [`COLOR_MAPS`].
-    pub map: &'static str,
+    /// The row of the color map.
+    pub map: &'static ColorMap,
     /// The value.
     pub value: V,
     /// The values that have the first and the last color; `None` for the least and the greatest
@@ -147,7 +147,7 @@ impl Builder<'_> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
         let name = parts.next().expect("a color map has a name");
-        let map = self.one_of(&name, &COLOR_MAPS, ErrorKind::BadColorMap)?;
+        let map = self.one_of(&name, &COLOR_MAPS, |map| map.name, ErrorKind::BadColorMap)?;
         let mut arguments = self.values("color", parts)?;
         let range = match &arguments[..] {
             [_] => None,

@@ -2,11 +2,12 @@
 //! picture is not decided here.
 
 use crate::tree::grammar::{Pair, Rule};
+use zeroset_style::{COLOR_MAPS, LOOKS, Look, StandardView};
 
 use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::settings::{COLOR_MAPS, LOOKS, PRESETS, setting};
+use crate::settings::setting;
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
@@ -33,8 +34,8 @@ pub enum DomainLine {
 /// Where to look from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewLine {
-    /// A named direction, one of [`PRESETS`].
-    pub preset: Option<&'static str>,
+    /// The named view, if one is chosen.
+    pub preset: Option<&'static StandardView>,
     /// The eye, in world units.
     pub eye: Option<[Constant; 3]>,
     /// The point looked at, in world units.
@@ -128,8 +129,7 @@ impl Builder<'_> {
         for part in line.into_inner() {
             match part.as_rule() {
                 Rule::preset => {
-                    let typed = self.word(&part);
-                    view.preset = PRESETS.into_iter().find(|name| *name == typed);
+                    view.preset = StandardView::named(&self.word(&part));
                 }
                 Rule::setting => self.setting(part, &mut view)?,
                 _ => {}
@@ -165,22 +165,23 @@ impl Builder<'_> {
         Ok(())
     }
 
-    pub(crate) fn look(&self, line: Pair<'_>) -> Fallible<&'static str> {
+    pub(crate) fn look(&self, line: Pair<'_>) -> Fallible<&'static Look> {
         let given = line.into_inner().next().expect("a look line has a name");
-        self.one_of(&given, &LOOKS, ErrorKind::BadLook)
+        self.one_of(&given, &LOOKS, |look| look.name, ErrorKind::BadLook)
     }
 
-    /// The name that is given, in any case; the error is of `kind` where it is none of `names`.
-    pub(crate) fn one_of(
+    /// The row whose name is given, in any case; an error of this kind if there is none.
+    pub(crate) fn one_of<T>(
         &self,
         given: &Pair<'_>,
-        names: &[&'static str],
+        rows: &'static [T],
+        name: fn(&T) -> &'static str,
         kind: ErrorKind,
-    ) -> Fallible<&'static str> {
+    ) -> Fallible<&'static T> {
         let (span, typed) = (self.span(given), self.word(given));
-        let found = names.iter().find(|name| name.eq_ignore_ascii_case(&typed));
-        found.copied().ok_or_else(|| {
-            Error::new(span, kind).suggest_any(span, nearest(&typed, names.iter().copied()))
+        let found = rows.iter().find(|row| name(row).eq_ignore_ascii_case(&typed));
+        found.ok_or_else(|| {
+            Error::new(span, kind).suggest_any(span, nearest(&typed, rows.iter().map(name)))
         })
     }
 
@@ -192,8 +193,8 @@ impl Builder<'_> {
     pub(crate) fn plain(&self, given: &Pair<'_>) -> Fallible<SrgbColor> {
         let (span, typed) = (self.span(given), self.word(given));
         SrgbColor::typed(&typed).ok_or_else(|| {
-            if let Some(map) = COLOR_MAPS.iter().find(|map| map.eq_ignore_ascii_case(&typed)) {
-                return bad("color", span).suggest(span, format!("{map}(z)"));
+            if let Some(map) = COLOR_MAPS.iter().find(|map| map.name.eq_ignore_ascii_case(&typed)) {
+                return bad("color", span).suggest(span, format!("{}(z)", map.name));
             }
             let meant = nearest(&typed, NAMED_COLORS.keys().map(|known| known.as_str()));
             Error::new(span, ErrorKind::BadColor).suggest_any(span, meant)

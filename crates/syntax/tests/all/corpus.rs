@@ -93,7 +93,7 @@ fn describe(row: &Row, document: &Document) -> String {
         match &surface.color {
             Some(SurfaceColor::Plain(color)) => write!(out, "  [color {:?}]", color.rgb).unwrap(),
             Some(SurfaceColor::Mapped(MappedColor { map, value, range })) => {
-                write!(out, "  [color {map} of {}", value.echo).unwrap();
+                write!(out, "  [color {} of {}", map.name, value.echo).unwrap();
                 if let Some([low, high]) = range {
                     write!(out, " from {} to {}", number(low), number(high)).unwrap();
                 }
@@ -148,7 +148,7 @@ fn describe(row: &Row, document: &Document) -> String {
     if let Some(view) = &document.view {
         out.push_str("view:");
         if let Some(preset) = view.preset {
-            write!(out, " {preset}").unwrap();
+            write!(out, " {}", preset.name).unwrap();
         }
         for (key, value) in [("eye", &view.eye), ("target", &view.target), ("up", &view.up)] {
             if let Some(value) = value {

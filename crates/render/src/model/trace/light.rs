@@ -1,4 +1,4 @@
-//! What lights a picture, and what hides its points from that.
+//! Lighting of a picture: shadows, ambient occlusion and colors.
 
 use super::super::Stopwatch;
 use super::super::paint::{Finish, Painter};
@@ -17,14 +17,14 @@ use zeroset_syntax::{SurfaceColor, SurfaceKind};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid};
 
-/// Shadow rays start this many of their own slabs away from the surface, so that it does not shade
-/// itself.
+/// Distance from the surface at which shadow rays start, in slabs of the smallest size. It keeps
+/// the surface from shading itself.
 const SHADOW_OFFSET_SLABS: f64 = 2.0;
 
-/// What is within this share of the domain's largest extent may take ambient light away.
+/// Reach of ambient occlusion, as a share of the region's largest extent.
 const NEAR: f64 = 0.12;
 
-/// The colors of a picture, and what they took.
+/// Colors of a picture, and the cost of lighting it.
 pub(super) struct Lit {
     pub rgb: Vec<u8>,
     pub legends: Vec<Legend>,
@@ -33,7 +33,7 @@ pub(super) struct Lit {
 }
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// Where the light comes from that casts shadows.
+    /// The light that casts shadows.
     pub(super) fn lamp(&self, rays: &RayGrid) -> Light {
         let typed = self.model.setting.lines.light.as_ref();
         let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
@@ -43,7 +43,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         }
     }
 
-    /// Colors of what was found, unless they are `known`.
+    /// Shadows, ambient occlusion and colors of the traced points. Colors that are `known` are
+    /// kept.
     pub(super) fn light(
         &self,
         rays: &RayGrid,
@@ -79,21 +80,20 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(Lit { rgb, legends, edge_rays, work })
     }
 
-    /// How often the way of a shadow ray is halved; `None` if there are no shadows.
+    /// Number of times that a shadow ray is halved. `None` without shadows.
     pub(super) fn shadow_depth(&self) -> Option<u32> {
         let settings = self.settings;
         let is_typed = self.model.setting.lines.shadows == Some(true);
         settings.shadow_depth.or(is_typed.then(|| settings.usual_shadow_depth()))
     }
 
-    /// Whether what is near takes ambient light away.
+    /// Returns whether ambient occlusion is computed.
     pub(super) fn occludes(&self) -> bool {
         let settings = self.settings;
         settings.occlusion && self.model.look(settings).occlusion && settings.normals.is_some()
     }
 
-    /// Finds what hides painted points from light: surfaces in the way, if shadows are wanted, and
-    /// what is near.
+    /// Computes how much light is kept from painted points, by shadows and by ambient occlusion.
     fn hide(
         &self,
         rays: &RayGrid,
@@ -115,7 +115,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let smooths = shadow_depth.is_some() && self.settings.normals.is_some();
         let near = (smooths || occludes && overview.is_none()).then(near);
         if let Some(near) = near.as_ref().filter(|_| smooths) {
-            // Twice, since beside an edge a square is not whole.
+            // Twice, since the square for the mean is incomplete beside an edge.
             (0..2).for_each(|_| near.mean(&mut buffer.shadow));
         }
         if let Some(whole) = overview {
@@ -134,12 +134,12 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         depth: u32,
         buffer: &mut GBuffer,
     ) -> Result<KernelStats, ProgramError> {
-        // A slab of the last depth may lie on either side of the surface that it holds.
+        // The surface may lie anywhere in the slab that holds it.
         let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
         let lights = light.widened(self.model.region.centre());
         let mut work = KernelStats::default();
         buffer.shadow.clear();
-        // Shadows are no pixels finished.
+        // Shadow rays do not count as progress.
         let wanted = |_| (self.advance)(0);
         for surface in self.model.seen() {
             let tracer = self.tracer(surface, |options| TraceOptions { depth, ..options })?;
@@ -157,7 +157,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let settings = self.settings;
         let plain = Appearance::new(self.model.look(settings), light);
         let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
-        // A hidden surface is not asked: there may be no code for it.
+        // A hidden surface may have no compiled code.
         let turned = |surface: usize| {
             let known = &self.model.turned[surface];
             !self.model.styles[surface].hidden
@@ -181,12 +181,12 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         }
     }
 
-    /// Whether f < 0 on most of the region's boundary, so that the side seen from far away is the
-    /// negative one.
+    /// Returns whether f < 0 on most of the region's boundary, so that the negative side faces
+    /// outward.
     fn is_negative_outside(&self, surface: usize) -> bool {
-        /// Points along each edge of a face.
+        /// Number of points along each edge of a face.
         const POINTS: usize = 8;
-        /// Of those that have a sign.
+        /// Least share of negative values, among values with a sign.
         const MOST: f64 = 0.75;
         if self.model.styles[surface].kind == SurfaceKind::Solid {
             return false;
@@ -204,7 +204,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         });
         let points: Vec<[f64; 3]> = points.collect();
         let batches = Points::near(&points);
-        // By the kernel that normals are made of.
+        // Uses the kernel that also computes the normals.
         let values = match self.settings.normals {
             Some(Normals::Central) => kernels.values().map(|kernel| {
                 let values = kernel.eval_all(&batches);
