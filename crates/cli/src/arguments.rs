@@ -1,5 +1,4 @@
-//! The command-line arguments. Only their syntax is defined here; most values are checked where
-//! they are used.
+//! The command-line arguments. Most values are checked where they are used, not here.
 
 use super::array::Arrays;
 use super::vector::{Size, point};
@@ -55,7 +54,7 @@ pub enum Command {
     Gallery(GalleryArgs),
     /// Print a completion script for a shell.
     Completions {
-        /// Complete commands in this shell
+        /// Print the script for this shell
         shell: clap_complete::Shell,
     },
 }
@@ -374,7 +373,7 @@ pub struct SequenceArgs {
     #[arg(long, value_name = "N", default_value_t = 30)]
     pub fps: u16,
 
-    /// Render only part I of N parts of equal work: 1/8 to 8/8
+    /// Split the work into N equal parts and render only part I: 1/8 to 8/8
     #[arg(long, value_name = "I/N")]
     pub shard: Option<String>,
 

@@ -1,5 +1,4 @@
-//! Pixel data as arrays in numpy's `.npy` format. A row of the table defines an array's flag, help
-//! and file.
+//! Pixel data as arrays in numpy's `.npy` format: a table of their flags, help and files.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use npyz::{AutoSerialize, NpyWriter, WriterBuilder};

@@ -77,7 +77,7 @@ struct Functions {
     compiled: HashMap<String, Program>,
 }
 
-/// The point or box over which a formula is evaluated.
+/// The point at which, or the box over which, a formula is evaluated.
 enum Place {
     At([f64; 3]),
     Over([Interval; 3]),
@@ -179,7 +179,8 @@ fn sample<T: KernelFloat>(
 ) -> Value {
     let out = gradient.eval_all(&Points::near(&[point]));
     // Rounding can give a number where the function has no value, such as for atan(1/x) at 0. An
-    // enclosure proves that, and for the exact point, not for its nearest neighbor in `T`.
+    // enclosure proves that there is no value, at the exact point and not at its nearest neighbor
+    // in `T`.
     let facts = if point.iter().all(|c| c.is_finite()) {
         bounds_and_facts(bounds, point.map(|c| Interval { lo: c, hi: c })).1
     } else {

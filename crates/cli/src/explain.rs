@@ -30,7 +30,7 @@ pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
 }
 
 /// Describes how a document is read, simplified and compiled to the kernels that a method starts
-/// with. The intermediate code comes last, and only `with_code`.
+/// with. If `with_code` is set, the intermediate code comes last.
 ///
 /// # Errors
 /// If the document cannot be compiled.
@@ -67,7 +67,7 @@ fn explain_in<T: KernelFloat>(
         writeln!(text, "no surface  {error}")?;
     }
     let domain = region.as_ref().map_or([Interval::ENTIRE; 3], view::bounds);
-    // Beyond the domain, the region has no effect on kernels.
+    // Kernels depend on the region only through its domain.
     let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
     let [x, y, z] = domain.map(|ends| [ends.lo, ends.hi].map(coordinate).join(", "));
     writeln!(text, "domain      x in [{x}], y in [{y}], z in [{z}]")?;

@@ -30,7 +30,7 @@ impl OutputArgs {
     }
 }
 
-/// The requested files, opened before rendering: the picture, which has no row, and arrays.
+/// The requested files, opened before rendering. The picture has `None` in place of an array's row.
 pub struct Files(Vec<(Option<&'static ArrayRow>, Output)>);
 
 impl Files {
@@ -119,7 +119,7 @@ impl OpenFiles {
     pub fn finish(self) -> Result<()> {
         self.0.into_iter().rev().try_for_each(|(file, rows)| {
             rows.end().map_err(|error| file.failed(error))?;
-            // The writer of the rows was the only other owner.
+            // `end` has dropped the writer of the rows, which was the only other owner.
             let file = Rc::into_inner(file.0).context("a file is still being written")?;
             file.into_inner().end()
         })

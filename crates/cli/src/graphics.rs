@@ -1,5 +1,4 @@
-//! Pictures in terminals that show more than characters, by the protocols of kitty and iTerm2, or
-//! as sixels.
+//! Pictures in terminals that can show them: by the protocols of kitty and iTerm2, or as sixels.
 //!
 //! Sixels are encoded by `icy_sixel`, since they need a palette. The other two protocols take a
 //! base64 PNG between a few keys, which needs less code than the crates for them bring. Of these,
@@ -44,8 +43,8 @@ impl Known {
     pub fn detect(variable: impl Fn(&str) -> Option<String>) -> Self {
         let is_set = |name: &str| variable(name).is_some_and(|value| !value.is_empty());
         let term = variable("TERM").unwrap_or_default();
-        // Multiplexers show a screen of their own, whatever the terminal around them supports. Some
-        // of them show sixels.
+        // Multiplexers show a screen of their own, whatever the terminal supports. Some show
+        // sixels.
         if is_set("TMUX") || is_set("STY") || term.starts_with("screen") || term.starts_with("tmux")
         {
             return Self::Unknown;
@@ -64,7 +63,7 @@ impl Known {
 }
 
 impl Protocol {
-    /// Returns the protocol of a terminal that sent this answer to the query for primary device
+    /// Returns the protocol of a terminal, from its answer to the query for primary device
     /// attributes; `None` if it shows only characters.
     pub fn answered(answer: &str) -> Option<Self> {
         let attributes = answer.strip_prefix("\x1b[?")?.strip_suffix('c')?;
@@ -121,8 +120,8 @@ impl Protocol {
 #[cfg(feature = "sixel")]
 fn sixels(rgb: &[u8], width: usize, height: usize) -> Option<String> {
     let opaque: Vec<u8> = rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-    // 256 colors shade a surface or two smoothly. Dithering would only add grain, and half as many
-    // bytes again.
+    // 256 colors shade a surface or two smoothly. Dithering would only add grain, and 50 % more
+    // bytes.
     let options = icy_sixel::EncodeOptions { diffusion: 0.0, ..Default::default() };
     icy_sixel::sixel_encode(&opaque, width, height, &options).ok()
 }

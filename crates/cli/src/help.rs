@@ -67,9 +67,9 @@ fn flow(letters: usize) -> Vec<String> {
     lines
 }
 
-/// Padding around the help, in glyph dots.
+/// Padding around the help, in font pixels.
 const PAD: usize = 10;
-/// Padding where there is little room, in glyph dots.
+/// Padding where there is little room, in font pixels.
 const LITTLE_PAD: usize = 3;
 
 /// Draws the help in the middle. Two columns are preferred to one, and large letters to small ones.

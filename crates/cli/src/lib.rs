@@ -1,8 +1,8 @@
 //! The command line: one module per subcommand, and what they share.
 //!
 //! Results go to standard output or files; notes and errors go to standard error. The exit code is
-//! 0 for success, 1 for undecided pixels under `--strict`, 2 for a user's error and 3 for an
-//! internal error.
+//! 0 for success, 1 for undecided pixels under `--strict`, 2 for a user error and 3 for an internal
+//! error.
 
 mod animation;
 mod arguments;
@@ -54,7 +54,7 @@ use std::process::ExitCode;
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
-/// The exit code of a user's error, such as a formula that cannot be read.
+/// The exit code of a user error, such as a formula that cannot be read.
 const USER_ERROR: u8 = 2;
 /// The exit code of an internal error.
 const INTERNAL_ERROR: u8 = 3;

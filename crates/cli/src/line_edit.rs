@@ -1,5 +1,4 @@
-//! The line that is edited in the window: text, cursor, history, completion. Knows no keys and no
-//! pixels.
+//! The line that is edited in the window: text, cursor, history, completion. Knows no keys.
 
 use super::completion::candidates;
 

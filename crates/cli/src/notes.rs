@@ -25,8 +25,8 @@ pub fn say(text: &str) {
     let _ = writeln!(std::io::stderr(), "{text}");
 }
 
-/// Whether standard error takes colors: a terminal that is not dumb, unless `NO_COLOR` is set
-/// (no-color.org).
+/// Whether standard error takes colors: it is a terminal other than `dumb`, and `NO_COLOR` is empty
+/// or not set (no-color.org).
 pub fn colored() -> bool {
     std::io::stderr().is_terminal() && colors_are_wanted()
 }

@@ -10,7 +10,7 @@ use std::io::{BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Longest chain of symbolic links that is followed, as in Linux.
+/// Longest chain of symbolic links, as in Linux.
 const MOST_LINKS: usize = 40;
 
 /// A file being written, which appears under its name at the end.
@@ -21,7 +21,7 @@ pub struct Output {
 }
 
 enum Sink {
-    /// An unnamed file, so that an interrupted run leaves nothing, and the path it will get.
+    /// A file without a name, so that an interrupted run leaves nothing, and its final path.
     Renamed(BufWriter<File>, PathBuf),
     /// A device or a pipe, which a rename would replace.
     Direct(BufWriter<File>),
@@ -43,7 +43,7 @@ impl Output {
         Ok(Self { path: path.to_owned(), sink })
     }
 
-    /// Whether both are the same file, so that one would replace the other.
+    /// Whether both outputs write to one file, so that one would replace the other.
     pub fn is_same(&self, other: &Self) -> bool {
         match (&self.sink, &other.sink) {
             (Sink::Renamed(_, one), Sink::Renamed(_, other)) => one == other,
@@ -63,8 +63,8 @@ impl Output {
         self.end()
     }
 
-    /// Like [`Output::finish`], but writes to standard output as content comes. If nobody reads on,
-    /// this stops without an error.
+    /// Like [`Output::finish`], but writes to standard output as content comes. A closed pipe ends
+    /// this without an error.
     ///
     /// # Errors
     /// If writing or renaming fails; a file is then unchanged.
@@ -120,7 +120,7 @@ fn sink(path: &Path) -> Result<Sink> {
         Ok(found) if !found.is_file() => {
             return Ok(Sink::Direct(BufWriter::new(File::options().write(true).open(&path)?)));
         }
-        // A rename would replace even a read-only file. Opening it for writing refuses that.
+        // A rename would replace even a read-only file; opening it for writing fails.
         Ok(_) => drop(File::options().write(true).open(&path)?),
         Err(_) => {}
     }
@@ -181,7 +181,7 @@ fn temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
     builder.tempfile_in(directory).map_err(|error| error.kind().into())
 }
 
-/// Writes to standard output. It is no error if nobody reads on.
+/// Writes to standard output. A closed pipe is no error.
 ///
 /// # Errors
 /// If writing fails, for example on a full disk.
@@ -193,7 +193,7 @@ fn print_bytes(bytes: &[u8]) -> Result<()> {
     written(std::io::stdout().write_all(bytes))
 }
 
-/// Flushes standard output after a write with this result. It is no error if nobody reads on.
+/// Flushes standard output after a write with this result. A closed pipe is no error.
 ///
 /// # Errors
 /// If the write or the flush failed.

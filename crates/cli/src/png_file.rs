@@ -8,8 +8,7 @@ use zeroset_live::quote;
 /// The origin of a picture, as stored in its file.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct Origin {
-    /// Text chunks with their keywords: the command that renders the picture, and the text it
-    /// draws.
+    /// Text chunks by keyword: the command that renders the picture, and the text it draws.
     pub chunks: Vec<(&'static str, String)>,
 }
 
@@ -18,7 +17,8 @@ const INDIFFERENT: [(&str, bool); 3] =
     [("--shard", true), ("--resume", false), ("--threads", true)];
 
 impl Origin {
-    /// Returns the typed command line, quoted to be typed again, and the text that is drawn.
+    /// Returns the origin of a picture of `text`: the command line, ready to be typed again, and
+    /// the text.
     pub fn typed(text: &str) -> Self {
         let mut words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
         let mut kept = vec!["zeroset".to_owned()];

@@ -10,20 +10,20 @@ use std::sync::OnceLock;
 use std::time::Duration;
 use zeroset_render::picture::Picture;
 
-/// Size of a terminal that does not report one, in characters.
+/// Columns and rows that are assumed if the terminal does not report them.
 const COLUMNS: usize = 80;
 const ROWS: usize = 24;
 /// Most columns; a larger picture scrolls out of view.
 const MOST_COLUMNS: usize = 120;
 /// Lines left for the prompt and the messages above it.
 const SPARE: usize = 4;
-/// Width and height of a character in pixels: the greatest used, and the default if the terminal
-/// does not report them. The limit keeps the data small.
+/// Greatest width and height of a character in pixels; the limit keeps the data small. Also the
+/// default if the terminal does not report them.
 const CHARACTER: (usize, usize) = (8, 16);
-/// The default for sixels, which are not scaled: the size of a small font.
+/// Default width and height for sixels, which are not scaled: those of a small font.
 const SMALL_CHARACTER: (usize, usize) = (6, 12);
 
-/// Longest wait for an answer. Terminals answer within a round trip; a silent one costs this once.
+/// Longest wait for an answer. Terminals that answer need a round trip; others cost this wait once.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Returns the columns and rows of characters that a picture may take.
@@ -80,7 +80,7 @@ pub fn room() -> (usize, usize) {
     (columns * across, rows * down)
 }
 
-/// Returns the text that shows a picture of the right size, with a line below it.
+/// Returns the text that shows a picture of the size of [`room`], with a line below it.
 pub fn text(picture: &Picture, below: &str) -> String {
     let size = (picture.buffer.width, picture.buffer.height);
     // Pixels are preferred, if they can be encoded.

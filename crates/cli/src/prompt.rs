@@ -21,13 +21,12 @@ use std::time::{Duration, Instant};
 use zeroset_live::COMMANDS;
 use zeroset_syntax::WordKind;
 
-/// A fault is reported when nothing has been typed for this long.
+/// Pause in typing after which a fault is reported.
 const PAUSE: Duration = Duration::from_millis(300);
-/// Interval at which that is checked.
+/// Interval at which the pause is checked.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Reads and enters lines until the input or the session ends. With `preview`, pictures are shown
-/// as well.
+/// Reads and enters lines until the input or the session ends, and with `preview` shows pictures.
 ///
 /// # Errors
 /// If lines cannot be read, for example because the input is not UTF-8 text.
@@ -126,8 +125,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         let parts = given_up(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
-                // The output of a command must not scroll away behind a picture that was shown
-                // before.
+                // A command's output must not scroll away behind a picture that was shown before.
                 Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
                     session.fit_terminal();
                     let shown = session.live.request();

@@ -120,7 +120,7 @@ pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
     Ok(Settings { method, options, ..Settings::default() })
 }
 
-/// Adds antialiasing and ambient occlusion to the settings.
+/// Returns the settings with antialiasing and ambient occlusion added.
 pub fn beautiful(settings: &Settings) -> Settings {
     let antialias = Pattern::of(AA).expect("one of them");
     Settings { occlusion: true, antialias, ..settings.clone() }

@@ -22,7 +22,7 @@ use zeroset_scene::view;
 use zeroset_syntax::{ErrorKind, Errors, Options};
 use zeroset_trace::Camera;
 
-/// Most frames of a sequence; an hour at 60 per second is less than a quarter of it.
+/// Greatest number of frames; an hour at 60 per second is less than a quarter of it.
 const MOST_FRAMES: usize = 1_000_000;
 
 /// A whole turn, in degrees.
@@ -105,7 +105,7 @@ fn ends(text: &str) -> Result<(f64, f64)> {
     Ok((number(from)?, number(to)?))
 }
 
-/// Parses `I/N`. The first result counts from 0.
+/// Parses `I/N`, and returns I - 1 and N.
 fn part(text: &str) -> Option<(usize, usize)> {
     let (one, of) = text.split_once('/')?;
     let (one, of) = (one.trim().parse::<usize>().ok()?, of.trim().parse::<usize>().ok()?);
@@ -191,7 +191,7 @@ fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
     Ok((places == 1).then(|| name.into()))
 }
 
-/// Counts over all frames.
+/// Numbers of frames rendered, kept, with undecided pixels, and without a visible surface.
 #[derive(Default)]
 struct Count {
     made: usize,
@@ -282,7 +282,7 @@ impl<'a> Maker<'a> {
         Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
     }
 
-    /// Renders a frame, with the kernels of the frame before if they still apply.
+    /// Renders a frame. Reuses the kernels of the last frame if possible.
     fn make(&mut self, frame: usize, last: &mut Option<Model>) -> Result<(Camera, Picture)> {
         let Self { overrides, time, sequence, stage, .. } = self;
         let settings = self.settings.begin();

@@ -59,7 +59,7 @@ impl Subject {
         }
     }
 
-    /// Reports every reading of the text that may surprise.
+    /// Reports the document's notes, about text that was read in a way that may surprise.
     pub fn show_notes(&self) {
         for note in &self.document.notes {
             let Source { from, text } = &self.source;
@@ -68,7 +68,7 @@ impl Subject {
     }
 }
 
-/// Reports a given time that the document does not depend on.
+/// Reports that a given time has no effect, if the document does not depend on it.
 pub fn note_time(time: Option<f64>, document: &Document) {
     if time.is_some() && !view::depends_on_time(document) {
         notes::note("--time changes nothing: `t` occurs nowhere in the formula");

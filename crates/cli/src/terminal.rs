@@ -51,7 +51,7 @@ pub fn ask(limit: Duration) -> Answer {
     }
     let Ok(before) = rustix::termios::tcgetattr(&input) else { return Answer::NotAsked };
     // The answer has no newline and must not be echoed. An interrupt would leave the terminal in
-    // this mode, so it is disabled.
+    // this mode, so interrupts are disabled.
     let mut silent = before.clone();
     silent.local_modes.remove(LocalModes::ECHO | LocalModes::ICANON | LocalModes::ISIG);
     silent.special_codes[SpecialCodeIndex::VMIN] = 0;
@@ -65,8 +65,7 @@ pub fn ask(limit: Duration) -> Answer {
     } else {
         read_answer(&input, limit).map_or(Answer::Late, Answer::Given)
     };
-    // The modes were read with this descriptor just now. If setting them fails, the terminal is
-    // gone.
+    // The modes were read just now. If setting them fails, the terminal is gone.
     let _ = rustix::termios::tcsetattr(&input, OptionalActions::Now, &before);
     answer
 }

@@ -26,7 +26,7 @@ pub struct Size {
 /// Most pixels of a picture. It is rendered strip by strip, but few programs can show more pixels.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// Most pixels of a picture that is held whole, at some hundred bytes per pixel.
+/// Most pixels of a picture that is held whole, at about a hundred bytes per pixel.
 const MOST_PIXELS_HELD: usize = 1 << 26;
 
 impl Size {

@@ -1,7 +1,7 @@
 //! Watches a file while an editor saves it, in whatever style.
 //!
 //! The directory is watched, not the file, so that a replaced, deleted or renamed file is found
-//! again. The meaning of the text is unknown here.
+//! again. This module does not interpret the text.
 
 use super::source::{self, Source};
 use anyhow::{Context, Result, anyhow};
@@ -23,7 +23,7 @@ const POLL: Duration = Duration::from_secs(1);
 pub enum Change {
     /// Its new text, which may be incomplete.
     Text(String),
-    /// It cannot be read any more, for this reason.
+    /// The reason why it can no longer be read.
     Lost(String),
 }
 
@@ -41,8 +41,9 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Calls `report` on a new thread whenever the file's text has changed, beginning with `text`.
-    /// An empty file is ignored, since some editors empty a file before writing it.
+    /// Calls `report` on a new thread whenever the file's text differs from the last one, which is
+    /// `text` at first. An empty file is ignored, since some editors empty a file before writing
+    /// it.
     ///
     /// # Errors
     /// If the file's directory cannot be named.

@@ -114,7 +114,7 @@ impl Live {
 }
 
 impl Edit {
-    /// Reads a text after an edit that defined some names.
+    /// Reads an edited text. The edit has `defined` these names.
     ///
     /// # Errors
     /// If the text has an error, or a formula has no surface.
@@ -141,7 +141,7 @@ impl Edit {
     }
 }
 
-/// The text after `line` is entered, and whether it is another document. A formula that replaces a
+/// The text with `line` entered, and whether it is another document. A formula that replaces a
 /// gallery surface also removes the gallery's domain, view and comments.
 fn after(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
     let base = base(request, readable, line);

@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use std::time::Duration;
-//! use crate::{Live, Request};
+//! use zeroset_live::{Live, Request};
 //!
 //! let live = Live::new(Request::default());
 //! live.resize(64, 64);
@@ -15,7 +15,7 @@
 //! assert!(live.wait(Duration::from_mins(1)));
 //! let seen = live.snapshot().rendering.expect("a picture");
 //! assert_eq!(seen.picture.rgb.len(), 3 * 64 * 64);
-//! # Ok::<(), crate::Refusal>(())
+//! # Ok::<(), zeroset_live::Refusal>(())
 //! ```
 
 mod coming;

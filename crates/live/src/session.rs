@@ -143,7 +143,7 @@ impl Live {
     }
 
     /// Waits for the fine picture of one request. Returns `None` on timeout, on an error in the
-    /// request, or as soon as a newer request is made.
+    /// request, or once a newer request is made.
     pub fn finished(&self, revision: u64, timeout: Duration) -> Option<Arc<Rendering>> {
         self.pipeline.wait(timeout, |seen, latest| seen.settled >= revision || latest > revision);
         let Snapshot { rendering, fault, .. } = self.snapshot();

@@ -1,4 +1,4 @@
-//! Where a document's text defines a value, and how values are written. Knows definitions and their
+//! Where a document's text defines a value, and the format of values. Knows definitions and their
 //! ranges, but no pictures.
 
 use std::ops::Range;

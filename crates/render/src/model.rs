@@ -340,7 +340,7 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
 /// Callback for progress: pixels done, and pixels in total. Called from several threads.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// Draws all surfaces of `document` in `region` as seen by `camera`.
+/// Draws all surfaces of `document` in `region` from `camera`.
 ///
 /// # Errors
 /// As [`Model::new`].

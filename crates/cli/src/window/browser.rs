@@ -1,5 +1,4 @@
-//! The gallery in the window. A surface is chosen by typing part of its name, or by arrow keys or
-//! the mouse.
+//! The gallery in the window. A surface is chosen by part of its name, by arrow keys or by mouse.
 
 use super::Window;
 use super::enlarge::enlarge;
@@ -13,7 +12,7 @@ use zeroset_render::overlay::{Canvas, Rgb};
 const GROUND: Rgb = 0x0018_1820;
 const CELL: Rgb = 0x0028_2832;
 
-/// Gap between pictures, in glyph dots.
+/// Gap between pictures, in font pixels.
 const GAP: usize = 8;
 
 /// State of the gallery.
@@ -29,7 +28,7 @@ pub struct Browser {
     scroll: usize,
 }
 
-/// Everything that is drawn, except the pictures.
+/// Everything that the drawing of the gallery depends on, except the pictures.
 #[derive(Clone, PartialEq)]
 pub struct Shown {
     filter: String,
@@ -54,7 +53,7 @@ struct Grid {
 }
 
 impl Grid {
-    /// Lays out a window of this size with letters of this scale, so that the `chosen` one is
+    /// Lays out a window of this size and scale of letters, so that the `chosen` picture is
     /// visible.
     fn new((width, height): (usize, usize), scale: usize, scroll: usize, chosen: usize) -> Self {
         let (side, gap, line) = (SIDE * scale, GAP * scale, Canvas::line_height_at(scale));
@@ -74,7 +73,7 @@ impl Grid {
         (self.left + column * across, self.top + row * down)
     }
 
-    /// Returns the numbers of the visible pictures, if there are `count` pictures.
+    /// Returns the numbers of the visible pictures among `count` pictures.
     fn shown(&self, count: usize) -> Range<usize> {
         let first = (self.first * self.columns).min(count);
         first..(first + self.rows * self.columns).min(count)
@@ -163,7 +162,7 @@ impl Window {
         (self.browser.chosen, self.browser.scroll) = (0, 0);
     }
 
-    /// Handles any other key.
+    /// Handles a key that is not a letter.
     pub(super) fn browse(&mut self, key: Key) {
         let count = self.browser.matches().len();
         let grid = self.grid();

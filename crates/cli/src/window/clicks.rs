@@ -1,6 +1,6 @@
-//! Clicks that begin and end between two polls of the mouse, as a tap on a touchpad can. The
-//! window's library misses them. The X server reports every press; on other systems no missed click
-//! is known.
+//! Clicks that begin and end between two polls of the mouse, as a short tap on a touchpad does. The
+//! window's library misses them. The X server reports every press; other systems are not known to
+//! miss any.
 
 #[cfg(all(unix, not(target_os = "macos")))]
 pub use x11::Clicks;

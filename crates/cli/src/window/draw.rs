@@ -205,7 +205,7 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
     let mut above = bottom - row as i64;
     if let Some((text, column)) = &content.line {
         canvas.fill(0, above, width, row, 0x0010_1014, 240);
-        // A long line is shown up to the cursor.
+        // A long line is scrolled so that its cursor is visible.
         let letters = (room / canvas.advance()).saturating_sub(3).max(1);
         let skip = column.saturating_sub(letters);
         let part: String = text.chars().skip(skip).take(letters + 1).collect();

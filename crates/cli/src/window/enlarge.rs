@@ -82,7 +82,7 @@ mod tests {
         assert_eq!((greys[0], greys[7]), (0, 255));
         assert!(greys.is_sorted() && greys[3] > 80 && greys[4] < 175, "{greys:?}");
         assert!(pixels.iter().all(|pixel| pixel & 0xff == pixel >> 16));
-        // A smaller picture takes the middle, and a single pixel fills a larger one.
+        // A smaller picture shows the middle, and a single pixel fills a larger one.
         let mut one = [7];
         enlarge(&rgb, [2, 1], &mut one, [1, 1]);
         assert_eq!(one[0] & 0xff, 128);

@@ -11,7 +11,7 @@ use std::thread::spawn;
 use std::time::Instant;
 use zeroset_live::{Axes, status_words};
 
-/// Pixels that an arrow key turns by, in a window of [`ARROW_HEIGHT`].
+/// Pixels that an arrow key turns by, in a window [`ARROW_HEIGHT`] pixels high.
 const ARROW: f64 = 20.0;
 const ARROW_HEIGHT: usize = 400;
 /// Scale factor of one step of the wheel, or of + and -.
@@ -141,7 +141,7 @@ impl Window {
         self.follow_line();
     }
 
-    /// Updates the picture to the line, if one is being typed.
+    /// Updates the picture from the line that is being typed, if there is one.
     pub(super) fn follow_line(&mut self) {
         if let Some(line) = &self.line {
             self.session.live.type_line(line.text());

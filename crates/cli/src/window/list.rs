@@ -13,7 +13,7 @@ const LETTERS: usize = 24;
 const LEAST_LETTERS: usize = 8;
 /// Greatest share of the window's width that the list takes.
 const MOST: f64 = 0.55;
-/// Widths in glyph dots of a color, the track of an opacity, and the sign that deletes.
+/// Widths in font pixels of a color, the track of an opacity, and the sign that deletes.
 const SWATCH: usize = 18;
 const TRACK_WIDTH: usize = 40;
 const DELETE: usize = 12;
@@ -42,7 +42,7 @@ pub struct List {
     scale: usize,
 }
 
-/// Everything that is drawn of the list.
+/// Everything that the drawing of the list depends on.
 #[derive(Clone, PartialEq)]
 pub struct Shown {
     pub list: List,

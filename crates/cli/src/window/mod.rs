@@ -47,7 +47,7 @@ const PAUSE: Duration = Duration::from_millis(300);
 
 /// Interval between polls of mouse and keyboard.
 const LOOK: Duration = Duration::from_millis(4);
-/// The interval after [`REST`] without activity, since a poll takes some 100 µs.
+/// The interval after [`REST`] without activity, since a poll takes about 100 µs.
 const IDLE_LOOK: Duration = Duration::from_millis(20);
 const REST: Duration = Duration::from_secs(2);
 /// Least time between two drawings of the window.
@@ -227,14 +227,14 @@ impl Window {
         (width.max(1), height.max(1))
     }
 
-    /// Size of the part above the status line.
+    /// Width and height of the part above the status line.
     fn picture_size(&self) -> (usize, usize) {
         let (width, height) = self.size();
         let status = Canvas::line_height_at(self.scale_at(height));
         (width, height.saturating_sub(status).max(1))
     }
 
-    /// Side of a glyph dot in pixels, in a window of this height.
+    /// Side of a font pixel in pixels of the window, for a window of this height.
     fn scale_at(&self, height: usize) -> usize {
         self.scale.unwrap_or(if height >= HIGH { 2 } else { 1 })
     }

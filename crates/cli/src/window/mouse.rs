@@ -1,5 +1,4 @@
-//! Mouse actions in the window: turning, moving, zooming, clicking, and dragging sliders and
-//! surfaces.
+//! Mouse actions in the window: turning, moving, zooming, clicking and dragging.
 
 use super::Window;
 use super::keys::ZOOM;

@@ -3,7 +3,7 @@
 use crate::theme::{DIM, GROUND, INK};
 use zeroset_render::overlay::Canvas;
 
-/// Padding around the text, in glyph dots.
+/// Padding around the text, in font pixels.
 const PAD: usize = 8;
 
 /// A text, and the number of its first visible line.

@@ -9,7 +9,7 @@ use zeroset_render::overlay::Canvas;
 /// Most letters of a name, and of a value.
 const NAME: usize = 8;
 const VALUE: usize = 9;
-/// Longest and shortest track, in glyph dots.
+/// Longest and shortest track, in font pixels.
 const LONGEST: usize = 160;
 const SHORTEST: usize = 40;
 

@@ -1,12 +1,12 @@
-//! Rows over the picture, one below the other. Rows without room are scrolled to. Knows nothing of
-//! their content.
+//! Rows over the picture, one below the other. Rows that do not fit are reached by scrolling. Knows
+//! nothing of their content.
 
 use crate::theme::GROUND;
 use zeroset_render::overlay::{Canvas, Rgb};
 
 /// Most rows that are visible at once.
 const SHOWN: usize = 8;
-/// Space around items, in glyph dots.
+/// Space around items, in font pixels.
 pub const SPACE: usize = 6;
 
 /// Layout of rows, in pixels of the window.

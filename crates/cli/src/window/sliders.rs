@@ -1,5 +1,5 @@
-//! Moves sliders by mouse, keys and clock. A value is requested only when the picture of the last
-//! one is visible, so that pictures appear however long they take.
+//! Moves sliders by mouse, keys and clock. The next value is requested only when the picture of the
+//! previous one is visible, so that pictures appear however long they take.
 
 use super::panel::Panel;
 use super::{FRAME, Window};
@@ -14,7 +14,7 @@ const DOUBLE: Duration = Duration::from_millis(400);
 const COARSE: Duration = Duration::from_millis(30);
 /// Longest wait for the picture of a value before the next value is requested.
 const LATE: Duration = Duration::from_millis(250);
-/// Key presses with at most this time between them are one movement.
+/// Longest pause between key presses that count as one movement.
 const NUDGE: Duration = Duration::from_millis(700);
 /// Factor on the movement of a slider while Shift is held.
 const FINE: f64 = 0.1;
@@ -43,7 +43,7 @@ pub struct Sliders {
     nudged: Option<Instant>,
 }
 
-/// Time that is playing: since when, and from which value.
+/// When the playing of time began, and at which value.
 struct Playing {
     since: Instant,
     from: f64,
@@ -164,8 +164,7 @@ impl Window {
         sliders.want(index, rounded);
     }
 
-    /// Releases the slider and requests its last value, even if the picture of the one before is
-    /// missing.
+    /// Releases the slider and requests its last value, without waiting for the previous one.
     pub(super) fn release_slider(&mut self) {
         self.sliders.held = None;
         self.sliders.sent = None;
@@ -203,12 +202,12 @@ impl Window {
             return self.say("there is no time t in what is drawn: write it into a formula first");
         };
         let slider = self.sliders.all[index].clone();
-        // An undo returns to this value: the changes by the clock are no steps of their own.
+        // An undo returns to this value, since changes by the clock are no undo steps.
         self.session.live.drag(&slider, slider.value);
         self.sliders.playing = Some(Playing { since: Instant::now(), from: slider.value });
     }
 
-    /// Advances time by as much as has passed, in a loop over its range.
+    /// Sets time to its start value plus the elapsed seconds, in a loop over its range.
     pub(super) fn play(&mut self, seen: &Snapshot) {
         let sliders = &mut self.sliders;
         let Some(Playing { since, from }) = &sliders.playing else { return };
@@ -225,7 +224,7 @@ impl Window {
         sliders.want(index, value);
     }
 
-    /// Requests the wanted value if the picture of the last one is visible.
+    /// Requests the wanted value, if the next request is due.
     pub(super) fn send_value(&mut self, seen: &Snapshot) {
         if is_next_due(self.sliders.sent, seen) {
             self.ask_for_value();
@@ -245,8 +244,8 @@ impl Window {
     }
 }
 
-/// Whether the next value may be requested. The picture of the last request, full or coarse, must
-/// have been visible for a while, unless it is late.
+/// Whether the next value may be requested: the last request has its picture and is `FRAME` old
+/// (`COARSE` for a coarse picture), or it is older than `LATE`.
 pub fn is_next_due(sent: Option<(u64, Instant)>, seen: &Snapshot) -> bool {
     let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
     let (latest, coarse) = match &seen.rendering {

@@ -59,8 +59,8 @@ impl Surfaces {
         self.all = all;
     }
 
-    /// Lays out the list in a picture of this size in pixels, whose left `taken` columns are
-    /// occupied, with the letters of `canvas`.
+    /// Lays out the list with the letters of `canvas`, in a picture of this size in pixels. The
+    /// left `taken` columns of the picture are occupied.
     pub fn lay_out(&mut self, taken: usize, size: (usize, usize), canvas: &Canvas) {
         let count = self.all.len();
         let is_wanted = self.wanted.unwrap_or(count > 1);
@@ -142,7 +142,7 @@ impl Window {
         self.told(result);
     }
 
-    /// Deletes a surface on another thread, since the view of the others is then found anew.
+    /// Deletes a surface on another thread, since choosing a view of the others takes time.
     fn delete_surface(&mut self, index: usize) {
         self.send(format!(":delete {}", index + 1));
     }
@@ -163,15 +163,14 @@ impl Window {
         true
     }
 
-    /// Scrolls the list if the pointer is over it and some surfaces are hidden. Returns whether it
-    /// did.
+    /// Scrolls the list if the pointer is over it and some surfaces are hidden; returns whether so.
     pub(super) fn scroll_surfaces(&mut self, steps: f64) -> bool {
         let surfaces = &mut self.surfaces;
         let list = surfaces.list.filter(|_| surfaces.hovered.is_some());
         list.is_some_and(|list| list.rows.scroll(&mut surfaces.scroll, steps))
     }
 
-    /// Requests the wanted opacity if the picture of the last one is visible.
+    /// Requests the wanted opacity, if the next request is due.
     pub(super) fn send_opacity(&mut self, seen: &Snapshot) {
         if is_next_due(self.surfaces.sent, seen) {
             self.ask_for_opacity();

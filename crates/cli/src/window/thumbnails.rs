@@ -14,7 +14,7 @@ use zeroset_scene::gallery::{Example, examples};
 
 /// Rows and columns of a picture at scale 1.
 pub const SIDE: usize = 96;
-/// The first, coarse picture has rows and columns fewer by this factor.
+/// Factor by which each side of the first, coarse picture is shorter.
 const COARSE: usize = 4;
 /// Interval at which the thread checks whether other pictures are finished.
 const LOOK: Duration = Duration::from_millis(4);
@@ -72,8 +72,8 @@ impl Thumbnails {
         self.shared.version.load(Ordering::Relaxed)
     }
 
-    /// Renders the missing pictures, `first` ones first. Call this repeatedly while they are
-    /// visible.
+    /// Renders the missing pictures, those in `first` before others. Call this repeatedly while
+    /// they are visible.
     pub fn want(&mut self, first: Vec<usize>, session: &Arc<Session>) {
         *lock(&self.shared.order) = first;
         // A thread that was told to end ends soon; a later call starts another.
@@ -127,8 +127,7 @@ impl Shared {
         while let Some(place) = self.next().filter(|_| wanted()) {
             let made = pool.install(|| self.picture(&self.examples[place], place, &wanted));
             if made.is_err() && wanted() {
-                // A surface that cannot be drawn gets a blank picture, so that it is not tried
-                // again.
+                // A surface that cannot be drawn gets a blank picture, and is not tried again.
                 self.keep(place, self.side, vec![0xff; 3 * self.side * self.side]);
             }
         }

@@ -12,7 +12,7 @@ pub struct Wheel {
 }
 
 impl Wheel {
-    /// Returns the steps since the last call, positive for upwards, from the count since then.
+    /// Converts the count since the last call to steps, positive for upwards.
     pub fn steps(&mut self, counted: f32) -> f64 {
         let all = self.begun + counted;
         // On other systems, a touchpad scrolls by fractions of a step.
