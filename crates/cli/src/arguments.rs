@@ -24,7 +24,7 @@ pub const AA: usize = 16;
 #[derive(Debug, Parser)]
 #[command(name = "zeroset", version, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-#[command(disable_help_flag = true, disable_help_subcommand = true)]
+#[command(disable_help_flag = true)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Option<Command>,

@@ -35,13 +35,13 @@ pub(crate) struct Branches {
 /// that jumps in a box makes it, and the others are enclosed over the whole box.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
-    parting: Split,
+    split: Split,
     is_shared: bool,
 }
 
 impl Choice {
     fn parts(self) -> &'static [Branch] {
-        self.parting.branches()
+        self.split.branches()
     }
 }
 
@@ -65,26 +65,26 @@ impl Branches {
     }
 
     fn within<T: Real>(tape: &Tape<T>, combinations: usize) -> Self {
-        let partings: Vec<Split> =
-            (0..tape.steps().len()).map(|index| parting(tape, index)).collect();
+        let splits: Vec<Split> =
+            (0..tape.steps().len()).map(|index| split(tape, index)).collect();
         let mut choices: Vec<Choice> = Vec::new();
-        let mut makes = vec![None; partings.len()];
+        let mut makes = vec![None; splits.len()];
         let mut left = combinations;
         // Jumps before poles: most poles have been cleared already, or are no jumps of the whole
         // function.
         for poles in [false, true] {
             let first = choices.len();
             let mut next = first;
-            for (index, &parting) in partings.iter().enumerate() {
-                let parts = parting.branches().len();
-                if parts < 2 || (parting == Split::AtPole) != poles {
+            for (index, &split) in splits.iter().enumerate() {
+                let parts = split.branches().len();
+                if parts < 2 || (split == Split::AtPole) != poles {
                     continue;
                 }
                 if parts <= left {
                     left /= parts;
                     makes[index] = Some(choices.len());
-                    choices.push(Choice { parting, is_shared: false });
-                } else if let Some(own) = shared(&choices[first..], parting, next - first) {
+                    choices.push(Choice { split, is_shared: false });
+                } else if let Some(own) = shared(&choices[first..], split, next - first) {
                     choices[first + own].is_shared = true;
                     makes[index] = Some(first + own);
                     next = first + own + 1;
@@ -144,12 +144,12 @@ impl Branches {
 }
 
 /// Finds one of `choices` that has this split, in turn from `next` on.
-fn shared(choices: &[Choice], parting: Split, next: usize) -> Option<usize> {
+fn shared(choices: &[Choice], split: Split, next: usize) -> Option<usize> {
     let mut turn = (0..choices.len()).map(|k| (next + k) % choices.len());
-    turn.find(|&k| choices[k].parting == parting)
+    turn.find(|&k| choices[k].split == split)
 }
 
-fn parting<T: Real>(tape: &Tape<T>, index: usize) -> Split {
+fn split<T: Real>(tape: &Tape<T>, index: usize) -> Split {
     match &tape.steps()[index] {
         Step::Apply(op, operands) => {
             let ranges: Vec<Interval> = operands.iter().map(|&i| tape.range(i)).collect();
@@ -209,7 +209,7 @@ impl<T: Real> Tape<T> {
                         }
                     };
                     let (range, exponent) = (self.range(index), step.exponent());
-                    let value = leaves.held(m, value, range);
+                    let value = leaves.clamp_to(m, value, range);
                     (Operand { value, range, exponent }, made)
                 };
                 if let Some(choice) = branches.makes[index] {
@@ -296,9 +296,9 @@ mod tests {
 
     /// A graph under construction.
     #[derive(Default)]
-    struct Sheet(Graph);
+    struct GraphBuilder(Graph);
 
-    impl Sheet {
+    impl GraphBuilder {
         fn of(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
             self.0.apply(op, operands)
         }
@@ -332,48 +332,48 @@ mod tests {
     /// the second as well.
     #[test]
     fn a_choice_already_made_by_another_jump_is_not_made_again() {
-        let mut sheet = Sheet::default();
-        let [x, y, z] = Axis::ALL.map(|axis| sheet.0.variable(axis));
-        let still = |sheet: &mut Sheet, n| {
-            let sum = sheet.plus(y, n);
-            sheet.of(Op::Floor, &[sum])
+        let mut builder = GraphBuilder::default();
+        let [x, y, z] = Axis::ALL.map(|axis| builder.0.variable(axis));
+        let still = |builder: &mut GraphBuilder, n| {
+            let sum = builder.plus(y, n);
+            builder.of(Op::Floor, &[sum])
         };
-        let first = still(&mut sheet, 0);
-        let second = sheet.of(Op::Floor, &[x]);
-        let third = still(&mut sheet, 1);
-        let product = sheet.of(Op::Mul, &[second, z]);
-        let fourth = sheet.of(Op::Floor, &[product]);
-        let fifth = still(&mut sheet, 2);
-        let sixth = still(&mut sheet, 3);
-        let two = sheet.0.integer(2);
-        let falling = sheet.of(Op::Sub, &[two, z]);
-        let seventh = sheet.of(Op::Floor, &[falling]);
+        let first = still(&mut builder, 0);
+        let second = builder.of(Op::Floor, &[x]);
+        let third = still(&mut builder, 1);
+        let product = builder.of(Op::Mul, &[second, z]);
+        let fourth = builder.of(Op::Floor, &[product]);
+        let fifth = still(&mut builder, 2);
+        let sixth = still(&mut builder, 3);
+        let two = builder.0.integer(2);
+        let falling = builder.of(Op::Sub, &[two, z]);
+        let seventh = builder.of(Op::Floor, &[falling]);
         let mut sum = seventh;
         for (n, jump) in
             [(0, first), (100, second), (0, third), (10, fourth), (0, fifth), (0, sixth)]
         {
-            sum = sheet.weighted(jump, n, sum);
+            sum = builder.weighted(jump, n, sum);
         }
         let near = [[0.875, 1.125], [0.5, 0.5], [0.875, 1.125]];
         // At x = 1.1, z = 0.9: 100·1 + 10·0 + 1.
-        let root = sheet.plus(sum, -101);
-        assert!(!sheet.is_empty(root, near));
+        let root = builder.plus(sum, -101);
+        assert!(!builder.is_empty(root, near));
         // The values taken are 0, 1, 101 and 110 (and 111 at z = 1).
         for (value, is_taken) in [(0, true), (1, true), (50, false), (110, true), (115, false)] {
-            let root = sheet.plus(sum, -value);
-            assert_eq!(!sheet.is_empty(root, near), is_taken, "{value}");
+            let root = builder.plus(sum, -value);
+            assert_eq!(!builder.is_empty(root, near), is_taken, "{value}");
         }
     }
 
     #[test]
     fn what_does_not_jump_has_no_branches() {
-        let mut sheet = Sheet::default();
-        let [x, y, _] = Axis::ALL.map(|axis| sheet.0.variable(axis));
-        let smooth = sheet.of(Op::Add, &[x, y]);
-        assert!(sheet.branches(smooth).is_none());
+        let mut builder = GraphBuilder::default();
+        let [x, y, _] = Axis::ALL.map(|axis| builder.0.variable(axis));
+        let smooth = builder.of(Op::Add, &[x, y]);
+        assert!(builder.branches(smooth).is_none());
         // Only the last of several roots counts.
-        let jump = sheet.of(Op::Floor, &[x]);
-        let tape = |roots: &[NodeId]| Tape::<f32>::branches(&sheet.0, roots, &Assumptions::none(0));
+        let jump = builder.of(Op::Floor, &[x]);
+        let tape = |roots: &[NodeId]| Tape::<f32>::branches(&builder.0, roots, &Assumptions::none(0));
         assert!(tape(&[jump, smooth]).is_none());
         assert!(tape(&[smooth, jump]).is_some());
         assert_eq!(tape(&[smooth, jump]).expect("it jumps").outputs(), 1);
@@ -382,17 +382,17 @@ mod tests {
     #[test]
     fn long_formulas_are_written_for_fewer_branches_or_none() {
         let written = |length: usize| {
-            let mut sheet = Sheet::default();
-            let [x, y, z] = Axis::ALL.map(|axis| sheet.0.variable(axis));
-            let mut sum = sheet.of(Op::Floor, &[x]);
+            let mut builder = GraphBuilder::default();
+            let [x, y, z] = Axis::ALL.map(|axis| builder.0.variable(axis));
+            let mut sum = builder.of(Op::Floor, &[x]);
             for axis in [y, z] {
-                let jump = sheet.of(Op::Floor, &[axis]);
-                sum = sheet.of(Op::Add, &[sum, jump]);
+                let jump = builder.of(Op::Floor, &[axis]);
+                sum = builder.of(Op::Add, &[sum, jump]);
             }
             for _ in 0..length {
-                sum = sheet.of(Op::Sin, &[sum]);
+                sum = builder.of(Op::Sin, &[sum]);
             }
-            sheet.branches(sum).map(|tape| tape.operations())
+            builder.branches(sum).map(|tape| tape.operations())
         };
         let over = |all: usize, length: usize| Some(all * length);
         let near = |found: Option<usize>, expected: Option<usize>| match (found, expected) {

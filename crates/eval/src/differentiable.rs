@@ -20,13 +20,13 @@ pub(crate) struct Smooth<V> {
 }
 
 /// The domain of intervals with these facts.
-pub(crate) struct Differentiable<'a, I>(pub Bounds<'a, I>);
+pub(crate) struct SmoothnessDomain<'a, I>(pub Bounds<'a, I>);
 
 fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
     Smooth { value, lipschitz: Fact::True, differentiable: Fact::True }
 }
 
-impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Differentiable<'_, I>
+impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for SmoothnessDomain<'_, I>
 where
     for<'a> Bounds<'a, I>: ValueDomain<T, M, Value = Enclosure<M::V>>,
 {
@@ -61,8 +61,8 @@ where
         Some(both.map(|value| smooth::<T, M>(m, op, &[*operand], value)))
     }
 
-    fn held(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
-        let bounds = ValueDomain::<T, M>::held(&mut self.0, m, value.value, range);
+    fn clamp_to(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
+        let bounds = ValueDomain::<T, M>::clamp_to(&mut self.0, m, value.value, range);
         Smooth { value: bounds, ..value }
     }
 }

@@ -6,7 +6,7 @@ use crate::value_domain::{Loader, PARAMETER_QUANTITIES, ValueDomain};
 use std::marker::PhantomData;
 use zeroset_interval::{
     Contraction, Enclosure, Form, Format, Interval, Machine, Term, contract, linearise,
-    linearise_twins,
+    linearise_sincos,
 };
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
@@ -20,36 +20,36 @@ pub(crate) trait Path<const N: usize> {
     fn coordinate<M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        depth: Depth<M::V>,
+        depth: RayRange<M::V>,
         axis: Axis,
     ) -> Form<M::V, N>;
 }
 
 /// Segments of rays, from a batch of [`Segments`](crate::Segments).
-pub(crate) struct Along;
+pub(crate) struct SegmentPath;
 
 /// Tiles of rays, from a batch of [`Tiles`](crate::Tiles).
-pub(crate) struct Across;
+pub(crate) struct TilePath;
 
 /// The domain of affine forms of points on a path.
-struct Forms<'a, I, V, P, const N: usize> {
+struct AffineDomain<'a, I, V, P, const N: usize> {
     loader: &'a mut I,
-    depth: Depth<V>,
+    depth: RayRange<V>,
     path: PhantomData<P>,
 }
 
 /// A range of t along a ray: `middle` ± `half` contains a segment from end to end.
 #[derive(Clone, Copy)]
-pub(crate) struct Depth<V> {
+pub(crate) struct RayRange<V> {
     pub middle: V,
     pub half: V,
 }
 
-impl<V: Copy> Depth<V> {
+impl<V: Copy> RayRange<V> {
     /// The range between two ends.
     fn between<M: Machine<V = V>>(m: &mut M, format: Format, ends: [V; 2]) -> Self {
         let half = m.number(format, 0.5);
-        let middle = m.nearly(|m| {
+        let middle = m.unrounded(|m| {
             let sum = m.add(ends[0], ends[1]);
             m.mul(sum, half)
         });
@@ -58,19 +58,19 @@ impl<V: Copy> Depth<V> {
     }
 }
 
-impl Path<1> for Along {
+impl Path<1> for SegmentPath {
     const ENDS: [usize; 2] = [9, 10];
 
     fn coordinate<M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        depth: Depth<M::V>,
+        depth: RayRange<M::V>,
         axis: Axis,
     ) -> Form<M::V, 1> {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
         // `error` includes the rounding of these operations.
-        let (centre, slope) = m.nearly(|m| {
+        let (centre, slope) = m.unrounded(|m| {
             let slope = m.mul(depth.half, direction);
             (m.mul_add(direction, depth.middle, origin), slope)
         });
@@ -78,13 +78,13 @@ impl Path<1> for Along {
     }
 }
 
-impl Path<3> for Across {
+impl Path<3> for TilePath {
     const ENDS: [usize; 2] = [4, 5];
 
     fn coordinate<M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        depth: Depth<M::V>,
+        depth: RayRange<M::V>,
         axis: Axis,
     ) -> Form<M::V, 3> {
         // Read again for each axis: a value that lives long is written to memory and read back.
@@ -93,14 +93,14 @@ impl Path<3> for Across {
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
         let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
         let error = loader.input(m, 24 + axis as usize);
-        let Depth { middle, half } = depth;
+        let RayRange { middle, half } = depth;
         // Rays diverge: products of screen coordinates and depth are counted as errors.
         let sizes = [d_a, d_b].map(|d| m.abs(d));
         let spread = m.mul(reach[0], sizes[0]);
         let spread = m.mul_add(sizes[1], reach[1], spread);
         let error = m.mul_add(spread, half, error);
         // `error` includes the rounding of these operations, too.
-        let (centre, slopes) = m.nearly(|m| {
+        let (centre, slopes) = m.unrounded(|m| {
             let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
                 let per_unit = m.mul_add(middle, d, o);
                 m.mul(reach[axis], per_unit)
@@ -118,14 +118,14 @@ impl Path<3> for Across {
 }
 
 /// The first output of a tape on a path: its form, where it may be 0, and the range of t.
-pub(crate) fn contracted<P: Path<N>, T: Real, V: Copy, M: Machine<V = V>, const N: usize>(
+pub(crate) fn evaluate_and_contract<P: Path<N>, T: Real, V: Copy, M: Machine<V = V>, const N: usize>(
     tape: &Tape<T>,
     m: &mut M,
     loader: &mut impl Loader<M>,
-) -> (Form<V, N>, Contraction<V>, Depth<V>) {
+) -> (Form<V, N>, Contraction<V>, RayRange<V>) {
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
-    let depth = Depth::between(m, T::FORMAT, ends);
-    let form = tape.evaluate(m, &mut Forms::<_, _, P, N> { loader, depth, path: PhantomData })[0];
+    let depth = RayRange::between(m, T::FORMAT, ends);
+    let form = tape.evaluate(m, &mut AffineDomain::<_, _, P, N> { loader, depth, path: PhantomData })[0];
     // Read again: a value that lives long is written to memory and read back.
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
     let new = contract(m, T::FORMAT, &form, [depth.middle, depth.half], ends);
@@ -133,7 +133,7 @@ pub(crate) fn contracted<P: Path<N>, T: Real, V: Copy, M: Machine<V = V>, const 
 }
 
 impl<T: Real, M: Machine, I: Loader<M>, P: Path<N>, const N: usize> ValueDomain<T, M>
-    for Forms<'_, I, M::V, P, N>
+    for AffineDomain<'_, I, M::V, P, N>
 {
     type Value = Form<M::V, N>;
 
@@ -161,10 +161,10 @@ impl<T: Real, M: Machine, I: Loader<M>, P: Path<N>, const N: usize> ValueDomain<
         op: Op,
         term: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]> {
-        linearise_twins(m, T::FORMAT, op, term)
+        linearise_sincos(m, T::FORMAT, op, term)
     }
 
-    fn held(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
-        value.held(m, T::FORMAT, range)
+    fn clamp_to(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
+        value.clamp_to(m, T::FORMAT, range)
     }
 }

@@ -9,8 +9,8 @@ use crate::batch::{
     Segments, Tiles, Values, Zeros,
 };
 use crate::binding::Binding;
-use crate::differentiable::Differentiable;
-use crate::forms::{Across, Along, Depth, contracted};
+use crate::differentiable::SmoothnessDomain;
+use crate::forms::{TilePath, SegmentPath, RayRange, evaluate_and_contract};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
@@ -195,7 +195,7 @@ impl Query for EncloseGradient {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
-        let values = tape.evaluate(m, &mut Differentiable(Bounds(loader)));
+        let values = tape.evaluate(m, &mut SmoothnessDomain(Bounds(loader)));
         let (function, derivatives) = values.split_first().expect("a function");
         let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
         for derivative in derivatives {
@@ -222,7 +222,7 @@ impl Query for ContractSegments {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
-        let (_, new, _) = contracted::<Along, _, _, _, _>(tape, m, loader);
+        let (_, new, _) = evaluate_and_contract::<SegmentPath, _, _, _, _>(tape, m, loader);
         QueryResult { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
     }
 }
@@ -238,7 +238,7 @@ impl Query for ContractTiles {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
-        let (form, new, Depth { middle, half }) = contracted::<Across, _, _, _, _>(tape, m, loader);
+        let (form, new, RayRange { middle, half }) = evaluate_and_contract::<TilePath, _, _, _, _>(tape, m, loader);
         let zero = m.number(T::FORMAT, 0.0);
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
         let error = form.error(m, T::FORMAT).unwrap_or(zero);

@@ -16,7 +16,7 @@ use zeroset_interval::{Software, Vector128 as Vector};
 pub struct Reference<Q: Query, T: Real = f32> {
     tape: Tape<T>,
     binding: Binding<T>,
-    question: PhantomData<Q>,
+    query: PhantomData<Q>,
 }
 
 impl<Q: Query, T: Real> Reference<Q, T> {
@@ -27,18 +27,18 @@ impl<Q: Query, T: Real> Reference<Q, T> {
     /// parameters is not that of the binding. In debug builds also if a value is outside its range.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Self {
         Q::check(&tape, &binding);
-        Self { tape, binding, question: PhantomData }
+        Self { tape, binding, query: PhantomData }
     }
 }
 
 /// A reader of a batch, one vector after another.
-struct Cursor<'a, Q: Query, T: Real> {
+struct BatchReader<'a, Q: Query, T: Real> {
     input: &'a Q::Input<T>,
     binding: &'a Binding<T>,
     vector: usize,
 }
 
-impl<Q: Query, T: Real> Loader<Software> for Cursor<'_, Q, T> {
+impl<Q: Query, T: Real> Loader<Software> for BatchReader<'_, Q, T> {
     fn input(&mut self, _: &mut Software, quantity: usize) -> Vector {
         T::load(self.input.quantity(quantity), self.vector)
     }
@@ -53,7 +53,7 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Reference<Q, T> {
         Q::check_input(&self.tape, input);
         (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
         for vector in 0..input.count().div_ceil(T::VECTOR_LANES) {
-            let mut cursor = Cursor::<Q, T> { input, binding: &self.binding, vector };
+            let mut cursor = BatchReader::<Q, T> { input, binding: &self.binding, vector };
             let QueryResult { quantities, masks } =
                 Q::answer(&self.tape, &mut Software::new(), &mut cursor);
             for (number, value) in quantities.into_iter().enumerate() {

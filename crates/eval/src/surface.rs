@@ -125,14 +125,14 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
         if let Some(numerator) = &self.numerator
             && zeros.possible != 0
         {
-            let cleared = ask_some(&**numerator, boxes, zeros.possible);
+            let cleared = eval_lanes(&**numerator, boxes, zeros.possible);
             zeros.possible &= cleared.possible;
             zeros.unbounded &= cleared.unbounded;
         }
         if let Some(branches) = &self.branches
             && zeros.possible & zeros.jumping != 0
         {
-            let together = ask_some(&**branches, boxes, zeros.possible & zeros.jumping);
+            let together = eval_lanes(&**branches, boxes, zeros.possible & zeros.jumping);
             zeros.possible &= together.possible | !zeros.jumping;
         }
     }
@@ -140,7 +140,7 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
 
 /// Evaluates some lanes of a batch, gathered if they are at most half of it. The result says
 /// nothing about other lanes.
-fn ask_some<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
+fn eval_lanes<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
     let mut zeros = Zeros::default();
     if 2 * lanes.count_ones() > boxes.count {
         kernel.eval(boxes, &mut zeros);

@@ -203,7 +203,7 @@ impl<T: Real> Tape<T> {
                     }
                 }
             };
-            let value = domain.held(m, value, range);
+            let value = domain.clamp_to(m, value, range);
             terms.push(Term { value, range, exponent: step.exponent() });
         }
         self.outputs.iter().map(|&output| terms[output].value).collect()

@@ -4,7 +4,7 @@
 
 use crate::real::{Real, middle};
 use zeroset_interval::{
-    Enclosure, Exponent, Interval, Machine, Term, enclose, enclose_twins, evaluate, evaluate_twins,
+    Enclosure, Exponent, Interval, Machine, Term, enclose, enclose_sincos, evaluate, evaluate_sincos,
 };
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
@@ -22,7 +22,7 @@ pub trait ValueDomain<T: Real, M: Machine> {
     fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value;
     /// Applies an operation to earlier values.
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value;
-    /// Applies an operation and its [twin](zeroset_ops::Row::twin) to the same value, such as sine
+    /// Applies an operation and its [twin](zeroset_ops::OpRow::twin) to the same value, such as sine
     /// and cosine. `None` if they share no work.
     fn apply_twins(
         &mut self,
@@ -30,8 +30,8 @@ pub trait ValueDomain<T: Real, M: Machine> {
         op: Op,
         operand: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]>;
-    /// Returns a value that is known to be within `range`, see [`Machine::held`].
-    fn held(&mut self, _m: &mut M, value: Self::Value, _range: Interval) -> Self::Value {
+    /// Returns a value that is known to be within `range`, see [`Machine::clamp_to`].
+    fn clamp_to(&mut self, _m: &mut M, value: Self::Value, _range: Interval) -> Self::Value {
         value
     }
 }
@@ -83,12 +83,12 @@ impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {
         op: Op,
         operand: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]> {
-        enclose_twins(m, T::FORMAT, op, operand)
+        enclose_sincos(m, T::FORMAT, op, operand)
     }
 
-    fn held(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
-        let neg_lo = m.held(T::FORMAT, value.neg_lo, -range.lo);
-        let hi = m.held(T::FORMAT, value.hi, range.hi);
+    fn clamp_to(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
+        let neg_lo = m.clamp_to(T::FORMAT, value.neg_lo, -range.lo);
+        let hi = m.clamp_to(T::FORMAT, value.hi, range.hi);
         Enclosure { neg_lo, hi, ..value }
     }
 }
@@ -115,6 +115,6 @@ impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Samples<'_, I> {
     }
 
     fn apply_twins(&mut self, m: &mut M, op: Op, operand: &Term<M::V>) -> Option<[M::V; 2]> {
-        evaluate_twins(m, T::FORMAT, op, operand.value, operand.range)
+        evaluate_sincos(m, T::FORMAT, op, operand.value, operand.range)
     }
 }

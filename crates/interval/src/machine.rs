@@ -132,22 +132,22 @@ pub trait Machine {
     // nearest and then widens each result learns from them which results it need not or must not
     // widen.
 
-    /// Runs `text`, whose results need not be bounds: they are exact, or their rounding is counted
+    /// Runs `routine`, whose results need not be bounds: they are exact, or their rounding is counted
     /// elsewhere.
-    fn nearly<R>(&mut self, text: impl FnOnce(&mut Self) -> R) -> R
+    fn unrounded<R>(&mut self, routine: impl FnOnce(&mut Self) -> R) -> R
     where
         Self: Sized,
     {
-        text(self)
+        routine(self)
     }
-    /// Returns a bound that [`Machine::nearly`] computed and whose last rounding is not counted
+    /// Returns a bound that [`Machine::unrounded`] computed and whose last rounding is not counted
     /// elsewhere.
     fn outward(&mut self, bound: Self::V) -> Self::V {
         bound
     }
     /// Clamps `bound` to `most`, as rules rely on. Rounding up never exceeds `most`, so only other
     /// machines do anything. `most` is exact in `format`.
-    fn held(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
+    fn clamp_to(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
         bound
     }
     /// Whether affine forms include rounding in their errors.

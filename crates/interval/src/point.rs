@@ -121,7 +121,7 @@ pub fn evaluate<M: Machine>(
 
 /// Evaluates `op` and its twin over lanes of their operand, which lies in `range`. Returns `None`
 /// if they share no work there.
-pub fn evaluate_twins<M: Machine>(
+pub fn evaluate_sincos<M: Machine>(
     m: &mut M,
     format: Format,
     op: Op,

@@ -65,7 +65,7 @@ pub mod f32_up {
 /// `f64` results rounded up.
 pub mod f64_up {
     /// For exponents in this range, the error of a product, quotient or root is a float.
-    const COMFORT: std::ops::RangeInclusive<i32> = -400..=400;
+    const EXACT_ERROR_EXPONENTS: std::ops::RangeInclusive<i32> = -400..=400;
 
     /// `a + b`.
     pub fn add(a: f64, b: f64) -> f64 {
@@ -105,11 +105,11 @@ pub mod f64_up {
             return mul(a, b);
         }
         // Both terms as integers with exponents: the product has 105 or 106 bits, c has 53.
-        let whole = |a: f64| {
+        let integer = |a: f64| {
             let (a, exponent) = split(a);
             ((a * power(52)) as i128, exponent - 52)
         };
-        let ((a, i), (b, j), (c, k)) = (whole(a), whole(b), whole(c));
+        let ((a, i), (b, j), (c, k)) = (integer(a), integer(b), integer(c));
         let (product, places) = (a * b, k - (i + j));
         match places {
             // Bits of c below the product's last place matter only as a sign that the result is
@@ -126,12 +126,12 @@ pub mod f64_up {
         }
     }
 
-    /// Returns (`whole` + δ) · 2^`exponent` rounded up, where 0 < δ < 1 if `more`, else δ = 0. If
-    /// `more`, `whole` has more than 54 bits.
-    fn round_up(whole: i128, more: bool, exponent: i32) -> f64 {
+    /// Returns (`integer` + δ) · 2^`exponent` rounded up, where 0 < δ < 1 if `more`, else δ = 0. If
+    /// `more`, `integer` has more than 54 bits.
+    fn round_up(integer: i128, more: bool, exponent: i32) -> f64 {
         // For a negative number, rounding up and δ both reduce the magnitude.
-        let down = whole < 0;
-        let size = whole.unsigned_abs() - u128::from(down && more);
+        let down = integer < 0;
+        let size = integer.unsigned_abs() - u128::from(down && more);
         let bits = 128 - size.leading_zeros() as i32;
         // Number of bits below the result's last place, which is at least that of the least
         // subnormal.
@@ -191,7 +191,7 @@ pub mod f64_up {
     /// Returns `(value + error) · 2^n` rounded up, for 1/4 < |value| < 4 and |error| at most half
     /// an ulp. Only the sign of `error` is used.
     fn scale(value: f64, error: f64, n: i32) -> f64 {
-        if COMFORT.contains(&n) {
+        if EXACT_ERROR_EXPONENTS.contains(&n) {
             let nearest = value * power(n); // exact: no underflow
             return if error > 0.0 { nearest.next_up() } else { nearest };
         }

@@ -5,7 +5,7 @@
 
 use crate::algebra::{div, is_one, is_zero, mul, neg, powi, sum};
 use crate::graph::{Graph, Node, NodeId};
-use crate::rank::{Variability, ranks};
+use crate::variability::{Variability, variabilities};
 use std::collections::{BTreeMap, BTreeSet};
 use zeroset_ops::{Class, Op};
 
@@ -103,21 +103,21 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
 /// quotients and integer powers. Poles inside other functions stay. So do divisions by expressions
 /// without coordinates, which are not poles in space.
 pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
-    let mut ranks = ranks(graph);
-    ranks.truncate(root.index() + 1);
+    let mut variabilities = variabilities(graph);
+    variabilities.truncate(root.index() + 1);
     let mut fractions: Vec<Option<Fraction>> = vec![None; root.index() + 1];
     for id in graph.needed_by(root) {
         let Node::Apply(op, operands) = graph.node(id).clone() else {
             continue;
         };
-        if ranks[id.index()] != Variability::Varying {
+        if variabilities[id.index()] != Variability::Varying {
             continue;
         }
         let parts: Vec<Fraction> = operands
             .iter()
             .map(|o| fractions[o.index()].clone().unwrap_or_else(|| Fraction::whole(*o)))
             .collect();
-        let fraction = combine(graph, op, &operands, &parts, &ranks);
+        let fraction = combine(graph, op, &operands, &parts, &variabilities);
         fractions[id.index()] = fraction.and_then(Fraction::reduced).filter(|f| !f.is_whole());
     }
     let fraction = fractions[root.index()].take()?;
@@ -137,7 +137,7 @@ fn combine(
     op: Op,
     operands: &[NodeId],
     parts: &[Fraction],
-    ranks: &[Variability],
+    variabilities: &[Variability],
 ) -> Option<Fraction> {
     let whole = parts.iter().all(Fraction::is_whole);
     let row = op.row();
@@ -148,8 +148,8 @@ fn combine(
         }
         Class::Sum if !whole => Some(added(graph, op, &parts[0], &parts[1])),
         Class::Product if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
-        Class::Quotient if !whole || ranks[operands[1].index()] == Variability::Varying => {
-            let inverse = inverted(graph, &parts[1], ranks)?;
+        Class::Quotient if !whole || variabilities[operands[1].index()] == Variability::Varying => {
+            let inverse = inverted(graph, &parts[1], variabilities)?;
             Some(multiplied(graph, &parts[0], &inverse))
         }
         Class::Square if !whole => Some(power(graph, &parts[0], 2)),
@@ -162,7 +162,7 @@ fn combine(
             if exponent >= 0 {
                 return Some(power(graph, &parts[0], magnitude));
             }
-            let inverse = inverted(graph, &parts[0], ranks)?;
+            let inverse = inverted(graph, &parts[0], variabilities)?;
             Some(power(graph, &inverse, magnitude))
         }
         Class::Function(_) => {
@@ -236,7 +236,7 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
 }
 
 /// `1/a`, or `None` if `a` is the number 0 or has too many factors.
-fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Variability]) -> Option<Fraction> {
+fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> Option<Fraction> {
     // The numerator splits into factors of the denominator, which other denominators can share.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
@@ -247,7 +247,7 @@ fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Variability]) -> Option<Fr
         }
         let node = graph.node(id).clone();
         // Nodes beyond the table are new: they are exact, or at least one operand varies.
-        let fixed = ranks.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
+        let fixed = variabilities.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
             || matches!(node, Node::Constant(_));
         let class = match &node {
             Node::Apply(op, operands) => Some((op.row().class, operands)),
@@ -276,14 +276,14 @@ fn inverted(graph: &mut Graph, a: &Fraction, ranks: &[Variability]) -> Option<Fr
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::{Random, Sheet, Term, evaluate};
+    use crate::testing::{Random, GraphBuilder, Expr, evaluate};
 
     fn cleared(
-        formula: impl for<'a> Fn([Term<'a>; 3], Term<'a>) -> Term<'a>,
+        formula: impl for<'a> Fn([Expr<'a>; 3], Expr<'a>) -> Expr<'a>,
     ) -> Option<[String; 2]> {
-        let sheet = Sheet::default();
-        let root = formula(sheet.xyz(), sheet.parameter(0)).id;
-        let mut graph = sheet.graph();
+        let builder = GraphBuilder::default();
+        let root = formula(builder.xyz(), builder.parameter(0)).id;
+        let mut graph = builder.graph();
         let cleared = clear(&mut graph, root)?;
         Some([cleared.numerator, cleared.denominator].map(|id| display(&graph, id, &["w"])))
     }
@@ -334,11 +334,11 @@ mod tests {
     fn poles_with_the_same_bounds_are_not_the_same_pole() {
         // Both are 1/3 to 157 digits: too many to be kept exactly, and with the same bounds.
         let digits = "3".repeat(157);
-        let sheet = Sheet::default();
-        let [x, y, z] = sheet.xyz();
-        let [first, second] = ["1", "9"].map(|last| sheet.number(&format!("0.{digits}{last}")));
+        let builder = GraphBuilder::default();
+        let [x, y, z] = builder.xyz();
+        let [first, second] = ["1", "9"].map(|last| builder.number(&format!("0.{digits}{last}")));
         let root = (y / (x + first) - z / (x + second)).id;
-        let mut graph = sheet.graph();
+        let mut graph = builder.graph();
         let numerator = clear(&mut graph, root).expect("poles").numerator;
         let text = display(&graph, numerator, &[]);
         assert_eq!(text.matches('*').count(), 2, "{text}: not y - z");
@@ -346,13 +346,13 @@ mod tests {
 
     #[test]
     fn many_poles_do_not_multiply_for_ever() {
-        let sheet = Sheet::default();
-        let [x, y, _] = sheet.xyz();
+        let builder = GraphBuilder::default();
+        let [x, y, _] = builder.xyz();
         let mut sum = y;
         for n in 0..500 {
             sum = sum + 1.0 / (x - f64::from(n));
         }
-        let mut graph = sheet.graph();
+        let mut graph = builder.graph();
         let before = graph.len();
         clear(&mut graph, sum.id);
         assert!(graph.len() < 20 * before, "{} from {before}", graph.len());

@@ -58,24 +58,24 @@ fn chain(graph: &mut Graph, op: Op, operands: &[NodeId], inner: &[NodeId]) -> No
     if row.class == Class::Extremum && inner[0] == inner[1] {
         return inner[0];
     }
-    let mut reader = Reader { graph, operands, inner, rest: row.derivative };
-    let derivative = reader.sum();
-    assert!(reader.rest.is_empty(), "{}: {}", row.name, row.derivative);
+    let mut parser = FormulaParser { graph, operands, inner, rest: row.derivative };
+    let derivative = parser.sum();
+    assert!(parser.rest.is_empty(), "{}: {}", row.name, row.derivative);
     derivative
 }
 
 /// Builds a node from two operands.
-type Join = fn(&mut Graph, NodeId, NodeId) -> NodeId;
+type Combine = fn(&mut Graph, NodeId, NodeId) -> NodeId;
 
 /// Parses the derivative of a row into nodes. Panics if the formula is malformed.
-struct Reader<'a> {
+struct FormulaParser<'a> {
     graph: &'a mut Graph,
     operands: &'a [NodeId],
     inner: &'a [NodeId],
     rest: &'static str,
 }
 
-impl Reader<'_> {
+impl FormulaParser<'_> {
     fn eat(&mut self, symbol: &str) -> bool {
         let rest = self.rest.strip_prefix(symbol).map(str::trim_start);
         self.rest = rest.unwrap_or(self.rest);
@@ -102,7 +102,7 @@ impl Reader<'_> {
         &mut self,
         first: NodeId,
         part: fn(&mut Self) -> NodeId,
-        by: [(&str, Join); 2],
+        by: [(&str, Combine); 2],
     ) -> NodeId {
         let mut whole = first;
         while let Some((_, join)) = by.iter().find(|(symbol, _)| self.eat(symbol)) {
@@ -163,7 +163,7 @@ impl Reader<'_> {
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::{Random, Sheet, evaluate};
+    use crate::testing::{Random, GraphBuilder, evaluate};
     use zeroset_ops::composed;
 
     fn apply(graph: &mut Graph, op: Op, operands: &[NodeId]) -> NodeId {
@@ -230,11 +230,11 @@ mod tests {
     fn a_blend_on_its_seam_leans_to_neither_side() {
         let blend = composed("blend").next().expect("a row");
         assert_eq!(blend.body, "min(a, b)-max(k-abs(a-b), 0)^2/(4*k)");
-        let sheet = Sheet::default();
-        let [x, y, _] = sheet.xyz();
-        let gap = (1.0 - (x - y).f(Op::Abs)).apply(Op::Max, &[sheet.number("0")]);
+        let builder = GraphBuilder::default();
+        let [x, y, _] = builder.xyz();
+        let gap = (1.0 - (x - y).f(Op::Abs)).apply(Op::Max, &[builder.number("0")]);
         let root = (x.apply(Op::Min, &[y]) - gap.pow(2) / 4.0).id;
-        let mut graph = sheet.graph();
+        let mut graph = builder.graph();
         let partials = gradient(&mut graph, root);
         let values = evaluate(&graph, [0.3, 0.3, 0.0], &[]);
         let at_seam = partials.map(|id| values[id.index()].expect("defined").0);

@@ -15,7 +15,7 @@ pub const TEXT_LIMIT: usize = 1 << 12;
 
 /// Operator precedence of a piece of text. Brackets are needed where a higher one is required.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Binding {
+enum Precedence {
     Sum,
     Sign,
     Product,
@@ -25,14 +25,14 @@ enum Binding {
 
 enum Piece {
     Text(String),
-    Node(NodeId, Binding),
+    Node(NodeId, Precedence),
 }
 
 /// The text of `id`, with only the brackets that reading back needs. Parameters are called by
 /// `names`; those beyond its end are called `p0`, `p1`, … by their number.
 pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
     let mut text = String::new();
-    let mut pending = vec![Piece::Node(id, Binding::Sum)];
+    let mut pending = vec![Piece::Node(id, Precedence::Sum)];
     while let Some(piece) = pending.pop() {
         if text.len() > TEXT_LIMIT {
             text.push('…');
@@ -41,8 +41,8 @@ pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
         match piece {
             Piece::Text(piece) => text.push_str(&piece),
             Piece::Node(id, place) => {
-                let (binding, pieces) = spell(graph, id, names);
-                let bracketed = binding < place;
+                let (precedence, pieces) = spell(graph, id, names);
+                let bracketed = precedence < place;
                 if bracketed {
                     pending.push(Piece::Text(")".into()));
                 }
@@ -57,42 +57,42 @@ pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
 }
 
 /// The text of one node: how tightly it binds, and its pieces.
-fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
+fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Precedence, Vec<Piece>) {
     let text = |text: &str| Piece::Text(text.into());
     match graph.node(id) {
-        Node::Variable(axis) => (Binding::Atom, vec![text(axis.name())]),
+        Node::Variable(axis) => (Precedence::Atom, vec![text(axis.name())]),
         Node::Parameter(number) => {
             let name = names
                 .get(*number as usize)
                 .map_or_else(|| format!("p{number}"), |name| (*name).to_owned());
-            (Binding::Atom, vec![Piece::Text(name)])
+            (Precedence::Atom, vec![Piece::Text(name)])
         }
         Node::Constant(constant) => {
-            let (binding, digits) = number(constant);
-            (binding, vec![Piece::Text(digits)])
+            let (precedence, digits) = number(constant);
+            (precedence, vec![Piece::Text(digits)])
         }
         Node::Apply(op, operands) => {
             let symbol = match op.row().notation {
                 Notation::Infix { symbol, .. } => symbol,
                 Notation::Function | Notation::Internal => op.row().name,
             };
-            let infix = |left, space: &str, right, binding| {
+            let infix = |left, space: &str, right, precedence| {
                 let pieces = vec![
                     Piece::Node(operands[0], left),
                     Piece::Text(format!("{space}{symbol}{space}")),
                     Piece::Node(operands[1], right),
                 ];
-                (binding, pieces)
+                (precedence, pieces)
             };
             match op.row().class {
                 Class::Negation => {
-                    (Binding::Sign, vec![text("-"), Piece::Node(operands[0], Binding::Product)])
+                    (Precedence::Sign, vec![text("-"), Piece::Node(operands[0], Precedence::Product)])
                 }
-                Class::Sum => infix(Binding::Sum, " ", Binding::Product, Binding::Sum),
+                Class::Sum => infix(Precedence::Sum, " ", Precedence::Product, Precedence::Sum),
                 Class::Product | Class::Quotient => {
-                    infix(Binding::Product, "", Binding::Power, Binding::Product)
+                    infix(Precedence::Product, "", Precedence::Power, Precedence::Product)
                 }
-                Class::Power => infix(Binding::Atom, "", Binding::Power, Binding::Power),
+                Class::Power => infix(Precedence::Atom, "", Precedence::Power, Precedence::Power),
                 Class::Square
                 | Class::Remainder
                 | Class::FunctionOfTwo
@@ -107,10 +107,10 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
                         if index > 0 {
                             pieces.push(text(", "));
                         }
-                        pieces.push(Piece::Node(*operand, Binding::Sum));
+                        pieces.push(Piece::Node(*operand, Precedence::Sum));
                     }
                     pieces.push(text(")"));
-                    (Binding::Atom, pieces)
+                    (Precedence::Atom, pieces)
                 }
             }
         }
@@ -119,19 +119,19 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Binding, Vec<Piece>) {
 
 /// The text of a number and how tightly it binds: a decimal of few digits, a quotient, a name, or
 /// bounds `[lo, hi]`.
-fn number(constant: &Constant) -> (Binding, String) {
+fn number(constant: &Constant) -> (Precedence, String) {
     let value = match constant {
         Constant::Exact(value) => value,
-        Constant::Named(name) => return (Binding::Atom, name.name().into()),
+        Constant::Named(name) => return (Precedence::Atom, name.name().into()),
         Constant::Enclosed(_) => {
             let bounds = constant.bounds();
-            return (Binding::Atom, format!("[{:?}, {:?}]", bounds.lo, bounds.hi));
+            return (Precedence::Atom, format!("[{:?}, {:?}]", bounds.lo, bounds.hi));
         }
     };
-    let sign = if value.is_negative() { Binding::Sign } else { Binding::Atom };
+    let sign = if value.is_negative() { Precedence::Sign } else { Precedence::Atom };
     match decimal(value) {
         Some(text) => (sign, text),
-        None => (Binding::Product, format!("{}/{}", value.numer(), value.denom())),
+        None => (Precedence::Product, format!("{}/{}", value.numer(), value.denom())),
     }
 }
 

@@ -7,7 +7,7 @@
 use crate::compact::{compact, copy_node, place};
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
-use crate::rank::{Variability, ranks};
+use crate::variability::{Variability, variabilities};
 use zeroset_ops::Class;
 
 /// Returns the expressions after replacing parameters by `values` in all exponents that depend on
@@ -17,8 +17,8 @@ use zeroset_ops::Class;
 /// # Panics
 /// If a root does not belong to `graph`, or a parameter to be replaced has no value.
 pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (Graph, Vec<NodeId>) {
-    let ranks = ranks(graph);
-    let is_uniform = |id: NodeId| ranks[id.index()] != Variability::Varying;
+    let variabilities = variabilities(graph);
+    let is_uniform = |id: NodeId| variabilities[id.index()] != Variability::Varying;
     let exponents: Vec<NodeId> = graph
         .iter()
         .filter_map(|(_, node)| match node {

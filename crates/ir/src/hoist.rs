@@ -4,7 +4,7 @@
 
 use crate::compact::{compact, replaced};
 use crate::graph::{Graph, Node, NodeId};
-use crate::rank::{Variability, ranks};
+use crate::variability::{Variability, variabilities};
 
 /// A graph in which parameters have replaced the expressions of parameters alone.
 #[derive(Clone, Debug)]
@@ -38,7 +38,7 @@ pub struct Hoisted {
 /// ```
 pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
     let needed = graph.reachable(roots);
-    let ranks = ranks(graph);
+    let variabilities = variabilities(graph);
     let mut fresh = first;
     let mut wanted = vec![false; graph.len()];
     for root in roots {
@@ -49,7 +49,7 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
             Node::Parameter(number) => fresh = fresh.max(number.saturating_add(1)),
             // A maximal expression is an operand of a node that depends on coordinates.
             Node::Apply(_, operands)
-                if needed[id.index()] && ranks[id.index()] == Variability::Varying =>
+                if needed[id.index()] && variabilities[id.index()] == Variability::Varying =>
             {
                 operands.iter().for_each(|id| wanted[id.index()] = true);
             }
@@ -59,7 +59,7 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
     let mut uniforms = Vec::new();
     let (copy, roots) = replaced(graph, roots, |copy, id, node| {
         let is_hoisted = matches!(node, Node::Apply(..))
-            && ranks[id.index()] == Variability::Uniform
+            && variabilities[id.index()] == Variability::Uniform
             && wanted[id.index()];
         is_hoisted.then(|| {
             let number = fresh + uniforms.len() as u32;
@@ -75,18 +75,18 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::Sheet;
+    use crate::testing::GraphBuilder;
     use zeroset_ops::Op;
 
     #[test]
     fn only_maximal_expressions_of_parameters_are_hoisted() {
-        let sheet = Sheet::default();
-        let [x, y, _] = sheet.xyz();
-        let (a, b) = (sheet.parameter(0), sheet.parameter(3));
+        let builder = GraphBuilder::default();
+        let [x, y, _] = builder.xyz();
+        let (a, b) = (builder.parameter(0), builder.parameter(3));
         let shared = a.f(Op::Sin);
-        let constant = sheet.number("2").f(Op::Sqrt);
+        let constant = builder.number("2").f(Op::Sqrt);
         let root = x * shared + y * (shared + b.pow(2)) + constant * a - b * x + x.pow(2);
-        let graph = sheet.graph();
+        let graph = builder.graph();
         let hoisted = hoist(&graph, &[root.id, shared.id, a.id], 2);
         let texts: Vec<(u32, String)> = hoisted
             .uniforms

@@ -15,7 +15,7 @@ mod exponents;
 mod graph;
 mod hoist;
 mod radical;
-mod rank;
+mod variability;
 mod simplify;
 mod univariate;
 
@@ -32,5 +32,5 @@ pub use exponents::fix_exponents;
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
 pub use hoist::{Hoisted, hoist};
 pub use radical::radical;
-pub use rank::{Variability, ranks};
+pub use variability::{Variability, variabilities};
 pub use simplify::{rewrite, simplify};

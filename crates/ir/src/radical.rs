@@ -16,11 +16,11 @@ const FACTOR_LIMIT: usize = 256;
 
 /// Operations that are 0 exactly where their operand is, but touch 0, bend or are steep there.
 /// Powers with a positive integer exponent are treated alike.
-const LIKE_THEIR_OPERAND: [Op; 7] =
+const ZERO_WITH_OPERAND: [Op; 7] =
     [Op::Abs, Op::Sqr, Op::Cbrt, Op::Sinh, Op::Tanh, Op::Asinh, Op::Atan];
 
 /// Operations that are 0 where their first operand is, unless they are undefined there.
-const LIKE_THEIR_FIRST: [Op; 5] =
+const ZERO_WITH_FIRST_OPERAND: [Op; 5] =
     [Op::Div, Op::WhereNonneg, Op::WherePositive, Op::WhereNonzero, Op::WhereDefined];
 
 /// Returns a function that is defined where `root` is and has the same zeros. Multiple zeros become
@@ -33,7 +33,7 @@ pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
     let mut around = Vec::new();
     let mut inner = root;
     while let Node::Apply(op, operands) = graph.node(inner)
-        && LIKE_THEIR_FIRST.contains(op)
+        && ZERO_WITH_FIRST_OPERAND.contains(op)
     {
         around.push((*op, operands[1]));
         inner = operands[0];
@@ -48,7 +48,7 @@ pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
 /// The product of the distinct factors of `root`; `None` if it is not simpler, or has no factors.
 fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     let mut found = Vec::new();
-    let mut is_simpler = factors(graph, root, &[Op::Neg], &LIKE_THEIR_OPERAND, &mut found)?;
+    let mut is_simpler = factors(graph, root, &[Op::Neg], &ZERO_WITH_OPERAND, &mut found)?;
     let mut distinct: Vec<NodeId> = Vec::new();
     let even = |id: NodeId| {
         let factors = of_even_powers(graph, id);

@@ -6,25 +6,25 @@ use zeroset_ops::{Op, TABLE};
 
 /// A graph under construction.
 #[derive(Default)]
-pub(crate) struct Sheet(pub(crate) RefCell<Graph>);
+pub(crate) struct GraphBuilder(pub(crate) RefCell<Graph>);
 
-/// A node of a [`Sheet`], with operators.
+/// A node of a [`GraphBuilder`], with operators.
 #[derive(Clone, Copy)]
-pub(crate) struct Term<'a> {
-    sheet: &'a Sheet,
+pub(crate) struct Expr<'a> {
+    builder: &'a GraphBuilder,
     pub(crate) id: NodeId,
 }
 
-impl Sheet {
-    pub(crate) fn xyz(&self) -> [Term<'_>; 3] {
+impl GraphBuilder {
+    pub(crate) fn xyz(&self) -> [Expr<'_>; 3] {
         Axis::ALL.map(|axis| self.term(self.0.borrow_mut().variable(axis)))
     }
 
-    pub(crate) fn parameter(&self, number: u32) -> Term<'_> {
+    pub(crate) fn parameter(&self, number: u32) -> Expr<'_> {
         self.term(self.0.borrow_mut().parameter(number))
     }
 
-    pub(crate) fn number(&self, text: &str) -> Term<'_> {
+    pub(crate) fn number(&self, text: &str) -> Expr<'_> {
         let decimal = Constant::decimal(text.trim_start_matches('-')).expect("a decimal");
         match decimal.exact() {
             Some(value) if text.starts_with('-') => self.constant(Constant::rational(-value)),
@@ -32,7 +32,7 @@ impl Sheet {
         }
     }
 
-    pub(crate) fn constant(&self, value: Constant) -> Term<'_> {
+    pub(crate) fn constant(&self, value: Constant) -> Expr<'_> {
         self.term(self.0.borrow_mut().constant(value))
     }
 
@@ -40,28 +40,28 @@ impl Sheet {
         self.0.borrow().clone()
     }
 
-    fn term(&self, id: NodeId) -> Term<'_> {
-        Term { sheet: self, id }
+    fn term(&self, id: NodeId) -> Expr<'_> {
+        Expr { builder: self, id }
     }
 }
 
-impl<'a> Term<'a> {
-    pub(crate) fn apply(self, op: Op, others: &[Term<'a>]) -> Term<'a> {
+impl<'a> Expr<'a> {
+    pub(crate) fn apply(self, op: Op, others: &[Expr<'a>]) -> Expr<'a> {
         let operands: Vec<NodeId> = std::iter::once(&self).chain(others).map(|t| t.id).collect();
-        self.sheet.term(self.sheet.0.borrow_mut().apply(op, &operands))
+        self.builder.term(self.builder.0.borrow_mut().apply(op, &operands))
     }
 
-    pub(crate) fn pow(self, exponent: i64) -> Term<'a> {
-        let exponent = self.sheet.term(self.sheet.0.borrow_mut().integer(exponent));
+    pub(crate) fn pow(self, exponent: i64) -> Expr<'a> {
+        let exponent = self.builder.term(self.builder.0.borrow_mut().integer(exponent));
         self.apply(Op::Pow, &[exponent])
     }
 
-    pub(crate) fn f(self, op: Op) -> Term<'a> {
+    pub(crate) fn f(self, op: Op) -> Expr<'a> {
         self.apply(op, &[])
     }
 }
 
-impl std::ops::Neg for Term<'_> {
+impl std::ops::Neg for Expr<'_> {
     type Output = Self;
     fn neg(self) -> Self {
         self.f(Op::Neg)
@@ -70,22 +70,22 @@ impl std::ops::Neg for Term<'_> {
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $op:expr) => {
-        impl std::ops::$trait for Term<'_> {
+        impl std::ops::$trait for Expr<'_> {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
                 self.apply($op, &[other])
             }
         }
-        impl<'a> std::ops::$trait<f64> for Term<'a> {
-            type Output = Term<'a>;
-            fn $method(self, other: f64) -> Term<'a> {
-                self.apply($op, &[self.sheet.number(&other.to_string())])
+        impl<'a> std::ops::$trait<f64> for Expr<'a> {
+            type Output = Expr<'a>;
+            fn $method(self, other: f64) -> Expr<'a> {
+                self.apply($op, &[self.builder.number(&other.to_string())])
             }
         }
-        impl<'a> std::ops::$trait<Term<'a>> for f64 {
-            type Output = Term<'a>;
-            fn $method(self, other: Term<'a>) -> Term<'a> {
-                other.sheet.number(&self.to_string()).apply($op, &[other])
+        impl<'a> std::ops::$trait<Expr<'a>> for f64 {
+            type Output = Expr<'a>;
+            fn $method(self, other: Expr<'a>) -> Expr<'a> {
+                other.builder.number(&self.to_string()).apply($op, &[other])
             }
         }
     };

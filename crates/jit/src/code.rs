@@ -6,9 +6,9 @@ use cranelift_module::FuncId;
 use std::mem::ManuallyDrop;
 
 /// A module that frees its memory when it is dropped.
-pub struct Memory(ManuallyDrop<JITModule>);
+pub struct ExecutableMemory(ManuallyDrop<JITModule>);
 
-impl Memory {
+impl ExecutableMemory {
     pub fn new(module: JITModule) -> Self {
         Self(ManuallyDrop::new(module))
     }
@@ -18,7 +18,7 @@ impl Memory {
     }
 }
 
-impl Drop for Memory {
+impl Drop for ExecutableMemory {
     fn drop(&mut self) {
         // SAFETY: the module is taken once, here. No use of its memory outlives this value: an
         // entry is copied only for the duration of a call that borrows its `Code`.
@@ -30,7 +30,7 @@ impl Drop for Memory {
 
 /// One finished function and the memory it lives in.
 pub struct Code {
-    _memory: Memory,
+    _memory: ExecutableMemory,
     entry: Entry,
     /// Size of the machine code in bytes.
     pub bytes: usize,
@@ -40,7 +40,7 @@ pub struct Code {
 
 impl Code {
     /// Takes the function `id`, which has been finalized in `memory`.
-    pub fn new(memory: Memory, id: FuncId, bytes: usize, width: usize) -> Self {
+    pub fn new(memory: ExecutableMemory, id: FuncId, bytes: usize, width: usize) -> Self {
         let entry = memory.0.get_finalized_function(id);
         Self { _memory: memory, entry, bytes, width }
     }

@@ -5,7 +5,7 @@
 //! results.
 
 use crate::code::Code;
-use crate::compiler::{Cursor, compile_for_comparison};
+use crate::compiler::{BatchPointers, compile_for_comparison};
 use crate::error::Error;
 use crate::lanes::{Emitter, Vector};
 use crate::rounding::{call_rounding_to_nearest, call_rounding_up};
@@ -32,15 +32,15 @@ impl Arithmetic {
 }
 
 /// A kernel in some arithmetic. All are compiled by the same tier, so only the arithmetic differs.
-pub struct Compared<Q: Query, T: Real = f32> {
+pub struct ComparisonKernel<Q: Query, T: Real = f32> {
     code: Code,
     arithmetic: Arithmetic,
     tape: Tape<T>,
     binding: Binding<T>,
-    question: PhantomData<Q>,
+    query: PhantomData<Q>,
 }
 
-impl<Q: Query, T: Real> Compared<Q, T> {
+impl<Q: Query, T: Real> ComparisonKernel<Q, T> {
     /// Compiles `tape` for this processor and binds its parameters.
     ///
     /// # Errors
@@ -58,7 +58,7 @@ impl<Q: Query, T: Real> Compared<Q, T> {
             }
         })?;
         Q::check(&tape, &binding);
-        Ok(Self { code, arithmetic, tape, binding, question: PhantomData })
+        Ok(Self { code, arithmetic, tape, binding, query: PhantomData })
     }
 
     /// Size of the machine code in bytes.
@@ -67,7 +67,7 @@ impl<Q: Query, T: Real> Compared<Q, T> {
     }
 }
 
-impl<Q: Query, T: Real> Kernel<Q, T> for Compared<Q, T> {
+impl<Q: Query, T: Real> Kernel<Q, T> for ComparisonKernel<Q, T> {
     #[inline]
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         Q::check_input(&self.tape, input);
@@ -97,7 +97,7 @@ struct Nearest<'a, 'b, 'c> {
     is_widening: bool,
 }
 
-impl<T: Real> Loader<Nearest<'_, '_, '_>> for Cursor<T> {
+impl<T: Real> Loader<Nearest<'_, '_, '_>> for BatchPointers<T> {
     fn input(&mut self, m: &mut Nearest<'_, '_, '_>, quantity: usize) -> Vector {
         self.input(m.emitter, quantity)
     }
@@ -203,7 +203,7 @@ impl Machine for Nearest<'_, '_, '_> {
         self.emitter.end_rows::<ROWS, IN, OUT>(&rows, outputs)
     }
 
-    fn nearly<R>(&mut self, text: impl FnOnce(&mut Self) -> R) -> R {
+    fn unrounded<R>(&mut self, text: impl FnOnce(&mut Self) -> R) -> R {
         let before = std::mem::replace(&mut self.is_widening, false);
         let result = text(self);
         self.is_widening = before;
@@ -216,7 +216,7 @@ impl Machine for Nearest<'_, '_, '_> {
     }
 
     /// Limits a bound only where rules rely on it: for signs, domains from −1 to 1, and finiteness.
-    fn held(&mut self, format: Format, bound: Vector, most: f64) -> Vector {
+    fn clamp_to(&mut self, format: Format, bound: Vector, most: f64) -> Vector {
         let huge = match format {
             Format::F32 => f64::from(f32::MAX / 2.0),
             Format::F64 => f64::MAX / 2.0,

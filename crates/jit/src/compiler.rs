@@ -1,6 +1,6 @@
 //! Compilation of a tape to native code.
 
-use crate::code::{Code, Memory};
+use crate::code::{Code, ExecutableMemory};
 use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, VECTOR, Vector, type_of};
@@ -24,12 +24,12 @@ use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Query, QueryResult, Real
 use zeroset_interval::Fact;
 
 /// Largest number of operations in a kernel: with more, even the fast tier takes too long.
-const LIMIT: usize = 20_000;
+const OPERATION_LIMIT: usize = 20_000;
 /// Largest number of instructions in a kernel; some operations take a hundred and more. This many
 /// make 2 MB of code.
-const INSTRUCTIONS: usize = 200_000;
+const INSTRUCTION_LIMIT: usize = 200_000;
 /// Largest stack of a kernel, in bytes: a quarter of a thread's default stack.
-const STACK: u32 = 512 << 10;
+const STACK_LIMIT: u32 = 512 << 10;
 /// Kernels with more instructions than this are compiled by the fast tier. Backtracking register
 /// allocation takes about 1.2 µs per instruction, so larger kernels would come near 2 ms. Code of
 /// the fast tier runs up to 1.2 times as long (up to 1.7 times for polynomials, which must be huge
@@ -40,30 +40,30 @@ const FAST_TIER_FROM: usize = 1_200;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tier {
     /// Backtracking register allocation.
-    Optimised,
+    Optimizing,
     /// Register allocation in a single pass.
     Fast,
 }
 
 /// Which code probes the stack before it is used, so that a large frame cannot skip the guard page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Looks {
+enum StackProbe {
     /// The code that Cranelift generates.
     Code,
     /// The code that is added when Cranelift's is widened.
     #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "nobody does"))]
-    Later,
+    Widened,
 }
 
 /// The code generation target for this processor, built once per setting.
-fn target(tier: Tier, looks: Looks) -> Result<OwnedTargetIsa, Error> {
+fn target(tier: Tier, probe: StackProbe) -> Result<OwnedTargetIsa, Error> {
     static TARGETS: [[OnceLock<Option<OwnedTargetIsa>>; 2]; 2] =
         [const { [const { OnceLock::new() }; 2] }; 2];
-    TARGETS[tier as usize][looks as usize]
+    TARGETS[tier as usize][probe as usize]
         .get_or_init(|| {
             let mut flags = settings::builder();
             let allocator = match tier {
-                Tier::Optimised => "backtracking",
+                Tier::Optimizing => "backtracking",
                 Tier::Fast => "single_pass",
             };
             let flag = |is_set: bool| if is_set { "true" } else { "false" };
@@ -76,7 +76,7 @@ fn target(tier: Tier, looks: Looks) -> Result<OwnedTargetIsa, Error> {
                 ("enable_verifier", flag(cfg!(debug_assertions))),
                 ("unwind_info", "false"),
                 ("is_pic", "false"),
-                ("enable_probestack", flag(looks == Looks::Code)),
+                ("enable_probestack", flag(probe == StackProbe::Code)),
                 ("probestack_strategy", "inline"),
             ] {
                 flags.set(name, value).ok()?;
@@ -124,10 +124,10 @@ pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code,
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Query, T: Real>(
     tape: &Tape<T>,
-    other: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> QueryResult<Vector>,
+    other: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<Vector>,
 ) -> Result<Code, Error> {
     let write = |width| build_with::<Q, T>(tape, width, &other);
-    generate(write, Some(Tier::Optimised), usize::MAX)
+    generate(write, Some(Tier::Optimizing), usize::MAX)
 }
 
 /// Generates code in memory. `write` creates intermediate code for vectors of a given number of
@@ -151,7 +151,7 @@ fn generate(
             return Ok(code);
         }
     }
-    let code = machine_code(write(VECTOR)?, tier, Looks::Code)?;
+    let code = machine_code(write(VECTOR)?, tier, StackProbe::Code)?;
     place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)
 }
 
@@ -164,11 +164,11 @@ fn generate_wide(
     width: Width,
 ) -> Result<Option<Code>, Error> {
     let slots = function.fixed_stack_size();
-    let code = match machine_code(function, tier, Looks::Later) {
+    let code = match machine_code(function, tier, StackProbe::Widened) {
         Err(Error::TooDeep { .. }) => return Ok(None),
         code => code?,
     };
-    let wider = widened(code.buffer.data(), width, slots, STACK);
+    let wider = widened(code.buffer.data(), width, slots, STACK_LIMIT);
     wider.map(|bytes| place(&bytes, width.bytes() as u64, width.bytes())).transpose()
 }
 
@@ -176,13 +176,13 @@ fn generate_wide(
 fn machine_code(
     function: Function,
     tier: Option<Tier>,
-    looks: Looks,
+    probe: StackProbe,
 ) -> Result<CompiledCode, Error> {
     check_stack(function.fixed_stack_size())?;
     let is_large = function.dfg.num_insts() > FAST_TIER_FROM;
-    let tier = tier.unwrap_or(if is_large { Tier::Fast } else { Tier::Optimised });
+    let tier = tier.unwrap_or(if is_large { Tier::Fast } else { Tier::Optimizing });
     let mut context = Context::for_function(function);
-    if let Err(error) = context.compile(&*target(tier, looks)?, &mut ControlPlane::default()) {
+    if let Err(error) = context.compile(&*target(tier, probe)?, &mut ControlPlane::default()) {
         return Err(Error::Codegen(format!("{:?}", error.inner)));
     }
     let code = context.take_compiled_code().expect("it was compiled");
@@ -196,8 +196,8 @@ fn machine_code(
 /// Copies machine code to executable memory.
 fn place(bytes: &[u8], alignment: u64, width: usize) -> Result<Code, Error> {
     let builder =
-        JITBuilder::with_isa(target(Tier::Optimised, Looks::Code)?, default_libcall_names());
-    let mut memory = Memory::new(JITModule::new(builder));
+        JITBuilder::with_isa(target(Tier::Optimizing, StackProbe::Code)?, default_libcall_names());
+    let mut memory = ExecutableMemory::new(JITModule::new(builder));
     let module = memory.module();
     debug_assert!(module.target_config().pointer_bits() == 64, "kernels use 64-bit pointers");
     let report = |error: cranelift_module::ModuleError| Error::Codegen(format!("{error:?}"));
@@ -208,7 +208,7 @@ fn place(bytes: &[u8], alignment: u64, width: usize) -> Result<Code, Error> {
 }
 
 fn check_stack(bytes: u32) -> Result<(), Error> {
-    if bytes > STACK { Err(Error::TooDeep { bytes, limit: STACK }) } else { Ok(()) }
+    if bytes > STACK_LIMIT { Err(Error::TooDeep { bytes, limit: STACK_LIMIT }) } else { Ok(()) }
 }
 
 /// The intermediate code of a kernel, as text.
@@ -235,13 +235,13 @@ fn signature() -> Signature {
 }
 
 /// The addresses that a kernel reads from in the current iteration of its loop.
-pub struct Cursor<T> {
+pub struct BatchPointers<T> {
     input: Value,
     parameters: Value,
     format: PhantomData<T>,
 }
 
-impl<T: Real> Loader<Emitter<'_, '_>> for Cursor<T> {
+impl<T: Real> Loader<Emitter<'_, '_>> for BatchPointers<T> {
     fn input(&mut self, m: &mut Emitter<'_, '_>, quantity: usize) -> Vector {
         load::<T>(m, self.input, quantity)
     }
@@ -252,9 +252,9 @@ impl<T: Real> Loader<Emitter<'_, '_>> for Cursor<T> {
 }
 
 /// A loader for counting, which reads nothing.
-struct Unread;
+struct NullLoader;
 
-impl Loader<Counter> for Unread {
+impl Loader<Counter> for NullLoader {
     fn input(&mut self, _: &mut Counter, _: usize) {}
 
     fn parameter(&mut self, _: &mut Counter, _: usize) {}
@@ -274,16 +274,16 @@ fn build<Q: Query, T: Real>(tape: &Tape<T>, width: usize) -> Result<Function, Er
 fn build_with<Q: Query, T: Real>(
     tape: &Tape<T>,
     width: usize,
-    write: impl Fn(&mut Emitter<'_, '_>, &mut Cursor<T>) -> QueryResult<Vector>,
+    write: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<Vector>,
 ) -> Result<Function, Error> {
     assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
-    if tape.operations() > LIMIT {
-        return Err(Error::TooLarge { operations: tape.operations(), limit: LIMIT });
+    if tape.operations() > OPERATION_LIMIT {
+        return Err(Error::TooLarge { operations: tape.operations(), limit: OPERATION_LIMIT });
     }
     let mut counter = Counter::default();
-    Q::answer(tape, &mut counter, &mut Unread);
-    if counter.0 > INSTRUCTIONS {
-        return Err(Error::TooLong { instructions: counter.0, limit: INSTRUCTIONS });
+    Q::answer(tape, &mut counter, &mut NullLoader);
+    if counter.0 > INSTRUCTION_LIMIT {
+        return Err(Error::TooLong { instructions: counter.0, limit: INSTRUCTION_LIMIT });
     }
     let mut function = Function::new();
     function.signature = signature();
@@ -304,7 +304,7 @@ fn build_with<Q: Query, T: Real>(
     builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));
 
     builder.switch_to_block(body);
-    let mut cursor = Cursor::<T> { input, parameters, format: PhantomData };
+    let mut cursor = BatchPointers::<T> { input, parameters, format: PhantomData };
     let mut emitter = Emitter::new(&mut builder, width);
     let answer = write(&mut emitter, &mut cursor);
     for (number, value) in answer.quantities.into_iter().enumerate() {
@@ -348,7 +348,7 @@ fn build_with<Q: Query, T: Real>(
     }
     builder.ins().return_(&[]);
     builder.seal_all_blocks();
-    builder.finalize(target(Tier::Optimised, Looks::Code)?.frontend_config());
+    builder.finalize(target(Tier::Optimizing, StackProbe::Code)?.frontend_config());
     Ok(function)
 }
 

@@ -15,7 +15,7 @@ use zeroset_eval::{Binding, Input, Kernel, Query, Real, Tape};
 pub struct Compiled<Q: Query, T: Real = f32> {
     code: Arc<Code>,
     tape: Arc<Tape<T>>,
-    question: PhantomData<Q>,
+    query: PhantomData<Q>,
 }
 
 impl<Q: Query, T: Real> Compiled<Q, T> {
@@ -45,7 +45,7 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
 
     fn of_width(tape: Tape<T>, widest: usize) -> Result<Self, Error> {
         let code = Arc::new(compile::<Q, T>(&tape, widest)?);
-        Ok(Self { code, tape: Arc::new(tape), question: PhantomData })
+        Ok(Self { code, tape: Arc::new(tape), query: PhantomData })
     }
 
     /// Binds values to the parameters of the code.

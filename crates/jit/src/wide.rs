@@ -106,7 +106,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
         blocks = spilled::blocks(&read);
         kept = spilled::registers(&read, &blocks, slots);
     }
-    let mut constants = Constants { width, places: HashMap::new(), bytes: Vec::new() };
+    let mut constants = ConstantPool { width, places: HashMap::new(), bytes: Vec::new() };
     let mut written = Vec::with_capacity(read.len() + 8);
     let mut blocks_of_written = Vec::with_capacity(blocks.len() + 8);
     for (number, mut instruction) in read.into_iter().enumerate() {
@@ -123,7 +123,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
             if is_of_vectors {
                 widen(&instruction, width, &mut written)?;
                 if let Some(Some(register)) = kept.get(number) {
-                    written[first..].iter_mut().for_each(|one| spilled::keep_in(one, *register));
+                    written[first..].iter_mut().for_each(|one| spilled::replace_memory_operand(one, *register));
                 }
             } else if is_of_integers(&instruction) {
                 if instruction.code() == Code::Retnq {
@@ -190,13 +190,13 @@ fn is_of_integers(instruction: &Instruction) -> bool {
 }
 
 /// The constants in use, each repeated to fill a vector.
-struct Constants {
+struct ConstantPool {
     width: Width,
     places: HashMap<u64, usize>,
     bytes: Vec<u8>,
 }
 
-impl Constants {
+impl ConstantPool {
     /// Position among them of the constant at an address of the old code.
     fn place(&mut self, code: &[u8], address: u64, is_vector: bool) -> Option<usize> {
         let Self { width, places, bytes } = self;

@@ -3,7 +3,7 @@
 
 /// The meaning of a special form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Meaning {
+pub enum FormKind {
     /// A choice between values: conditions and values alternate, and a default value may come last.
     Choose,
     /// A choice whose pieces are in brackets, the value before the condition.
@@ -49,7 +49,7 @@ impl VectorFunction {
     /// # Panics
     /// Never: every function has a row.
     pub fn name(self) -> &'static str {
-        let row = FORMS.iter().find(|form| form.meaning == Meaning::OfVectors(self));
+        let row = FORMS.iter().find(|form| form.meaning == FormKind::OfVectors(self));
         row.expect("each has a row").name
     }
 
@@ -70,7 +70,7 @@ pub struct SpecialForm {
     /// Other accepted names.
     pub aliases: &'static [&'static str],
     /// Its meaning.
-    pub meaning: Meaning,
+    pub meaning: FormKind,
     /// An example of its use.
     pub usage: &'static str,
     /// One line for help.
@@ -80,7 +80,7 @@ pub struct SpecialForm {
 const fn row(
     name: &'static str,
     aliases: &'static [&'static str],
-    meaning: Meaning,
+    meaning: FormKind,
     usage: &'static str,
     doc: &'static str,
 ) -> SpecialForm {
@@ -90,25 +90,25 @@ const fn row(
 /// Every form.
 #[rustfmt::skip] // one row a line
 pub static FORMS: &[SpecialForm] = &[
-    row("if", &["which", "where", "ifelse"], Meaning::Choose, "if(x < 0, x^2, x)", "a choice, also {x < 0: x^2, x}; conditions are tried in turn, and without a last value it is undefined where none holds"),
-    row("piecewise", &[], Meaning::Pieces, "piecewise([[x^2, x < 0], [x, x >= 0]])", "a choice whose pieces are in brackets, the value first"),
-    row("sum", &["summation", "add"], Meaning::Sum, "sum(k = 1..5, sin(k x)/k)", "a sum over whole numbers, at most 1000"),
-    row("product", &["prod"], Meaning::Product, "product(k = 1..3, x - k)", "a product over whole numbers, at most 1000"),
-    row("iterate", &["nest"], Meaning::Iterate, "iterate(f, 3, x)", "f(f(f(x))): a function applied n times, at most 1000"),
-    row("vec2", &["float2", "vec2f", "ivec2"], Meaning::Vector(2), "vec2(x, y)", "a vector of two components, its parts .x and .y"),
-    row("vec3", &["float3", "vec3f", "ivec3", "vector", "array"], Meaning::Vector(3), "vec3(x, y, z)", "a vector of three components, its parts .x, .y and .z"),
-    row("vec4", &["float4", "vec4f"], Meaning::Vector(4), "vec4(x, y, z, 1)", "a vector of four components, its parts .x to .w"),
-    row("mat2", &["mat2x2", "mat2x2f", "float2x2", "half2x2", "matrix"], Meaning::Matrix(2), "mat2(1, 0, 0, 1)", "a matrix of two columns, given one after the other; times a vector it is one"),
-    row("mat3", &["mat3x3", "mat3x3f", "float3x3", "half3x3"], Meaning::Matrix(3), "mat3(1, 0, 0, 0, 1, 0, 0, 0, 1)", "a matrix of three columns"),
-    row("mat4", &["mat4x4", "mat4x4f", "float4x4", "half4x4"], Meaning::Matrix(4), "mat4(1)", "a matrix of four columns, here with ones on its diagonal"),
-    row("transpose", &[], Meaning::OfVectors(VectorFunction::Transpose), "transpose(mat2(1, 2, 3, 4))", "a matrix with rows and columns exchanged"),
-    row("determinant", &["det"], Meaning::OfVectors(VectorFunction::Determinant), "determinant(mat2(1, 2, 3, 4))", "the determinant of a matrix"),
-    row("mul", &[], Meaning::Multiply, "mul(mat2(1, 2, 3, 4), vec2(x, y))", "m*p: a product of matrices and vectors"),
-    row("dot", &[], Meaning::OfVectors(VectorFunction::Dot), "dot(p, q)", "scalar product of two vectors"),
-    row("cross", &[], Meaning::OfVectors(VectorFunction::Cross), "cross(p, q)", "vector product of two vectors of three components"),
-    row("normalize", &[], Meaning::OfVectors(VectorFunction::Normalize), "normalize(p)", "p/length(p)"),
-    row("distance", &[], Meaning::OfVectors(VectorFunction::Distance), "distance(p, q)", "length(p - q)"),
-    row("reflect", &[], Meaning::OfVectors(VectorFunction::Reflect), "reflect(p, n)", "p - 2 dot(n, p) n"),
+    row("if", &["which", "where", "ifelse"], FormKind::Choose, "if(x < 0, x^2, x)", "a choice, also {x < 0: x^2, x}; conditions are tried in turn, and without a last value it is undefined where none holds"),
+    row("piecewise", &[], FormKind::Pieces, "piecewise([[x^2, x < 0], [x, x >= 0]])", "a choice whose pieces are in brackets, the value first"),
+    row("sum", &["summation", "add"], FormKind::Sum, "sum(k = 1..5, sin(k x)/k)", "a sum over whole numbers, at most 1000"),
+    row("product", &["prod"], FormKind::Product, "product(k = 1..3, x - k)", "a product over whole numbers, at most 1000"),
+    row("iterate", &["nest"], FormKind::Iterate, "iterate(f, 3, x)", "f(f(f(x))): a function applied n times, at most 1000"),
+    row("vec2", &["float2", "vec2f", "ivec2"], FormKind::Vector(2), "vec2(x, y)", "a vector of two components, its parts .x and .y"),
+    row("vec3", &["float3", "vec3f", "ivec3", "vector", "array"], FormKind::Vector(3), "vec3(x, y, z)", "a vector of three components, its parts .x, .y and .z"),
+    row("vec4", &["float4", "vec4f"], FormKind::Vector(4), "vec4(x, y, z, 1)", "a vector of four components, its parts .x to .w"),
+    row("mat2", &["mat2x2", "mat2x2f", "float2x2", "half2x2", "matrix"], FormKind::Matrix(2), "mat2(1, 0, 0, 1)", "a matrix of two columns, given one after the other; times a vector it is one"),
+    row("mat3", &["mat3x3", "mat3x3f", "float3x3", "half3x3"], FormKind::Matrix(3), "mat3(1, 0, 0, 0, 1, 0, 0, 0, 1)", "a matrix of three columns"),
+    row("mat4", &["mat4x4", "mat4x4f", "float4x4", "half4x4"], FormKind::Matrix(4), "mat4(1)", "a matrix of four columns, here with ones on its diagonal"),
+    row("transpose", &[], FormKind::OfVectors(VectorFunction::Transpose), "transpose(mat2(1, 2, 3, 4))", "a matrix with rows and columns exchanged"),
+    row("determinant", &["det"], FormKind::OfVectors(VectorFunction::Determinant), "determinant(mat2(1, 2, 3, 4))", "the determinant of a matrix"),
+    row("mul", &[], FormKind::Multiply, "mul(mat2(1, 2, 3, 4), vec2(x, y))", "m*p: a product of matrices and vectors"),
+    row("dot", &[], FormKind::OfVectors(VectorFunction::Dot), "dot(p, q)", "scalar product of two vectors"),
+    row("cross", &[], FormKind::OfVectors(VectorFunction::Cross), "cross(p, q)", "vector product of two vectors of three components"),
+    row("normalize", &[], FormKind::OfVectors(VectorFunction::Normalize), "normalize(p)", "p/length(p)"),
+    row("distance", &[], FormKind::OfVectors(VectorFunction::Distance), "distance(p, q)", "length(p - q)"),
+    row("reflect", &[], FormKind::OfVectors(VectorFunction::Reflect), "reflect(p, n)", "p - 2 dot(n, p) n"),
 ];
 
 /// Returns the form with this name (exact spelling, aliases included).

@@ -14,25 +14,25 @@ mod table;
 
 pub use class::{Class, Law, Parity, Restriction, Rounding};
 pub use composed::{COMPOSED, Composed};
-pub use forms::{FORMS, Meaning, SpecialForm, VectorFunction, form};
-pub use op::{Continuity, Domain, Notation, Op, Row};
+pub use forms::{FORMS, FormKind, SpecialForm, VectorFunction, form};
+pub use op::{Continuity, Domain, Notation, Op, OpRow};
 pub use table::TABLE;
 
 /// Returns the native operation that a user may call by `name` (exact spelling, aliases included).
 ///
 /// Infix and internal operations have names for printing but cannot be called. If operations of
 /// several arities have this name, the first is returned; see [`natives`].
-pub fn native(name: &str) -> Option<&'static Row> {
+pub fn native(name: &str) -> Option<&'static OpRow> {
     natives(name).next()
 }
 
 /// Returns the native operations that a user may call by `name`, one per arity.
-pub fn natives(name: &str) -> impl Iterator<Item = &'static Row> {
+pub fn natives(name: &str) -> impl Iterator<Item = &'static OpRow> {
     callable().filter(move |row| row.name == name || row.aliases.contains(&name))
 }
 
 /// Returns the native operations that a user may call.
-fn callable() -> impl Iterator<Item = &'static Row> {
+fn callable() -> impl Iterator<Item = &'static OpRow> {
     TABLE.iter().filter(|row| {
         matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
     })

@@ -55,7 +55,7 @@ pub enum Op {
 
 impl Op {
     /// The row of this operation.
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static OpRow {
         &crate::TABLE[self as usize]
     }
 
@@ -67,7 +67,7 @@ impl Op {
 
 /// One row of the table of operations.
 #[derive(Debug)]
-pub struct Row {
+pub struct OpRow {
     /// The operation that the row describes.
     pub op: Op,
     /// The name by which it is printed and called.

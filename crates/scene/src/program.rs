@@ -7,7 +7,7 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, NodeId, Variability, fix_exponents, radical, ranks, rewrite, simplify,
+    Constant, Graph, NodeId, Variability, fix_exponents, radical, variabilities, rewrite, simplify,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -174,7 +174,7 @@ impl Program {
     fn constant(&self, surface: usize) -> Option<Interval> {
         let root = self.roots()[surface];
         let varies =
-            ranks(self.graph())[root.index()] == Variability::Varying || self.is_undefined(surface);
+            variabilities(self.graph())[root.index()] == Variability::Varying || self.is_undefined(surface);
         (!varies).then(|| self.enclosures[surface].0)
     }
 

@@ -1,7 +1,7 @@
-//! The language of zeroset: from text to an expression graph, with diagnostics that point at the
-//! place.
+//! The language of zeroset: from a text to an expression graph, with diagnostics that point at
+//! places in the text.
 //!
-//! A text passes through these stages, each a folder, and each knows only those before it:
+//! A text passes through these stages. Each is a folder that knows only those before it:
 //!
 //! - `messages`: errors and notes, for all stages.
 //! - `lex`: characters to tokens. It bounds the text's size, brings every spelling to one token and
@@ -9,9 +9,9 @@
 //! - `tree`: tokens to syntax trees in which every name is resolved.
 //! - `lower`: syntax trees to the expression graph, with definitions expanded.
 //! - `picture`: lines about the picture, such as `view`.
-//! - `dialect`: programs and commands of other systems, brought to statements of this language
+//! - `dialect`: translates programs and commands of other systems to statements of this language,
 //!   before trees are built.
-//! - `document`: all stages in turn. [`read`] begins here.
+//! - `document`: runs all stages in turn, beginning with [`read`].
 //!
 //! Nothing here evaluates a picture, prints or reads files.
 //!

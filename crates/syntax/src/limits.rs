@@ -1,17 +1,17 @@
-//! How much text is read. Every limit has an error that states it.
+//! Limits on the size of a text. An error that states the limit is reported beyond each.
 
-/// Bounds on what a text may ask for.
+/// Limits on a text and on what is built from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Bytes of text.
+    /// Size of the text, in bytes.
     pub bytes: usize,
-    /// Numbers, names, signs and brackets of the text.
+    /// Number of tokens in the text, such as numbers, names, operators and brackets.
     pub symbols: usize,
-    /// Brackets, powers, signs and function arguments inside one another.
+    /// Nesting depth of brackets, powers, signs and function arguments.
     pub depth: usize,
-    /// Nodes of the expression graph, with definitions expanded.
+    /// Number of nodes in the expression graph, with definitions expanded.
     pub nodes: usize,
-    /// Surfaces that are drawn: each has code of its own.
+    /// Number of surfaces; each is compiled to code of its own.
     pub surfaces: usize,
 }
 

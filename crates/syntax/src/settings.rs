@@ -1,15 +1,16 @@
-//! Lines that set something about the picture: the table of them.
+//! The table of settings. A setting is a line about the picture, and begins with a word of this
+//! table.
 
 /// A word that begins a line about the picture.
 pub(crate) struct SettingRow {
     pub word: &'static str,
-    /// What it sets.
+    /// The setting that the line changes.
     pub kind: SettingKind,
-    /// What to write.
+    /// How to write the line, for messages.
     pub hint: &'static str,
 }
 
-/// What a line about the picture sets.
+/// The setting that a line about the picture changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SettingKind {
     Domain,
@@ -27,7 +28,7 @@ pub(crate) enum SettingKind {
     Contours,
 }
 
-/// A word with numbers behind it, or with `on` or `off`.
+/// A row of the table, from its fields.
 const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> SettingRow {
     SettingRow { word, kind, hint }
 }
@@ -39,7 +40,7 @@ const COLOR: SettingRow = SettingRow {
            perhaps how opaque it is behind that, as `50%`",
 };
 
-/// Every such word.
+/// All settings.
 pub(crate) const SETTINGS: &[SettingRow] = &[
     SettingRow {
         word: "domain",
@@ -83,13 +84,13 @@ pub(crate) const SETTINGS: &[SettingRow] = &[
     ),
 ];
 
-/// The setting that `word` begins.
+/// The row of the setting whose lines begin with `word`.
 pub(crate) fn setting(word: &str) -> Option<&'static SettingRow> {
     SETTINGS.iter().find(|setting| setting.word == word)
 }
 
-/// What a line about the picture sets that begins with `word`: the word itself, or its first
-/// spelling; `None` if there is no such line.
+/// The first spelling of a setting's word, such as `color` for `colour`. Returns `None` if no line
+/// about the picture begins with `word`.
 pub fn setting_word(word: &str) -> Option<&'static str> {
     let found = setting(word)?;
     let first = SETTINGS.iter().find(|other| other.kind == found.kind);

@@ -1,8 +1,8 @@
-//! Places in a text. Knows nothing of lines and columns: those are for whoever shows the text.
+//! Places in a text, as byte offsets. Lines and columns are left to the code that shows the text.
 
 use std::ops::Range;
 
-/// Some bytes of a text: from `start` up to, not including, `end`.
+/// The bytes of a text from `start` up to, but not including, `end`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct Span {
     /// Offset of the first byte.
@@ -17,18 +17,18 @@ impl Span {
         Self { start, end }
     }
 
-    /// The place between two bytes.
+    /// The empty span at `offset`.
     pub const fn at(offset: usize) -> Self {
         Self::new(offset, offset)
     }
 
-    /// The smallest span that covers both.
+    /// The smallest span that covers both spans.
     #[must_use]
     pub fn to(self, other: Self) -> Self {
         Self::new(self.start.min(other.start), self.end.max(other.end))
     }
 
-    /// The span as a range, to index the text with.
+    /// The span as a range for indexing the text.
     pub fn range(self) -> Range<usize> {
         self.start..self.end
     }

@@ -1,5 +1,5 @@
-//! Every word of the language and what kind it is, for help, completion and colors: drawn from the
-//! tables that reading uses. What is done with them is not known here.
+//! All words of the language and their kinds, for help, completion and highlighting. They come from
+//! the tables that reading uses. How they are shown is not known here.
 
 use crate::picture::paint::POINT_NAMES;
 use crate::settings::SETTINGS;
@@ -7,24 +7,24 @@ use crate::tree::scope::{ROOT_NAMES, meaning};
 use zeroset_ir::NamedConstant;
 use zeroset_style::{COLOR_MAPS, LOOKS, VIEWS};
 
-/// What a word is.
+/// Kind of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum WordKind {
-    /// It takes something in brackets.
+    /// A function, which takes arguments in brackets.
     Function,
     /// A coordinate, time, or a constant.
     Value,
-    /// It joins conditions, or stands before a range.
+    /// A word that joins conditions, or stands before a range.
     Joint,
-    /// It begins a line about the picture.
+    /// A word that begins a line about the picture.
     Setting,
-    /// It stands in such a line.
+    /// A word inside a line about the picture.
     InSetting,
-    /// It is a word of programs.
+    /// A word of programs.
     Program,
 }
 
-/// Words of programs, each with a text in which it stands.
+/// Words of programs, each with an example that contains it.
 const PROGRAM: &[(&str, &str)] = &[
     ("float", "float map(vec3 p) { return length(p) - 1.; }"),
     ("return", "float map(vec3 p) { return length(p) - 1.; }"),
@@ -36,7 +36,7 @@ const PROGRAM: &[(&str, &str)] = &[
     ("lambda", "f = lambda x, y, z: x + y"),
 ];
 
-/// Words that join, each with a text in which it stands.
+/// Words of the kind `Joint`, each with an example that contains it.
 const JOINTS: &[(&str, &str)] = &[
     ("and", "x < 1 and y < 1"),
     ("or", "x < 1 or y < 1"),
@@ -44,7 +44,7 @@ const JOINTS: &[(&str, &str)] = &[
     ("in", "r = 2 in [0, 5]"),
 ];
 
-/// What a coordinate, time, or a value at points of a surface is.
+/// Help for coordinates and time.
 const VALUES: &[(&str, &str)] = &[
     ("x", "a coordinate"),
     ("y", "a coordinate"),
@@ -55,7 +55,7 @@ const VALUES: &[(&str, &str)] = &[
     ("theta", "the angle around the z axis, where it is not defined: r = 1 + cos(3 theta)"),
 ];
 
-/// Every word, some more than once where it has several meanings.
+/// All words. A word with several meanings occurs once for each kind.
 pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
     use WordKind::*;
     let functions = zeroset_ops::names().chain(ROOT_NAMES.iter().copied());
@@ -76,17 +76,17 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
         .chain(PROGRAM.iter().map(first).map(|word| (word, Program)))
 }
 
-/// Every function, constant and coordinate of the language, aliases included.
+/// All functions, constants and coordinates of the language, aliases included.
 ///
-/// Beside the functions of the two tables there is `root(a, n)`, the n-th root of a. Where n is
-/// written as a whole number and odd, negative numbers have roots too; any other n is read as
+/// Besides the functions of the two tables there is `root(a, n)`, the n-th root of a. If n is
+/// written as an odd whole number, negative numbers have roots too. Any other n is read as
 /// `a^(1/n)`, for a ≥ 0.
 pub fn language_names() -> impl Iterator<Item = &'static str> {
     let is_name = |kind| matches!(kind, WordKind::Function | WordKind::Value);
     words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
 }
 
-/// What a word that is no function is, in one line.
+/// One line of help for a word that is not in the table of functions; `None` if it is unknown.
 pub fn word_help(word: &str) -> Option<String> {
     let found = |table: &[(&'static str, &'static str)]| {
         table.iter().find(|(name, _)| *name == word).map(|(_, text)| *text)

@@ -7,7 +7,7 @@ use zeroset_eval::{
     LANES, Planes, Query, Real, Segments, Tiles,
 };
 use zeroset_interval::Interval;
-use zeroset_jit::comparison::Compared;
+use zeroset_jit::comparison::ComparisonKernel;
 use zeroset_space::Region;
 
 /// Greatest number of batches that kernels are timed with; they fit into a near cache.
@@ -17,7 +17,7 @@ const LOOKED_AT: usize = 256;
 
 /// The kernels for a query, in the order of
 /// [`Arithmetic::ALL`](zeroset_jit::comparison::Arithmetic::ALL).
-pub type Three<'a, Q, T> = [&'a Compared<Q, T>; 3];
+pub type Three<'a, Q, T> = [&'a ComparisonKernel<Q, T>; 3];
 
 /// Boxes at random places of a region, with this share of its width.
 pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T>> {

@@ -5,7 +5,7 @@ use zeroset_eval::{
     Binding, ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError, KernelFloat,
     KernelResult, Kernels, Query, Real, SurfaceKernels, Tape,
 };
-use zeroset_jit::comparison::{Arithmetic, Compared};
+use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 use zeroset_scene::program::{KernelSource, Program};
 use zeroset_trace::Precision;
 
@@ -30,7 +30,7 @@ type Slot<Q, T> = OnceLock<Result<Watched<Q, T>, KernelError>>;
 
 /// A kernel, with its recorded inputs if it records them.
 pub struct Watched<Q: Query, T: Real> {
-    kernel: Compared<Q, T>,
+    kernel: ComparisonKernel<Q, T>,
     seen: Option<Mutex<Vec<Q::Input<T>>>>,
 }
 
@@ -80,7 +80,7 @@ impl<T: Real> Own<T> {
         Self: Has<Q, T>,
     {
         let make = || {
-            let kernel = Compared::new(self.tape.clone(), Binding::empty(), self.arithmetic);
+            let kernel = ComparisonKernel::new(self.tape.clone(), Binding::empty(), self.arithmetic);
             let kernel = kernel.map_err(|error| -> KernelError { std::sync::Arc::new(error) })?;
             Ok(Watched { kernel, seen: self.keeps.then(Mutex::default) })
         };
@@ -161,7 +161,7 @@ impl Set {
     ///
     /// # Errors
     /// If it cannot be compiled.
-    pub fn kernel<T: Float, Q: Query>(&self) -> Result<&Compared<Q, T>, KernelError>
+    pub fn kernel<T: Float, Q: Query>(&self) -> Result<&ComparisonKernel<Q, T>, KernelError>
     where
         Own<T>: Has<Q, T>,
     {

@@ -53,7 +53,7 @@ pub fn enclose_branch<M: Machine>(
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
     let row = op.row();
-    // The rule of powers calls `nearly` and `outward` itself, for some of its parts.
+    // The rule of powers calls `unrounded` and `outward` itself, for some of its parts.
     if row.excess.is_none() || row.class == Class::Power {
         return rule.enclose(op, operands, branch);
     }
@@ -117,7 +117,7 @@ impl<M: Machine> Rule<'_, M> {
 
 /// Encloses `op` and its twin over lanes of their operand. Returns `None` if they share no work
 /// there.
-pub fn enclose_twins<M: Machine>(
+pub fn enclose_sincos<M: Machine>(
     m: &mut M,
     format: Format,
     op: Op,
@@ -196,17 +196,17 @@ impl<M: Machine> Rule<'_, M> {
     /// −a, with +0 for zero.
     fn opposite_exactly(&mut self, a: M::V) -> M::V {
         let zero = self.zero();
-        self.m.nearly(|m| m.sub(zero, a))
+        self.m.unrounded(|m| m.sub(zero, a))
     }
 
     /// Encloses by approximations whose stated errors include all rounding except the last of each
     /// bound.
     pub(crate) fn approximated<const N: usize>(
         &mut self,
-        text: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],
+        routine: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],
     ) -> [Enclosure<M::V>; N] {
         let format = self.format;
-        let values = self.m.nearly(|m| text(&mut Rule { m, format }));
+        let values = self.m.unrounded(|m| routine(&mut Rule { m, format }));
         values.map(|value| Enclosure {
             neg_lo: self.m.outward(value.neg_lo),
             hi: self.m.outward(value.hi),

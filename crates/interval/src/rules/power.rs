@@ -30,7 +30,7 @@ impl<M: Machine> Rule<'_, M> {
         }
         let hi = self.m.sqrt(hi);
         // The root rounded up is one float too high exactly if its square exceeds the operand.
-        let neg_lo = self.m.nearly(|m| {
+        let neg_lo = self.m.unrounded(|m| {
             let up = m.sqrt(lo);
             let square = m.mul(up, up);
             let inexact = m.lt(lo, square);
@@ -192,7 +192,7 @@ impl<M: Machine> Rule<'_, M> {
     /// (−lo, hi) of a power whose base may be positive.
     fn real_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
         let format = self.format;
-        let (neg_lo, hi) = self.m.nearly(|m| Rule { m, format }.approximated_power_ends(a, b));
+        let (neg_lo, hi) = self.m.unrounded(|m| Rule { m, format }.approximated_power_ends(a, b));
         (self.m.outward(neg_lo), self.m.outward(hi))
     }
 

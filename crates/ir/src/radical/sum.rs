@@ -6,7 +6,7 @@ use zeroset_ops::Op;
 
 /// A term that is nowhere below 0, or nowhere above 0.
 #[derive(Default)]
-struct Term {
+struct SignedTerm {
     is_negative: bool,
     /// The term is 0 exactly where one of these nodes is 0. Each occurs once.
     bases: Vec<NodeId>,
@@ -17,7 +17,7 @@ struct Term {
 /// Splits a sum whose terms all have one sign into factors: the bases that all terms share, and the
 /// sum of the squares of the remaining terms. `None` for other sums, and if nothing would change.
 pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
-    let mut terms: Vec<Term> = Vec::new();
+    let mut terms: Vec<SignedTerm> = Vec::new();
     let mut rest = vec![(root, false)];
     while let Some((id, negative)) = rest.pop() {
         match graph.node(id) {
@@ -63,8 +63,8 @@ pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
 }
 
 /// Reads a node as a term; `None` if its operations do not show the sign.
-fn term(graph: &Graph, id: NodeId) -> Option<Term> {
-    let mut term = Term::default();
+fn term(graph: &Graph, id: NodeId) -> Option<SignedTerm> {
+    let mut term = SignedTerm::default();
     let mut rest = vec![id];
     while let Some(id) = rest.pop() {
         match graph.node(id) {
@@ -105,7 +105,7 @@ fn term(graph: &Graph, id: NodeId) -> Option<Term> {
 }
 
 /// Adds the factors of the base of a power to `term`, without their own powers.
-fn bases(graph: &Graph, root: NodeId, term: &mut Term) -> Option<()> {
+fn bases(graph: &Graph, root: NodeId, term: &mut SignedTerm) -> Option<()> {
     term.is_flat |= factors(graph, root, &[Op::Neg, Op::Abs], &[Op::Sqr], &mut term.bases)?;
     Some(())
 }

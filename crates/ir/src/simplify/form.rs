@@ -8,7 +8,7 @@ use zeroset_ops::Restriction;
 
 /// An expression of the old graph, as rewritten so far.
 #[derive(Clone, Debug)]
-pub(super) enum Form {
+pub(super) enum PartialExpr {
     /// A node of the new graph.
     Node(NodeId),
     /// A sum that may still grow.
@@ -102,12 +102,12 @@ pub(super) struct Product {
     pub(super) conditions: Vec<Condition>,
     /// Whether equal bases may still have to be merged. Merging waits while a long product grows,
     /// which would otherwise take quadratic time.
-    pub(super) loose: bool,
+    pub(super) is_unmerged: bool,
 }
 
 impl Product {
     pub(super) fn number(coefficient: BigRational) -> Self {
-        Self { coefficient, factors: Vec::new(), conditions: Vec::new(), loose: false }
+        Self { coefficient, factors: Vec::new(), conditions: Vec::new(), is_unmerged: false }
     }
 
     pub(super) fn power(base: NodeId, exponent: i64) -> Self {

@@ -1,7 +1,7 @@
 //! Functions of one operand, choices and restrictions.
 
 use super::Rewriter;
-use super::form::{Condition, Form, Product};
+use super::form::{Condition, PartialExpr, Product};
 use super::numbers;
 use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
@@ -11,13 +11,13 @@ use zeroset_ops::{Class, Domain, Law, Op, Parity, Restriction};
 
 impl Rewriter<'_> {
     /// Applies a function of one operand.
-    pub(super) fn function(&mut self, op: Op, operand: Form) -> Form {
+    pub(super) fn function(&mut self, op: Op, operand: PartialExpr) -> PartialExpr {
         let Class::Function(law) = op.row().class else { unreachable!("{op:?} is no function") };
         let mut operand = self.product(operand);
         let conditions = std::mem::take(&mut operand.conditions);
         let number = operand.as_number().and_then(|number| numbers::function(op, law, number));
         if let Some(value) = number {
-            return Form::Product(Product { conditions, ..Product::number(value) });
+            return PartialExpr::Product(Product { conditions, ..Product::number(value) });
         }
         let mut outer = BigRational::one();
         if operand.coefficient.is_negative() {
@@ -42,10 +42,10 @@ impl Rewriter<'_> {
         result.conditions.extend(conditions);
         if let Some(coefficient) = numbers::moderate(&result.coefficient * &outer) {
             result.coefficient = coefficient;
-            Form::Product(result)
+            PartialExpr::Product(result)
         } else {
             let product = self.times(result, Product::number(outer));
-            Form::Product(product)
+            PartialExpr::Product(product)
         }
     }
 
@@ -66,7 +66,7 @@ impl Rewriter<'_> {
             }
             Law::SquareRoot => {
                 if let Some(&[u]) = self.graph.operands(a, Op::Sqr) {
-                    let magnitude = self.function(Op::Abs, Form::Node(u));
+                    let magnitude = self.function(Op::Abs, PartialExpr::Node(u));
                     return self.product(magnitude);
                 }
             }
@@ -123,36 +123,36 @@ impl Rewriter<'_> {
     }
 
     /// `mod(a, b)`
-    pub(super) fn modulo(&mut self, first: Form, second: Form) -> Form {
+    pub(super) fn modulo(&mut self, first: PartialExpr, second: PartialExpr) -> PartialExpr {
         let first = self.product(first);
         let second = self.product(second);
         if let (Some(a), Some(b)) = (first.as_number(), second.as_number())
             && !b.is_zero()
             && let Some(value) = numbers::moderate(a - b * (a / b).floor())
         {
-            return Form::Product(Product::number(value));
+            return PartialExpr::Product(Product::number(value));
         }
-        let a = self.node_of(Form::Product(first));
-        let b = self.node_of(Form::Product(second));
-        Form::Node(self.node(Op::Mod, &[a, b]))
+        let a = self.node_of(PartialExpr::Product(first));
+        let b = self.node_of(PartialExpr::Product(second));
+        PartialExpr::Node(self.node(Op::Mod, &[a, b]))
     }
 
     /// `op(a, b)` for min or max.
-    pub(super) fn extremum(&mut self, op: Op, first: Form, second: Form) -> Form {
+    pub(super) fn extremum(&mut self, op: Op, first: PartialExpr, second: PartialExpr) -> PartialExpr {
         let smallest = op == Op::Min;
         let first = self.product(first);
         let second = self.product(second);
         if let (Some(a), Some(b)) = (first.as_number(), second.as_number()) {
             let value = if smallest { a.min(b) } else { a.max(b) };
-            return Form::Product(Product::number(value.clone()));
+            return PartialExpr::Product(Product::number(value.clone()));
         }
-        let mut a = self.node_of(Form::Product(first));
-        let mut b = self.node_of(Form::Product(second));
+        let mut a = self.node_of(PartialExpr::Product(first));
+        let mut b = self.node_of(PartialExpr::Product(second));
         if a > b {
             std::mem::swap(&mut a, &mut b);
         }
         if a == b {
-            return Form::Node(a);
+            return PartialExpr::Node(a);
         }
         let (low, high) = (self.range(a), self.range(b));
         let below = low.hi <= high.lo;
@@ -160,13 +160,13 @@ impl Rewriter<'_> {
             let (chosen, other) = if below == smallest { (a, b) } else { (b, a) };
             let mut result = self.product_of_node(chosen);
             self.require(&mut result.conditions, Condition(Restriction::Defined, other));
-            return Form::Product(result);
+            return PartialExpr::Product(result);
         }
-        Form::Node(self.node(op, &[a, b]))
+        PartialExpr::Node(self.node(op, &[a, b]))
     }
 
     /// `select_negative(a, b, c)`. Each branch keeps its own conditions.
-    pub(super) fn choice(&mut self, first: Form, second: Form, third: Form) -> Form {
+    pub(super) fn choice(&mut self, first: PartialExpr, second: PartialExpr, third: PartialExpr) -> PartialExpr {
         let mut condition = self.product(first);
         let sign = condition.coefficient.signum();
         let conditions = std::mem::take(&mut condition.conditions);
@@ -181,26 +181,26 @@ impl Rewriter<'_> {
             c
         } else {
             let node = self.node(Op::SelectNegative, &[a, b, c]);
-            return Form::Product(Product { conditions, ..Product::power(node, 1) });
+            return PartialExpr::Product(Product { conditions, ..Product::power(node, 1) });
         };
         let mut result = self.product_of_node(chosen);
         result.conditions.extend(conditions);
         self.require(&mut result.conditions, Condition(Restriction::Defined, a));
-        Form::Product(result)
+        PartialExpr::Product(result)
     }
 
     /// `otherwise(a, b)`. The conditions of `a` stay with it, since they decide which operand
     /// counts.
-    pub(super) fn fallback(&mut self, first: Form, second: Form) -> Form {
+    pub(super) fn fallback(&mut self, first: PartialExpr, second: PartialExpr) -> PartialExpr {
         let a = self.node_of(first);
         let b = self.node_of(second);
         let facts = self.known(a).facts;
         if facts.has(Facts::DEFINED) {
-            Form::Node(a)
+            PartialExpr::Node(a)
         } else if facts.has(Facts::NOWHERE) {
-            Form::Node(b)
+            PartialExpr::Node(b)
         } else {
-            Form::Node(self.node(Op::Otherwise, &[a, b]))
+            PartialExpr::Node(self.node(Op::Otherwise, &[a, b]))
         }
     }
 
@@ -208,9 +208,9 @@ impl Rewriter<'_> {
     pub(super) fn restriction(
         &mut self,
         restriction: Restriction,
-        first: Form,
-        second: Form,
-    ) -> Form {
+        first: PartialExpr,
+        second: PartialExpr,
+    ) -> PartialExpr {
         let mut other = self.product(second);
         let mut result = self.product(first);
         result.conditions.append(&mut other.conditions);
@@ -218,6 +218,6 @@ impl Rewriter<'_> {
         other.coefficient = other.coefficient.signum();
         let node = self.emit_product(&other);
         self.require(&mut result.conditions, Condition(restriction, node));
-        Form::Product(result)
+        PartialExpr::Product(result)
     }
 }

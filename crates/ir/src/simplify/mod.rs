@@ -1,6 +1,6 @@
 //! Rewriting of a graph into a shorter one with tighter enclosures.
 //!
-//! One loop over the old nodes turns each into a [`Form`]: a node of the new graph, or a sum or
+//! One loop over the old nodes turns each into a [`PartialExpr`]: a node of the new graph, or a sum or
 //! product still being collected. An operand with one user is handed over as a form and merges with
 //! its user. An operand with several users becomes a node first and stays shared. Products are
 //! never expanded: a factored form encloses better. Numbers stay exact, and constants like √5
@@ -21,8 +21,8 @@ use crate::compact::compact;
 use crate::constant::Constant;
 use crate::error::{IrError, NODE_LIMIT};
 use crate::graph::{Graph, Node, NodeId};
-use crate::rank::{Variability, ranks};
-use form::{Condition, Form, Product, Sum};
+use crate::variability::{Variability, variabilities};
+use form::{Condition, PartialExpr, Product, Sum};
 use num_rational::BigRational;
 use num_traits::One;
 use rustc_hash::FxHashMap;
@@ -87,34 +87,34 @@ pub fn rewrite(
     let mut rewriter = Rewriter {
         graph: Graph::new(),
         known: Vec::new(),
-        ranks: Vec::new(),
+        variabilities: Vec::new(),
         sums: FxHashMap::default(),
         products: FxHashMap::default(),
         domain,
         parameters,
     };
-    let mut values: Vec<Option<Form>> = vec![None; graph.len()];
+    let mut values: Vec<Option<PartialExpr>> = vec![None; graph.len()];
     // The old graph decides: an exponent is constant only if it was written without coordinates and
     // parameters, however it simplifies.
-    let ranks = ranks(graph);
+    let variabilities = variabilities(graph);
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
-            Node::Variable(_) | Node::Parameter(_) => Form::Node(rewriter.leaf(node)),
+            Node::Variable(_) | Node::Parameter(_) => PartialExpr::Node(rewriter.leaf(node)),
             Node::Constant(constant) => match constant.exact() {
-                Some(number) => Form::Product(Product::number(number.clone())),
-                None => Form::Node(rewriter.leaf(node)),
+                Some(number) => PartialExpr::Product(Product::number(number.clone())),
+                None => PartialExpr::Node(rewriter.leaf(node)),
             },
             Node::Apply(op, operands) => {
-                let is_fixed = |id: &NodeId| ranks[id.index()] == Variability::Constant;
+                let is_fixed = |id: &NodeId| variabilities[id.index()] == Variability::Constant;
                 let fixed_exponent = operands.last().is_some_and(is_fixed);
                 let operands = operands
                     .iter()
                     .map(|operand| match &values[operand.index()] {
-                        Some(Form::Node(node)) => Form::Node(*node),
-                        Some(Form::Product(product)) if product.factors.is_empty() => {
-                            Form::Product(product.clone())
+                        Some(PartialExpr::Node(node)) => PartialExpr::Node(*node),
+                        Some(PartialExpr::Product(product)) if product.factors.is_empty() => {
+                            PartialExpr::Product(product.clone())
                         }
-                        Some(Form::Sum(_) | Form::Product(_)) | None => values[operand.index()]
+                        Some(PartialExpr::Sum(_) | PartialExpr::Product(_)) | None => values[operand.index()]
                             .take()
                             .unwrap_or_else(|| unreachable!("one user")),
                     })
@@ -122,9 +122,9 @@ pub fn rewrite(
                 rewriter.apply(*op, operands, fixed_exponent)
             }
         };
-        let is_number = matches!(&value, Form::Product(p) if p.as_number().is_some());
+        let is_number = matches!(&value, PartialExpr::Product(p) if p.as_number().is_some());
         values[id.index()] = Some(if uses[id.index()] > 1 && !is_number {
-            Form::Node(rewriter.node_of(value))
+            PartialExpr::Node(rewriter.node_of(value))
         } else {
             value
         });
@@ -153,7 +153,7 @@ struct Rewriter<'a> {
     /// domain.
     known: Vec<Decorated>,
     /// Variability of each node.
-    ranks: Vec<Variability>,
+    variabilities: Vec<Variability>,
     /// Constant and terms of the nodes that are sums.
     sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
     /// Factors of the nodes that are products or powers.
@@ -172,7 +172,7 @@ impl Rewriter<'_> {
     }
 
     fn rank(&self, id: NodeId) -> Variability {
-        self.ranks[id.index()]
+        self.variabilities[id.index()]
     }
 
     fn leaf(&mut self, node: &Node) -> NodeId {
@@ -214,15 +214,15 @@ impl Rewriter<'_> {
     fn note(&mut self, id: NodeId, known: Decorated, rank: Variability) {
         if id.index() == self.known.len() {
             self.known.push(known);
-            self.ranks.push(rank);
+            self.variabilities.push(rank);
         }
     }
 
     /// Returns the node of a value, including its coefficient and conditions.
-    fn node_of(&mut self, value: Form) -> NodeId {
+    fn node_of(&mut self, value: PartialExpr) -> NodeId {
         match value {
-            Form::Node(id) => id,
-            Form::Sum(_) | Form::Product(_) => {
+            PartialExpr::Node(id) => id,
+            PartialExpr::Sum(_) | PartialExpr::Product(_) => {
                 let mut product = self.product(value);
                 let conditions = std::mem::take(&mut product.conditions);
                 let node = self.emit_product(&product);
@@ -265,19 +265,19 @@ impl Rewriter<'_> {
         }
     }
 
-    fn apply(&mut self, op: Op, operands: Vec<Form>, fixed_exponent: bool) -> Form {
+    fn apply(&mut self, op: Op, operands: Vec<PartialExpr>, fixed_exponent: bool) -> PartialExpr {
         let mut operands = operands.into_iter();
         let mut next = || operands.next().expect("as many operands as its arity");
         match op.row().class {
             Class::Negation => match next() {
-                Form::Sum(mut sum) => {
+                PartialExpr::Sum(mut sum) => {
                     sum.negate();
-                    Form::Sum(sum)
+                    PartialExpr::Sum(sum)
                 }
-                value @ (Form::Node(_) | Form::Product(_)) => {
+                value @ (PartialExpr::Node(_) | PartialExpr::Product(_)) => {
                     let mut product = self.product(value);
                     product.coefficient = -product.coefficient;
-                    Form::Product(product)
+                    PartialExpr::Product(product)
                 }
             },
             Class::Sum => {
@@ -285,11 +285,11 @@ impl Rewriter<'_> {
                 if op == Op::Sub {
                     second.negate();
                 }
-                Form::Sum(first.plus(second))
+                PartialExpr::Sum(first.plus(second))
             }
             Class::Product => {
-                let (first, second) = (self.loose_product(next()), self.loose_product(next()));
-                Form::Product(self.times(first, second))
+                let (first, second) = (self.unmerged_product(next()), self.unmerged_product(next()));
+                PartialExpr::Product(self.times(first, second))
             }
             Class::Quotient => self.quotient(next(), next()),
             Class::Square => self.integer_power(next(), 2),
@@ -298,7 +298,7 @@ impl Rewriter<'_> {
             Class::Remainder => self.modulo(next(), next()),
             Class::FunctionOfTwo => {
                 let operands = [self.node_of(next()), self.node_of(next())];
-                Form::Node(self.node(op, &operands))
+                PartialExpr::Node(self.node(op, &operands))
             }
             Class::Extremum => self.extremum(op, next(), next()),
             Class::Choice => self.choice(next(), next(), next()),
@@ -308,10 +308,10 @@ impl Rewriter<'_> {
     }
 
     /// Converts a value to a sum.
-    fn sum(&mut self, value: Form) -> Sum {
+    fn sum(&mut self, value: PartialExpr) -> Sum {
         match value {
-            Form::Sum(sum) => sum,
-            Form::Node(_) | Form::Product(_) => {
+            PartialExpr::Sum(sum) => sum,
+            PartialExpr::Node(_) | PartialExpr::Product(_) => {
                 let mut product = self.product(value);
                 let mut sum = Sum::default();
                 sum.conditions = std::mem::take(&mut product.conditions);

@@ -1,49 +1,49 @@
 //! Powers: integer exponents join products, and half-integers become square roots.
 
 use super::Rewriter;
-use super::form::{Condition, Form, Product};
+use super::form::{Condition, PartialExpr, Product};
 use super::numbers;
 use crate::graph::NodeId;
-use crate::rank::Variability;
+use crate::variability::Variability;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive};
 use zeroset_ops::{Op, Restriction};
 
 impl Rewriter<'_> {
     /// `base^n`
-    pub(super) fn integer_power(&mut self, base: Form, n: i64) -> Form {
+    pub(super) fn integer_power(&mut self, base: PartialExpr, n: i64) -> PartialExpr {
         let base = self.product(base);
         if n == 0 {
             let mut conditions = base.conditions;
             for factor in &base.factors {
                 self.require(&mut conditions, factor.condition());
             }
-            return Form::Product(Product { conditions, ..Product::number(BigRational::one()) });
+            return PartialExpr::Product(Product { conditions, ..Product::number(BigRational::one()) });
         }
         if let Some(power) = base.raised(n) {
-            return Form::Product(self.settle(power));
+            return PartialExpr::Product(self.merge_factors(power));
         }
-        let base = self.node_of(Form::Product(base));
+        let base = self.node_of(PartialExpr::Product(base));
         let exponent = self.number(BigRational::from_integer(n.into()));
         let op = if n == 2 { Op::Sqr } else { Op::Pow };
         let operands = [base, exponent];
-        Form::Node(self.node(op, &operands[..op.arity()]))
+        PartialExpr::Node(self.node(op, &operands[..op.arity()]))
     }
 
     /// `base^exponent`. The flag `fixed` tells whether the exponent was written without coordinates
     /// and parameters.
-    pub(super) fn power(&mut self, base: Form, exponent: Form, fixed: bool) -> Form {
+    pub(super) fn power(&mut self, base: PartialExpr, exponent: PartialExpr, fixed: bool) -> PartialExpr {
         let exponent = self.product(exponent);
         if !exponent.factors.is_empty() {
-            let exponent = self.node_of(Form::Product(exponent));
+            let exponent = self.node_of(PartialExpr::Product(exponent));
             let base = self.product(base);
             if base.as_number().is_some_and(One::is_one) {
                 let mut one = base;
                 self.require(&mut one.conditions, Condition(Restriction::Defined, exponent));
-                return Form::Product(one);
+                return PartialExpr::Product(one);
             }
-            let base = self.node_of(Form::Product(base));
-            let power = Form::Node(self.node(Op::Pow, &[base, exponent]));
+            let base = self.node_of(PartialExpr::Product(base));
+            let power = PartialExpr::Node(self.node(Op::Pow, &[base, exponent]));
             if fixed || self.rank(exponent) != Variability::Constant {
                 return power;
             }
@@ -56,24 +56,24 @@ impl Rewriter<'_> {
             return self.exact_power(base, &number);
         }
         let base = self.node_of(base);
-        let product = self.product(Form::Node(base));
-        let power = self.exact_power(Form::Product(product), &number);
+        let product = self.product(PartialExpr::Node(base));
+        let power = self.exact_power(PartialExpr::Product(product), &number);
         let mut result = self.product(power);
         result.conditions.extend(conditions);
-        self.real_power(Form::Product(result), base, number.is_positive())
+        self.real_power(PartialExpr::Product(result), base, number.is_positive())
     }
 
     /// Restricts a power whose exponent is constant, but was written with a variable that cancels.
     /// Such an exponent counts as real: negative bases stay outside the domain, even if its value
     /// is an integer.
-    fn real_power(&mut self, power: Form, base: NodeId, positive: bool) -> Form {
+    fn real_power(&mut self, power: PartialExpr, base: NodeId, positive: bool) -> PartialExpr {
         let mut result = self.product(power);
         let bound = if positive { Restriction::Nonneg } else { Restriction::Positive };
         self.require(&mut result.conditions, Condition(bound, base));
-        Form::Product(result)
+        PartialExpr::Product(result)
     }
 
-    fn exact_power(&mut self, base: Form, exponent: &BigRational) -> Form {
+    fn exact_power(&mut self, base: PartialExpr, exponent: &BigRational) -> PartialExpr {
         if let Some(n) = exponent.is_integer().then(|| exponent.numer().to_i64()).flatten() {
             return self.integer_power(base, n);
         }
@@ -92,11 +92,11 @@ impl Rewriter<'_> {
             && let Some(root) = numbers::root(value, degree)
             && let Some(power) = numbers::power(&root, n)
         {
-            return Form::Product(Product::number(power));
+            return PartialExpr::Product(Product::number(power));
         }
-        let base = self.node_of(Form::Product(base));
+        let base = self.node_of(PartialExpr::Product(base));
         let exponent = self.number(exponent.clone());
         debug_assert_eq!(self.rank(exponent), Variability::Constant);
-        Form::Node(self.node(Op::Pow, &[base, exponent]))
+        PartialExpr::Node(self.node(Op::Pow, &[base, exponent]))
     }
 }

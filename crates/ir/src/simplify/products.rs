@@ -1,34 +1,34 @@
 //! Collecting and emitting products: `c · Π baseᵢ^nᵢ`.
 
 use super::Rewriter;
-use super::form::{Condition, Factor, Form, Product};
+use super::form::{Condition, Factor, PartialExpr, Product};
 use super::numbers;
 use crate::graph::{Node, NodeId};
-use crate::rank::Variability;
+use crate::variability::Variability;
 use num_integer::gcd;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
 
 /// Largest number of factors of a product that is remembered; longer ones are merged late.
-const REMEMBERED: usize = 8;
+const REMEMBERED_FACTORS: usize = 8;
 /// Largest number of restrictions lifted out of an operand; further ones stay in it.
-const LIFTED: usize = 16;
+const LIFTED_CONDITIONS: usize = 16;
 
 impl Rewriter<'_> {
     /// Converts a value to a product with distinct bases.
-    pub(super) fn product(&mut self, value: Form) -> Product {
+    pub(super) fn product(&mut self, value: PartialExpr) -> Product {
         match value {
-            Form::Product(product) if product.loose => self.settle(product),
-            Form::Product(product) => product,
-            Form::Sum(sum) => self.settle_sum(sum),
-            Form::Node(id) => self.product_of_node(id),
+            PartialExpr::Product(product) if product.is_unmerged => self.merge_factors(product),
+            PartialExpr::Product(product) => product,
+            PartialExpr::Sum(sum) => self.normalize_sum(sum),
+            PartialExpr::Node(id) => self.product_of_node(id),
         }
     }
 
     pub(super) fn product_of_node(&self, mut id: NodeId) -> Product {
         let mut conditions = Vec::new();
-        while conditions.len() < LIFTED
+        while conditions.len() < LIFTED_CONDITIONS
             && let Node::Apply(op, operands) = self.graph.node(id)
         {
             let Class::Restriction(restriction) = op.row().class else { break };
@@ -58,37 +58,37 @@ impl Rewriter<'_> {
         }
         a.factors.append(&mut b.factors);
         a.conditions.append(&mut b.conditions);
-        if a.factors.len() > REMEMBERED {
-            a.loose = true;
+        if a.factors.len() > REMEMBERED_FACTORS {
+            a.is_unmerged = true;
             return a;
         }
-        self.settle(a)
+        self.merge_factors(a)
     }
 
     /// Converts a value to a product whose equal bases may still have to be merged.
-    pub(super) fn loose_product(&mut self, value: Form) -> Product {
+    pub(super) fn unmerged_product(&mut self, value: PartialExpr) -> Product {
         match value {
-            Form::Product(product) => product,
-            Form::Sum(_) | Form::Node(_) => self.product(value),
+            PartialExpr::Product(product) => product,
+            PartialExpr::Sum(_) | PartialExpr::Node(_) => self.product(value),
         }
     }
 
     /// `a / b`, left as written if `b` is the number 0.
-    pub(super) fn quotient(&mut self, a: Form, b: Form) -> Form {
-        let a = self.loose_product(a);
+    pub(super) fn quotient(&mut self, a: PartialExpr, b: PartialExpr) -> PartialExpr {
+        let a = self.unmerged_product(a);
         let b = self.product(b);
         if let Some(inverse) = b.raised(-1) {
-            return Form::Product(self.times(a, inverse));
+            return PartialExpr::Product(self.times(a, inverse));
         }
-        let a = self.node_of(Form::Product(a));
-        let b = self.node_of(Form::Product(b));
-        Form::Node(self.node(Op::Div, &[a, b]))
+        let a = self.node_of(PartialExpr::Product(a));
+        let b = self.node_of(PartialExpr::Product(b));
+        PartialExpr::Node(self.node(Op::Div, &[a, b]))
     }
 
     /// Merges equal bases and drops factors without effect. Conditions keep the domain of
     /// definition.
-    pub(super) fn settle(&mut self, mut p: Product) -> Product {
-        p.loose = false;
+    pub(super) fn merge_factors(&mut self, mut p: Product) -> Product {
+        p.is_unmerged = false;
         loop {
             Self::merge(&mut p);
             if !self.simplify_powers(&mut p) {
@@ -198,7 +198,7 @@ impl Rewriter<'_> {
             }
         }
         let node = self.emit_factors(p);
-        if p.factors.len() <= REMEMBERED {
+        if p.factors.len() <= REMEMBERED_FACTORS {
             let remembered = if p.coefficient.is_one() || p.factors.len() == 1 {
                 p.clone()
             } else {

@@ -8,7 +8,7 @@ use super::form::{Condition, Product, Sum};
 use super::numbers;
 use crate::constant::bits;
 use crate::graph::NodeId;
-use crate::rank::Variability;
+use crate::variability::Variability;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Op, Restriction};
@@ -16,18 +16,18 @@ use zeroset_ops::{Op, Restriction};
 type Terms = Vec<(NodeId, BigRational)>;
 
 /// Largest number of terms of a sum that is remembered, so that later sums can merge with it.
-const REMEMBERED: usize = 64;
+const REMEMBERED_TERMS: usize = 64;
 /// Largest number of terms of a sum that is opened to complete squares. In longer sums the common
 /// factor is worth more.
-const OPENED: usize = 4;
+const OPENED_TERMS: usize = 4;
 /// Largest distance of a square's center from 0, as a multiple of the largest magnitude in the
 /// range. Beyond it, rounding of the square outweighs the gain.
-const CENTRE_LIMIT: f64 = 4.0;
+const CENTER_LIMIT: f64 = 4.0;
 
 impl Rewriter<'_> {
     /// Merges like terms and completes squares. The result is a number, a term with a coefficient,
     /// or `±c` times a sum that [`content`] has normalized.
-    pub(super) fn settle_sum(&mut self, sum: Sum) -> Product {
+    pub(super) fn normalize_sum(&mut self, sum: Sum) -> Product {
         let (constants, terms, mut conditions) = sum.into_parts();
         let mut constant = BigRational::zero();
         let mut terms = self.open_squares(terms, &mut constant);
@@ -108,7 +108,7 @@ impl Rewriter<'_> {
         let mut reach: Vec<(NodeId, BigRational, Option<NodeId>)> = Vec::new();
         for (term, c) in &terms {
             reach.push((*term, c.clone(), None));
-            if let Some((_, inner)) = self.sums.get(term).filter(|(_, i)| i.len() <= OPENED) {
+            if let Some((_, inner)) = self.sums.get(term).filter(|(_, i)| i.len() <= OPENED_TERMS) {
                 reach.extend(inner.iter().map(|(t, d)| (*t, c * d, Some(*term))));
             }
         }
@@ -124,7 +124,7 @@ impl Rewriter<'_> {
             let from = reach.partition_point(|(term, ..)| *term < t);
             for (_, b, other) in reach[from..].iter().take_while(|(term, ..)| *term == t) {
                 let half = b / (BigRational::from_integer(2.into()) * a);
-                if source != other && self.square_pays(t, &half) {
+                if source != other && self.square_is_tighter(t, &half) {
                     sources.extend([source, other].into_iter().flatten().copied());
                 }
             }
@@ -180,7 +180,7 @@ impl Rewriter<'_> {
             let (Some(half), Some(rest)) = (numbers::moderate(half), rest) else {
                 continue;
             };
-            if !self.square_pays(t, &half) {
+            if !self.square_is_tighter(t, &half) {
                 continue;
             }
             let inner = self.emit_sum(&half, &[(t, BigRational::one())]);
@@ -200,13 +200,13 @@ impl Rewriter<'_> {
     }
 
     /// Returns whether `(t + half)² − half²` has a tighter enclosure than `t² + 2·half·t`.
-    fn square_pays(&self, t: NodeId, half: &BigRational) -> bool {
+    fn square_is_tighter(&self, t: NodeId, half: &BigRational) -> bool {
         let range = self.range(t);
         // If both terms rise or fall together, interval evaluation is exact already.
         let together =
             (range.lo >= 0.0 && half.is_positive()) || (range.hi <= 0.0 && half.is_negative());
         let centre = crate::Constant::rational(half.clone()).bounds().magnitude();
-        !together && centre <= CENTRE_LIMIT * range.magnitude()
+        !together && centre <= CENTER_LIMIT * range.magnitude()
     }
 
     /// Returns the node of `constant + Σ terms`, for one or more terms, all distinct and sorted.
@@ -244,7 +244,7 @@ impl Rewriter<'_> {
             Some((true, node)) => self.node(Op::Neg, &[node]),
             None => self.number(BigRational::zero()),
         };
-        if terms.len() <= REMEMBERED && (terms.len() > 1 || !constant.is_zero()) {
+        if terms.len() <= REMEMBERED_TERMS && (terms.len() > 1 || !constant.is_zero()) {
             self.sums.entry(node).or_insert_with(|| (constant.clone(), terms.to_vec()));
         }
         node
@@ -267,7 +267,7 @@ impl Rewriter<'_> {
 
     /// Rewrites `c·s ± c·t` as `c·(s ± t)`: the same enclosure with 16 fewer multiplications.
     fn group_equal_coefficients(&mut self, terms: &mut Terms) {
-        if terms.len() > REMEMBERED {
+        if terms.len() > REMEMBERED_TERMS {
             return;
         }
         let mut index = 0;

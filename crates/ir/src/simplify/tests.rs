@@ -3,16 +3,16 @@
 use super::*;
 use crate::constant::NamedConstant;
 use crate::display;
-use crate::testing::{Random, Sheet, Term, evaluate};
+use crate::testing::{Random, GraphBuilder, Expr, evaluate};
 use zeroset_ops::{Continuity, Law, Parity, TABLE};
 
 const DOMAIN: Interval = Interval { lo: -2.0, hi: 2.0 };
 
 /// The simplified text of a formula over the box [-2, 2]³ and parameters a in [-2, 2], b in [1, 2].
-fn simple(formula: impl for<'a> Fn(&'a Sheet, [Term<'a>; 3]) -> Term<'a>) -> String {
-    let sheet = Sheet::default();
-    let root = formula(&sheet, sheet.xyz()).id;
-    let graph = sheet.graph();
+fn simple(formula: impl for<'a> Fn(&'a GraphBuilder, [Expr<'a>; 3]) -> Expr<'a>) -> String {
+    let builder = GraphBuilder::default();
+    let root = formula(&builder, builder.xyz()).id;
+    let graph = builder.graph();
     let parameters = [DOMAIN, Interval { lo: 1.0, hi: 2.0 }];
     let (graph, roots) = rewrite(&graph, &[root], &[DOMAIN; 3], &parameters).expect("small");
     display(&graph, roots[0], &["a", "b"])
@@ -154,14 +154,14 @@ fn numbers_known_by_bounds_only_never_cancel() {
 fn multiples_too_large_to_add_up_are_counted_once_each() {
     // Fourth powers below 2^512 / 9 (the first and third), between that and 2^512, and beyond.
     for number in ["3", "340282326356119256160033759537265639424", "1e38", "5e38"] {
-        let sheet = Sheet::default();
-        let [_, y, _] = sheet.xyz();
-        let one = (sheet.number(number) * y).pow(4);
+        let builder = GraphBuilder::default();
+        let [_, y, _] = builder.xyz();
+        let one = (builder.number(number) * y).pow(4);
         let two = one + one;
         for root in
             [two + one, two + two + one, two + two - one, two * 2.0 + two + one, -one - one - two]
         {
-            let graph = sheet.graph();
+            let graph = builder.graph();
             let (after, roots) = rewrite(&graph, &[root.id], &[DOMAIN; 3], &[]).expect("small");
             let at = [0.0, 0.75, 0.0];
             let (before, _) = evaluate(&graph, at, &[])[root.id.index()].expect("a value");
@@ -174,8 +174,8 @@ fn multiples_too_large_to_add_up_are_counted_once_each() {
 
 #[test]
 fn long_and_deep_input_takes_little_time() {
-    let sheet = Sheet::default();
-    let [x, y, z] = sheet.xyz();
+    let builder = GraphBuilder::default();
+    let [x, y, z] = builder.xyz();
     let (mut sum, mut nest, mut tower, mut product, mut shared) = (x, x, x, x, x);
     for n in 0..20_000_i32 {
         sum = sum + x * f64::from(n) + y;
@@ -186,7 +186,7 @@ fn long_and_deep_input_takes_little_time() {
             shared = shared * shared + shared;
         }
     }
-    let graph = sheet.graph();
+    let graph = builder.graph();
     for root in [sum, nest, tower, product, shared] {
         let (after, _) = simplify(&graph, &[root.id], &[DOMAIN; 3], &[]).expect("within the limit");
         assert!(after.len() < 100_000);
@@ -343,10 +343,10 @@ fn enclosures_do_not_widen() {
 #[test]
 fn rows_state_what_is_true() {
     let value = |op: Op, a: f64| {
-        let sheet = Sheet::default();
-        let [x, _, _] = sheet.xyz();
+        let builder = GraphBuilder::default();
+        let [x, _, _] = builder.xyz();
         let id = x.f(op).id;
-        evaluate(&sheet.graph(), [a, 0.0, 0.0], &[])[id.index()]
+        evaluate(&builder.graph(), [a, 0.0, 0.0], &[])[id.index()]
     };
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * (1.0 + a.abs());
     for row in TABLE.iter().filter(|row| row.arity == 1) {

@@ -16,9 +16,9 @@ pub(super) fn widen(
     written: &mut Vec<Instruction>,
 ) -> Option<()> {
     if width == Width::Zmm
-        && let Some(by_lanes) = by_lanes(instruction.code())
+        && let Some(masked_form) = masked_form(instruction.code())
     {
-        return widen_by_lanes(instruction, &by_lanes, written);
+        return widen_with_mask(instruction, &masked_form, written);
     }
     let [to, a, b] = [0, 1, 2].map(|operand| instruction.op_register(operand));
     let whole = |register| width.whole(register);
@@ -62,31 +62,31 @@ pub(super) fn widen(
 }
 
 /// Writes the equivalent that uses a mask register.
-fn widen_by_lanes(
+fn widen_with_mask(
     instruction: &Instruction,
-    by_lanes: &ByLanes,
+    masked_form: &MaskedForm,
     written: &mut Vec<Instruction>,
 ) -> Option<()> {
     let whole = |operand| Width::Zmm.whole(instruction.op_register(operand));
     let mut other = *instruction;
-    other.set_code(by_lanes.code());
+    other.set_code(masked_form.code());
     for operand in 0..other.op_count() {
         if other.op_kind(operand) == OpKind::Register {
             other.set_op_register(operand, whole(operand));
         }
     }
-    match *by_lanes {
-        ByLanes::Compare(_, spread) => {
+    match *masked_form {
+        MaskedForm::Compare(_, spread) => {
             other.set_op0_register(LANES);
             written.push(other);
             written.push(Instruction::with2(spread, whole(0), LANES).ok()?);
         }
-        ByLanes::Choose(_, gather) => {
+        MaskedForm::Choose(_, gather) => {
             written.push(Instruction::with2(gather, LANES, whole(3)).ok()?);
             other.set_op_mask(LANES);
             written.push(other);
         }
-        ByLanes::Signs(gather) => {
+        MaskedForm::Signs(gather) => {
             let to = instruction.op0_register();
             written.push(Instruction::with2(gather, LANES, whole(1)).ok()?);
             written.push(Instruction::with2(Code::VEX_Kmovw_r32_kr, to, LANES).ok()?);
@@ -96,7 +96,7 @@ fn widen_by_lanes(
 }
 
 /// How instructions of 512 bits use a bit per lane, where narrower ones use vectors.
-pub(super) enum ByLanes {
+pub(super) enum MaskedForm {
     /// A comparison, and the instruction that expands its bits to a vector.
     Compare(Code, Code),
     /// A choice, and the instruction that gathers its bits from a vector.
@@ -105,7 +105,7 @@ pub(super) enum ByLanes {
     Signs(Code),
 }
 
-impl ByLanes {
+impl MaskedForm {
     fn code(&self) -> Code {
         match *self {
             Self::Compare(code, _) | Self::Choose(code, _) | Self::Signs(code) => code,
@@ -113,8 +113,8 @@ impl ByLanes {
     }
 }
 
-pub(super) fn by_lanes(code: Code) -> Option<ByLanes> {
-    use ByLanes::{Choose, Compare, Signs};
+pub(super) fn masked_form(code: Code) -> Option<MaskedForm> {
+    use MaskedForm::{Choose, Compare, Signs};
     let [spread, spread_f64] = [Code::EVEX_Vpmovm2d_zmm_kr, Code::EVEX_Vpmovm2q_zmm_kr];
     let [gather, gather_f64] = [Code::EVEX_Vpmovd2m_kr_zmm, Code::EVEX_Vpmovq2m_kr_zmm];
     Some(match code {
@@ -154,7 +154,7 @@ macro_rules! encodings {
 }
 
 /// The encoding of an instruction for wider vectors. Moves and logic may become other instructions
-/// with the same effect. Where one for 512 bits is missing, see [`by_lanes`].
+/// with the same effect. Where one for 512 bits is missing, see [`masked_form`].
 #[rustfmt::skip]
 pub(super) fn encoding(code: Code, width: Width) -> Option<Code> {
     encodings! { code, width:

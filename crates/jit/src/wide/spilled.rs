@@ -20,21 +20,21 @@ pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Opti
     let mut spans = spans(read, blocks, slots);
     // First come spans with the most uses for the time that they occupy a register.
     let price =
-        |span: &Span| (span.lasts.end() - span.lasts.start() + 1) as f64 / span.uses.len() as f64;
+        |span: &Span| (span.lifetime.end() - span.lifetime.start() + 1) as f64 / span.uses.len() as f64;
     spans.sort_by(|a, b| price(a).total_cmp(&price(b)));
     // Per register, the spans that occupy it, by start. Long code has many thousand spans.
     let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); REGISTERS as usize];
     let mut registers = vec![None; read.len()];
     for span in spans {
         let is_free = |taken: &BTreeMap<usize, usize>| {
-            let last = taken.range(..=span.lasts.end()).next_back();
-            last.is_none_or(|(_, end)| end < span.lasts.start())
+            let last = taken.range(..=span.lifetime.end()).next_back();
+            last.is_none_or(|(_, end)| end < span.lifetime.start())
         };
         if let Some(number) = taken.iter().position(is_free) {
             for instruction in span.uses {
                 registers[instruction] = Some(FIRST + number as u32);
             }
-            let (start, end) = span.lasts.into_inner();
+            let (start, end) = span.lifetime.into_inner();
             taken[number].insert(start, end);
         }
     }
@@ -42,7 +42,7 @@ pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Opti
 }
 
 /// Replaces the memory operand of an instruction by a register.
-pub fn keep_in(instruction: &mut Instruction, register: Register) {
+pub fn replace_memory_operand(instruction: &mut Instruction, register: Register) {
     for operand in 0..instruction.op_count() {
         if instruction.op_kind(operand) == OpKind::Memory {
             instruction.set_op_kind(operand, OpKind::Register);
@@ -54,7 +54,7 @@ pub fn keep_in(instruction: &mut Instruction, register: Register) {
 /// The instructions that use a place on the stack while it holds one vector, and their range.
 struct Span {
     uses: Vec<usize>,
-    lasts: RangeInclusive<usize>,
+    lifetime: RangeInclusive<usize>,
 }
 
 fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Span> {
@@ -80,12 +80,12 @@ fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Span> {
             spans.extend(
                 uses.chunk_by(|_, &next| !is_write(next)).map(|uses| Span {
                     uses: uses.to_vec(),
-                    lasts: uses[0]..=uses[uses.len() - 1],
+                    lifetime: uses[0]..=uses[uses.len() - 1],
                 }),
             );
         } else {
             // The vector may live on from one iteration of a loop to the next.
-            spans.push(Span { uses, lasts: 0..=read.len() });
+            spans.push(Span { uses, lifetime: 0..=read.len() });
         }
     }
     spans

@@ -1,5 +1,5 @@
-//! Names that a program sets: each time that one is set it is another name, which stands for it
-//! below.
+//! Assignments of programs. Each one defines a new name, which stands for the variable in the
+//! statements below.
 
 use crate::dialect::known_numbers::{number_of, written};
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -13,11 +13,11 @@ use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::Name;
 
-/// The most names that a function sets.
+/// Largest number of variables of a function.
 const MOST_NAMES: usize = 1500;
 
 impl ProgramReader<'_> {
-    /// `float a = 1., b = 2.`, its types taken away.
+    /// Reads the declaration `float a = 1., b = 2.` without its types.
     pub(crate) fn declarations(
         &mut self,
         tokens: &[Token],
@@ -56,7 +56,7 @@ impl ProgramReader<'_> {
             {
                 return Err(Error::new(name.span, ErrorKind::Array));
             } else if let [name] = tokens.as_slice() {
-                // A name that is set later.
+                // A declaration without a value.
                 frame.set.push((self.words.word(*name).to_owned(), size));
             } else {
                 self.plain(tokens, frame, false)?;
@@ -65,7 +65,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// `name = value`.
+    /// Reads the assignment `name = value`.
     pub(crate) fn set(
         &mut self,
         name: Name,
@@ -77,7 +77,7 @@ impl ProgramReader<'_> {
         self.set_to(name, size, value, None, &within, frame)
     }
 
-    /// `name = value`, whose names stand for what they are in `within`.
+    /// Reads the assignment `name = value`; names in the value have their meanings in `within`.
     pub(crate) fn set_to(
         &mut self,
         name: Name,
@@ -133,7 +133,8 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// A quotient of whole numbers, of which one has a name: programs leave out its fraction.
+    /// The quotient of an integer variable and another integer, if there is one: programs truncate
+    /// it.
     pub(crate) fn cut_quotient(&self, tokens: &[Token]) -> Option<Span> {
         if self.whole.is_empty() {
             return None;
@@ -152,7 +153,7 @@ impl ProgramReader<'_> {
         found.map(|part| part[0].span.to(part[2].span))
     }
 
-    /// A name like `wanted` that the text does not use.
+    /// A name like `wanted` that is not taken yet; it counts as taken afterwards.
     pub(crate) fn fresh(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
         let mut number = 2;
@@ -163,12 +164,12 @@ impl ProgramReader<'_> {
         name
     }
 
-    /// `return value`.
+    /// Reads `return value`.
     pub(crate) fn result(&mut self, tokens: Vec<Token>, frame: &Frame) -> Fallible<()> {
         self.push(tokens, frame.function.clone(), None, &frame.aliases, false)
     }
 
-    /// Counts, where a name that counts is set to a number that is known.
+    /// Evaluates an assignment to a counter whose value is known; returns whether it did.
     pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
         if Words::steps_by_one(tokens) && tokens.len() == 3 {
             return self.known(tokens, frame).is_some();

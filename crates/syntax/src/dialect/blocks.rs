@@ -1,5 +1,5 @@
-//! What a program does, statement by statement: blocks in braces, or indented. No statement is
-//! looked into.
+//! Blocks of programs, in braces or indented, as trees of statements. The statements themselves are
+//! not looked into.
 
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::*;
@@ -7,10 +7,10 @@ use crate::lex::token_kind::TokenKind::*;
 use crate::lex::token::{Token, closing, outside, split};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 
-/// How deep blocks may nest that stand in no brackets.
+/// Deepest nesting of blocks.
 const DEEPEST: usize = 40;
 
-/// A statement, or several that one word governs.
+/// A statement, or a control structure with the statements it contains.
 #[derive(Debug)]
 pub(crate) enum ProgramStep {
     Plain(Vec<Token>),
@@ -19,8 +19,7 @@ pub(crate) enum ProgramStep {
         yes: Vec<ProgramStep>,
         no: Vec<ProgramStep>,
     },
-    /// What is repeated while a condition holds; `for` has a start, and what is done between two
-    /// rounds.
+    /// A `for` or `while` loop. Only `for` has a start, and a step that runs between two rounds.
     Loop {
         word: Token,
         start: Vec<Token>,
@@ -28,7 +27,7 @@ pub(crate) enum ProgramStep {
         next: Vec<Token>,
         body: Vec<ProgramStep>,
     },
-    /// What is repeated for each of some values.
+    /// A loop over values.
     Each {
         name: Token,
         values: Vec<Token>,
@@ -37,7 +36,7 @@ pub(crate) enum ProgramStep {
 }
 
 impl ProgramStep {
-    /// Whether a statement that begins with `word` is here.
+    /// Returns whether `steps` contain a statement that begins with `word`.
     pub(crate) fn has(steps: &[Self], words: Words<'_>, word: &str) -> bool {
         steps.iter().any(|step| match step {
             Self::Plain(tokens) => tokens.first().is_some_and(|first| words.word(*first) == word),
@@ -46,7 +45,7 @@ impl ProgramStep {
         })
     }
 
-    /// The first symbol.
+    /// The first token that is stored.
     pub(crate) fn first(&self) -> Option<Token> {
         match self {
             Self::Plain(tokens) => tokens.first().copied(),
@@ -57,19 +56,19 @@ impl ProgramStep {
     }
 }
 
-/// What stands behind the semicolons and line ends at the start.
+/// `tokens` without the semicolons at their start.
 fn skip(tokens: &[Token]) -> &[Token] {
     let count = tokens.iter().take_while(|token| token.kind == Semicolon).count();
     &tokens[count..]
 }
 
 impl Words<'_> {
-    /// Whether a statement governs others, as `if (c) …` does.
+    /// Returns whether a statement contains others, as `if (c) …` does.
     pub(crate) fn governs(self, tokens: &[Token]) -> bool {
         let Some(first) = tokens.first() else { return false };
         match self.word(*first) {
             "for" | "while" => tokens.get(1).is_some_and(|next| next.kind == OpenParen),
-            // `if(c, a, b)` is a value; `if (c) a` is not.
+            // `if(c, a, b)` is a value; `if (c) a` is a statement.
             "if" => {
                 let Some(end) = tokens.get(1..).and_then(closing) else { return false };
                 tokens[1].kind == OpenParen
@@ -87,8 +86,7 @@ impl Words<'_> {
         }
     }
 
-    /// Whether the last statement that `tokens` hold is whole: something stands behind what governs
-    /// it.
+    /// Returns whether the last statement in `tokens` is complete: an `if`, `else` or loop needs a body.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
         let mut is_whole = true;
         let mut rest = skip(tokens);
@@ -118,7 +116,7 @@ impl Words<'_> {
         Ok(steps)
     }
 
-    /// Adds the first statement to `steps`; what follows it.
+    /// Appends the first statement to `steps` and returns the tokens behind it.
     fn step<'t>(
         self,
         tokens: &'t [Token],
@@ -179,14 +177,14 @@ impl Words<'_> {
         Ok(rest)
     }
 
-    /// How far the line of a statement is indented.
+    /// Number of blanks and tabs at the start of a statement's line.
     pub(crate) fn indent(self, tokens: &[Token]) -> usize {
         let start = tokens.first().map_or(0, |first| first.span.start);
         let line = self.text[..start].rfind('\n').map_or(0, |at| at + 1);
         self.text[line..].chars().take_while(|c| matches!(c, ' ' | '\t')).count()
     }
 
-    /// Whether a statement governs lines that are indented, as in Python.
+    /// Returns whether a statement contains the indented lines below it, as in Python.
     pub(crate) fn governs_lines(self, tokens: &[Token]) -> bool {
         let word = tokens.first().map_or("", |first| self.word(*first));
         matches!(word, "if" | "elif" | "else" | "for" | "while")
@@ -195,7 +193,7 @@ impl Words<'_> {
             && outside(tokens, QuestionMark).is_none()
     }
 
-    /// The statements of lines that are indented alike.
+    /// The statements of a block of indented lines.
     pub(crate) fn lines(self, lines: &[Vec<Token>], depth: usize) -> Fallible<Vec<ProgramStep>> {
         let mut steps = Vec::new();
         let mut index = 0;
@@ -205,7 +203,7 @@ impl Words<'_> {
         Ok(steps)
     }
 
-    /// Adds the statement at `index` to `steps`; where the next one stands.
+    /// Appends the statement at `index` to `steps` and returns the index of the next one.
     fn line(
         self,
         lines: &[Vec<Token>],
@@ -268,7 +266,8 @@ impl Words<'_> {
         Ok(next)
     }
 
-    /// The parts of `a = 1, b = 2`, each of which sets a name; the whole if it is none such.
+    /// The assignments in `a = 1, b = 2`, or the whole statement if one of its parts is something
+    /// else.
     pub(crate) fn each_setting(self, tokens: Vec<Token>) -> Vec<Vec<Token>> {
         if outside(&tokens, Comma).is_none() || self.types(&tokens) > 0 {
             return vec![tokens];

@@ -1,5 +1,5 @@
-//! What both sides of a branch make of a name, and what a function returns that leaves early:
-//! choices that no statement spells out.
+//! Merges the sides of a branch, and builds the result of a function that returns early. Both are
+//! choices that no statement of the program spells out.
 
 use crate::dialect::known_numbers::number_of;
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use crate::dialect::control_flow::{LEFT, RESULT, more_than};
 
 impl ProgramReader<'_> {
-    /// Adds a definition that no statement spells out; what it is called by.
+    /// Adds a definition that no statement spells out. Returns the expression that stands for it.
     pub(crate) fn synthesize(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
         let span = frame.function.as_ref().map_or(Span::default(), |head| head.name.span);
         let (Head { name, parameters }, kind) = self.synthesized_head(name, span, frame);
@@ -26,7 +26,7 @@ impl ProgramReader<'_> {
         kind
     }
 
-    /// The left side of what is made under a name that nothing else has, and how it is called.
+    /// The left side of a definition with a new name, and the expression that stands for it.
     pub(crate) fn synthesized_head(
         &mut self,
         name: &str,
@@ -39,7 +39,7 @@ impl ProgramReader<'_> {
         (Head { name: Name { text, span }, parameters }, kind)
     }
 
-    /// Names stand for what either side made of them.
+    /// Gives each variable a choice between its values on the two sides.
     pub(crate) fn merge(&mut self, frame: &mut Frame, yes: &Frame, no: &Frame, condition: &Expr) {
         let (first, second) = (newest(&yes.aliases), newest(&no.aliases));
         let names: BTreeSet<&str> = first.keys().chain(second.keys()).copied().collect();
@@ -84,13 +84,12 @@ impl ProgramReader<'_> {
         frame: &Frame,
     ) -> ExprKind {
         let span = condition.span;
-        // Nothing left before: 0.
         let piece = (condition.clone(), Expr::new(yes, span));
         let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(no, span))));
         self.synthesize(name, body, frame)
     }
 
-    /// Ends a function, or what is outside functions: what it returns, if that was not plain.
+    /// Ends a function or the whole program: adds its result, if a branch or loop returned it.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
         let Some(left) = frame.left() else { return };
         let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.is_done) else {
@@ -115,7 +114,7 @@ impl ProgramReader<'_> {
     }
 }
 
-/// What each name stands for, the last counting.
+/// The newest value of each name.
 fn newest(aliases: &Aliases) -> FxHashMap<&str, &ExprKind> {
     let mut newest = FxHashMap::default();
     for (name, kind) in aliases.iter() {
@@ -125,17 +124,17 @@ fn newest(aliases: &Aliases) -> FxHashMap<&str, &ExprKind> {
 }
 
 impl Frame {
-    /// The same names inside a statement that governs others.
+    /// A copy of the frame for a branch or loop inside it.
     pub(crate) fn inner(&self) -> Self {
         Self { nested: self.nested + 1, ..self.clone() }
     }
 
-    /// Whether it is within a function, a call or a statement that governs others.
+    /// Returns whether the frame is inside a function, an inlined call, a branch or a loop.
     pub(crate) fn is_inner(&self) -> bool {
         self.function.is_some() || self.prefix.is_some() || self.nested > 0
     }
 
-    /// A name for what is made here.
+    /// The name to generate for `name` in this frame.
     pub(crate) fn inner_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
@@ -144,7 +143,7 @@ impl Frame {
         }
     }
 
-    /// The parameters of what is made here, and how it is called.
+    /// Parameters of a definition generated in this frame, and the expression that stands for it.
     pub(crate) fn call(&self, name: &str) -> (Option<Vec<Name>>, ExprKind) {
         let parameters = self.function.as_ref().and_then(|head| head.parameters.clone());
         let kind = match &parameters {
@@ -161,12 +160,12 @@ impl Frame {
         (parameters, kind)
     }
 
-    /// What says whether the loop or the function was left, unless it is known that nothing was.
+    /// The number that records an early exit, unless it is known that there was none.
     pub(crate) fn left(&self) -> Option<&ExprKind> {
         self.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0))
     }
 
-    /// What a name stood for before a branch, if it was something.
+    /// The value of a variable before a branch, if it had one.
     fn before(&self, name: &str) -> Option<ExprKind> {
         if name == LEFT {
             return Some(ExprKind::Number("0".to_owned()));
@@ -179,7 +178,7 @@ impl Frame {
         is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
     }
 
-    /// What a name stands for that may be one of the document.
+    /// The value of a variable, or else of the document's definition with that name.
     pub(crate) fn meaning(&self, name: &str) -> ExprKind {
         let document = || ExprKind::Name(NamedValue::Defined(name.to_owned()));
         self.before(name).unwrap_or_else(document)

@@ -1,8 +1,8 @@
-//! Branches and loops of programs, written out: a loop's rounds one after the other, and of a
-//! branch both sides, between which each name that they set is chosen.
+//! Branches and loops of programs, unrolled. The rounds of a loop follow one another. Both sides of
+//! a branch run, and each variable that they assign becomes a choice between its two values.
 //!
-//! What leaves a loop or a function early is a number, 0 as long as nothing has: where it is not
-//! known, what follows is one more branch.
+//! An early exit from a loop or function is a number, 0 if there was none. Where that number is not
+//! known, the statements that follow are one more branch.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::known_numbers::{count, number_of, written};
@@ -14,22 +14,22 @@ use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Name, Relation};
 use crate::tree::raw_statement::Wrap;
 
-/// The most statements that a program runs.
+/// Largest number of statements within loops, branches and inlined calls that a program may run.
 pub(crate) const MOST_STEPS: usize = 1000;
 
-/// The name of what says whether a loop or the function was left; a word of programs, so that none
-/// is called so.
+/// Name of the variable that records an early exit from a loop or function. No variable of a
+/// program has this name, which is a keyword.
 pub(crate) const LEFT: &str = "break";
-/// The name of what is returned.
+/// Name of the variable that holds the returned value.
 pub(crate) const RESULT: &str = "return";
 
-/// What leaves: this round, the loop, the function.
+/// What an early exit leaves: the round, the loop or the function.
 const ROUND: f64 = 1.0;
 const LOOP: f64 = 2.0;
 const FUNCTION: f64 = 3.0;
 
 impl ProgramReader<'_> {
-    /// The number that `tokens` are, if that is known.
+    /// The value of `tokens`, if it is known.
     pub(crate) fn known(&self, tokens: &[Token], frame: &mut Frame) -> Option<f64> {
         count(self.words, tokens, &mut frame.aliases, &self.constants)
     }
@@ -88,7 +88,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Counts a statement that is run.
+    /// Counts a statement or a round of a loop; an error beyond `MOST_STEPS`.
     fn count_step(&mut self, place: Span) -> Fallible<()> {
         self.steps += 1;
         if self.steps > MOST_STEPS {
@@ -97,8 +97,8 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs what follows where `left` is 0: one side of a branch, unless it is known that something
-    /// has left.
+    /// Runs `follow` under the condition that `left` is 0, as one side of a branch. It does not run
+    /// at all if an exit is known to have happened.
     fn unless_left(
         &mut self,
         left: ExprKind,
@@ -114,7 +114,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// A statement that governs no others.
+    /// Runs a statement that contains no others.
     fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
         let Some(first) = tokens.first() else { return Ok(()) };
         match self.words.word(*first) {
@@ -140,7 +140,8 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// `if`: what is set on either side is chosen between, unless it is known which side is taken.
+    /// Runs an `if`. Unless the condition is known, both sides run and each variable becomes a
+    /// choice.
     fn branch(
         &mut self,
         condition: &[Token],
@@ -161,7 +162,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs a loop. Before each round `begin` makes it ready, and tells whether there is one.
+    /// Runs a loop. Before each round `begin` prepares it and returns whether there is one.
     fn repeat(
         &mut self,
         begin: Begin<'_, Self>,
@@ -170,13 +171,13 @@ impl ProgramReader<'_> {
     ) -> Fallible<()> {
         frame.nested += 1;
         self.rounds(begin, body, frame)?;
-        // What left the loop is over with it.
+        // An exit from the loop ends here; one from the function remains.
         self.stay(LOOP, ProgramStep::has(body, self.words, "return"), frame);
         frame.nested -= 1;
         Ok(())
     }
 
-    /// The rounds of a loop that are left.
+    /// Runs the remaining rounds of a loop.
     fn rounds(
         &mut self,
         begin: Begin<'_, Self>,
@@ -193,14 +194,14 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Whether the condition of a loop holds, which must be known.
+    /// Returns whether the condition of a loop holds. It is an error if that is not known.
     fn holds(&self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let Some(span) = span_of(condition) else { return Ok(true) };
         let known = self.known(condition, frame).map(|holds| holds != 0.0);
         known.ok_or_else(|| Error::new(span, ErrorKind::LoopEnd))
     }
 
-    /// What a loop over values goes through.
+    /// The values that a loop over a list or a range goes through.
     fn values(
         &mut self,
         name: Token,
@@ -237,7 +238,7 @@ impl ProgramReader<'_> {
         Ok(values)
     }
 
-    /// What is left of leaving, once a round is over: nothing of what left only that.
+    /// Ends a round: drops an exit from this round only and returns any other.
     fn end_round(&mut self, body: &[ProgramStep], frame: &mut Frame) -> Option<ExprKind> {
         if ProgramStep::has(body, self.words, "continue") {
             let others =
@@ -247,7 +248,7 @@ impl ProgramReader<'_> {
         frame.left().cloned()
     }
 
-    /// Forgets what left no more than `level`; whether there are `others`.
+    /// Drops exits of at most `level`; `others` tells whether higher ones are possible.
     fn stay(&mut self, level: f64, others: bool, frame: &mut Frame) {
         let Some(left) = frame.aliases.find(LEFT).cloned() else { return };
         let zero = ExprKind::Number("0".to_owned());
@@ -265,10 +266,10 @@ impl ProgramReader<'_> {
     }
 }
 
-/// Makes the next round of a loop ready, and tells whether there is one.
+/// Prepares the next round of a loop and returns whether there is one.
 type Begin<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 
-/// What a name of a loop over values stands for.
+/// Value of the variable of a loop over values.
 enum LoopValue {
     Known(f64),
     Typed(Vec<Token>),

@@ -1,5 +1,4 @@
-//! Functions of programs, and what governs other statements: where their bodies are, and what they
-//! return.
+//! Functions of programs and control structures: finds their bodies and runs them.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::control_flow::RESULT;
@@ -18,11 +17,11 @@ use crate::tree::raw_statement::Head;
 use crate::tree::scope::coordinate;
 use std::rc::Rc;
 
-/// The most functions on one line.
+/// Largest number of functions on one line.
 const MOST_FUNCTIONS: usize = 300;
 
 impl ProgramReader<'_> {
-    /// Functions whose bodies stand in braces, and what follows them on their line.
+    /// Reads functions whose bodies stand in braces, and the statement that follows on their line.
     pub(crate) fn functions(
         &mut self,
         tokens: Vec<Token>,
@@ -43,7 +42,7 @@ impl ProgramReader<'_> {
         Err(Error::new(place, ErrorKind::TooManyNames { limit: MOST_FUNCTIONS }))
     }
 
-    /// A function whose body stands in braces; what follows it is left.
+    /// Reads a function whose body stands in braces and returns the tokens behind it.
     pub(crate) fn function(&mut self, tokens: Vec<Token>) -> Fallible<Vec<Token>> {
         let Some((name, parameters, body, rest)) = self.words.function(&tokens) else {
             return Ok(tokens);
@@ -52,7 +51,7 @@ impl ProgramReader<'_> {
         let is_void = self.words.has(types, "void");
         let word = self.words.word(name).to_owned();
         if is_void && matches!(word.as_str(), "main" | "mainImage") {
-            // What it would be drawn with.
+            // These only color pixels.
             let kind = NoteKind::MainLeftOut { name: word };
             self.program.notes.push(Note { span: name.span, kind });
             return Ok(rest);
@@ -76,7 +75,7 @@ impl ProgramReader<'_> {
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
         if before.is_some() && types.iter().any(|token| size_of(self.words.word(*token)) > 1) {
-            // A normal or a color is not drawn.
+            // A function that returns a normal or a color is not drawn.
             self.program.last_function = before;
         }
         self.run(&steps, &mut frame)?;
@@ -88,7 +87,7 @@ impl ProgramReader<'_> {
         Ok(rest)
     }
 
-    /// Ends a function, which must return something.
+    /// Ends a function. It is an error if the function returns nothing.
     pub(crate) fn leave_function(&mut self, frame: &Frame) -> Fallible<()> {
         let Some(Head { name, .. }) = &frame.function else { return Ok(()) };
         if !frame.is_done && frame.aliases.find(RESULT).is_none() {
@@ -99,7 +98,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Parameters, and which of them are changed.
+    /// The parameters of a procedure, with their directions.
     pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<ProcedureParameter> {
         let one = |tokens: &Vec<Token>| {
             let (token, size, _) = self.words.parameter(tokens)?;
@@ -115,7 +114,7 @@ impl ProgramReader<'_> {
         parameters.iter().filter_map(one).collect()
     }
 
-    /// `if`, `for` or `while`, and what it governs, of which some may stand on further lines.
+    /// Runs an `if`, `for` or `while` with its body, which may go on in `following`.
     pub(crate) fn governing(
         &mut self,
         mut tokens: Vec<Token>,
@@ -132,7 +131,8 @@ impl ProgramReader<'_> {
         }
         let tokens = self.expanded(tokens, 0)?;
         let mut steps = self.words.block(&tokens, 0)?;
-        // A function may leave before its end: what follows is then a branch as well.
+        // The function may return in a branch, so the statements that follow become a branch as
+        // well.
         if ProgramStep::has(&steps, self.words, "return") {
             for more in following.by_ref() {
                 steps.push(ProgramStep::Plain(more));
@@ -141,7 +141,7 @@ impl ProgramReader<'_> {
         self.run(&steps, frame)
     }
 
-    /// As `governing`, where lines are indented.
+    /// Runs an `if`, `for` or `while` whose body is indented.
     pub(crate) fn governing_lines(
         &mut self,
         tokens: Vec<Token>,
@@ -161,7 +161,7 @@ impl ProgramReader<'_> {
         self.run(&steps, frame)
     }
 
-    /// `f(a) = value`, behind the word `function`.
+    /// Reads `f(a) = value` of OpenSCAD, behind the word `function`.
     pub(crate) fn openscad(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
         let trigonometric = tokens.iter().find(|token| {
             matches!(self.words.word(**token), "sin" | "cos" | "tan" | "atan2" | "atan")
@@ -199,7 +199,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// `def name(parameters):` and the lines up to `return`.
+    /// Reads `def name(parameters):` with the lines of its body.
     pub(crate) fn python(&mut self, tokens: &[Token], following: &mut Statements) -> Fallible<()> {
         let word = "def".to_owned();
         let refused = Error::new(tokens[0].span, ErrorKind::Program { word });
@@ -211,7 +211,7 @@ impl ProgramReader<'_> {
         let own = self.words.indent(tokens);
         let is_indented =
             following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);
-        // What lost its indentation ends where it returns.
+        // A body that lost its indentation ends with its `return`.
         while let Some(next) = following.as_slice().first() {
             let ends = if is_indented { self.words.indent(next) <= own } else { self.ends(&lines) };
             if ends {
@@ -232,13 +232,13 @@ impl ProgramReader<'_> {
         self.leave_function(&frame)
     }
 
-    /// Whether the last line returns.
+    /// Returns whether the last line is a `return`.
     fn ends(&self, lines: &[Vec<Token>]) -> bool {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
     }
 
-    /// Remembers a function of a point as what is drawn, unless one that is called like a scene's
-    /// is before it: what follows that asks for light or shadow.
+    /// Records a function of a point as the one to draw. A function named like a scene is replaced
+    /// only by another such one, because functions below it often compute light or shadow.
     fn draws(&mut self, name: &Name) {
         let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
         let known = self.program.last_function.as_ref();
@@ -247,7 +247,7 @@ impl ProgramReader<'_> {
         }
     }
 
-    /// The frame of a function; parameters with values become names that are set.
+    /// The frame of a function. Parameters with default values become definitions.
     pub(crate) fn enter(&mut self, name: Name, parameters: Vec<Vec<Token>>) -> Fallible<Frame> {
         if coordinate(&name.text).is_some() {
             let kind = ErrorKind::CoordinateFunction { name: name.text };
@@ -271,7 +271,7 @@ impl ProgramReader<'_> {
         if let [(_, 3)] = names.as_slice() {
             self.draws(&name);
         }
-        // A function of the coordinates is drawn rather than a value above it.
+        // A function of x, y and z is drawn rather than a value assigned above it.
         if names.iter().map(|(name, _)| name.text.as_str()).eq(["x", "y", "z"]) {
             self.program.last_value = None;
         }
@@ -288,7 +288,7 @@ impl ProgramReader<'_> {
         Ok(frame)
     }
 
-    /// `f = lambda x, y: …` and `f = (x, y) => …`.
+    /// Reads `f = lambda x, y: …` or `f = (x, y) => …`.
     pub(crate) fn lambda(
         &mut self,
         name: Option<Token>,
@@ -318,7 +318,7 @@ impl ProgramReader<'_> {
         self.leave_function(&frame)
     }
 
-    /// `let(a = 1, b = 2) value`.
+    /// Reads `let(a = 1, b = 2) value`.
     pub(crate) fn bindings(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
         let Some((inner, rest)) = bracketed(&tokens[1..]) else {
             return self.plain(tokens, frame, false);

@@ -1,5 +1,4 @@
-//! Functions of programs that change what they are given, and macros: both are written out where
-//! they are called.
+//! Inlines macros, and functions of programs that change their arguments.
 
 use crate::dialect::control_flow::RESULT;
 use crate::dialect::program_reader::{Frame, Macro, Procedure, ProgramReader};
@@ -10,11 +9,11 @@ use crate::tree::ast::ExprKind;
 use crate::tree::built_statement::with_parts;
 use std::rc::Rc;
 
-/// How deep calls may nest that are written out.
+/// Deepest nesting of inlined calls and of macros.
 const DEEPEST: usize = 12;
 
 impl ProgramReader<'_> {
-    /// `#define name body` and `#define name(a) body`.
+    /// Records a macro: `#define name body` or `#define name(a) body`.
     pub(crate) fn macro_of(&mut self, tokens: &[Token]) {
         let Some(name) = tokens.first().copied() else { return };
         let rest = &tokens[1..];
@@ -32,7 +31,7 @@ impl ProgramReader<'_> {
         self.macros.insert(self.words.word(name).to_owned(), made);
     }
 
-    /// What `tokens` are with macros written out.
+    /// `tokens` with their macros expanded.
     pub(crate) fn expanded(&self, tokens: Vec<Token>, depth: usize) -> Fallible<Vec<Token>> {
         let found = |token: &Token| self.macros.get(self.words.word(*token));
         if self.macros.is_empty() || !tokens.iter().any(|token| found(token).is_some()) {
@@ -79,7 +78,7 @@ impl ProgramReader<'_> {
         Ok(all)
     }
 
-    /// The procedure that a statement calls, which is nothing but that call; with its arguments.
+    /// The procedure that a statement calls and the arguments, if it consists of that call alone.
     pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
         let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
         let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;
@@ -87,7 +86,7 @@ impl ProgramReader<'_> {
         (tokens[1].kind == OpenParen).then(|| (Rc::clone(procedure), arguments))
     }
 
-    /// Runs a procedure where it is called; what it returns.
+    /// Runs a procedure in place of its call and returns its result, if it has one.
     pub(crate) fn inline(
         &mut self,
         name: Token,
@@ -140,7 +139,7 @@ impl ProgramReader<'_> {
         Ok(inner.aliases.find(RESULT).cloned())
     }
 
-    /// Lets `target`, or some components of it, stand for `value`.
+    /// Assigns `value` to `target`, or to the components `letters` of it.
     fn take_back(
         &mut self,
         target: Token,

@@ -1,4 +1,4 @@
-//! Numbers that are known while a program is read: how often a loop is run.
+//! Evaluates numbers that are known while a program is read, such as how often a loop runs.
 
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::decimal;
@@ -9,8 +9,8 @@ use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Expr, ExprKind};
 use rustc_hash::FxHashMap;
 
-/// The number that `tokens` are, or 1 for what holds and 0 for what does not; `None` if that is not
-/// known. A name stands for what its alias is, else for one of the `constants`.
+/// The value of `tokens`: a number, or 1 or 0 for a condition. `None` if it is not known. A name
+/// has the value of its alias or, if it has no alias, of its entry in `constants`.
 pub(crate) fn count(
     words: Words<'_>,
     tokens: &[Token],
@@ -22,13 +22,13 @@ pub(crate) fn count(
     (reader.at == tokens.len() && value.is_finite()).then_some(value)
 }
 
-/// A number as it is written.
+/// A number as an expression.
 pub(crate) fn written(value: f64, span: Span) -> ExprKind {
     let number = ExprKind::Number(value.abs().to_string());
     if value < 0.0 { ExprKind::Negate(Box::new(Expr::new(number, span))) } else { number }
 }
 
-/// The number that was written.
+/// The value of an expression that is a number, such as one from [`written`].
 pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
     match kind {
         ExprKind::Number(text) => text.parse().ok(),
@@ -37,7 +37,7 @@ pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
     }
 }
 
-/// What a condition compares by.
+/// Relations in conditions.
 const RELATIONS: &[TokenKind] = &[Less, LessEqual, Greater, GreaterEqual, Equals, NotEqual];
 
 struct ConstantEvaluator<'a> {
@@ -50,7 +50,7 @@ struct ConstantEvaluator<'a> {
 }
 
 impl ConstantEvaluator<'_> {
-    /// The number that a name stands for, if that is known.
+    /// The number that a name stands for, if it is known.
     fn get(&self, name: &str) -> Option<f64> {
         match self.aliases.find(name) {
             Some(kind) => number_of(kind),
@@ -76,7 +76,7 @@ impl ConstantEvaluator<'_> {
         &self.words.text[token.span.range()]
     }
 
-    /// Whether the same sign stands here twice.
+    /// 1 for `++`, -1 for `--`, otherwise `None`.
     fn doubled(&self) -> Option<f64> {
         match self.tokens.get(self.at..self.at + 2)? {
             [a, b] if a.kind == b.kind && a.span.end == b.span.start => match a.kind {
@@ -114,7 +114,7 @@ impl ConstantEvaluator<'_> {
         let left = self.sum()?;
         let Some(relation) = self.take(RELATIONS) else { return Some(left) };
         let right = self.sum()?;
-        #[allow(clippy::float_cmp)] // as programs do
+        #[allow(clippy::float_cmp)] // programs compare exactly
         let holds = match relation {
             Less => left < right,
             LessEqual => left <= right,
@@ -150,7 +150,7 @@ impl ConstantEvaluator<'_> {
             let Some(sign) = self.take(&[Star, Slash]) else { return Some(value) };
             let next = self.factor()?;
             let result = if sign == Star { value * next } else { value / next };
-            // The quotient of whole numbers is cut in some languages.
+            // Some languages truncate the quotient of integers.
             if sign == Slash && value.fract() == 0.0 && next.fract() == 0.0 && result.fract() != 0.0
             {
                 return None;

@@ -1,8 +1,9 @@
-//! From other systems' notations and programs to statements of this language: functions with
-//! bodies, loops, assignments, commands that plot.
+//! Translates notations and programs of other systems to statements of this language: functions
+//! with bodies, loops, assignments, commands that plot.
 //!
-//! The result is tokens with a left side, or trees where no text spells a statement out. Nothing
-//! here knows what a formula means. The core does not know this folder; `document` calls it first.
+//! A translated statement is a list of tokens, perhaps with a left side, or a syntax tree if no
+//! text spells it out. Nothing here knows what a formula means. The core does not know this folder;
+//! `document` calls it first.
 //!
 //! The files that extend `ProgramReader` call one another in a circle, because a block may hold any
 //! statement.

@@ -1,7 +1,6 @@
-//! Commands of other systems that plot: what of their arguments is drawn, and the ranges over which
-//! it is.
+//! Plot commands of other systems: the formulas that are drawn, and the ranges of the coordinates.
 //!
-//! Ranges become a `domain` line, whose symbols keep the places where they were typed.
+//! Ranges become a `domain` line, whose tokens keep the places where they were typed.
 
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::plain_name;
@@ -11,7 +10,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
-/// Whether a command plots its first argument as a height; `None` if it plots nothing.
+/// Returns whether a command plots its first argument as a height; `None` if it is not a plot command.
 fn plots_height(command: &str) -> Option<bool> {
     match command {
         "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" => Some(true),
@@ -22,30 +21,30 @@ fn plots_height(command: &str) -> Option<bool> {
     }
 }
 
-/// What those plot that hold another.
+/// Plot commands that stand within the brackets of another one.
 const INNER: &[&str] = &["implicit", "explicit"];
 
-/// Names that ends of ranges may be made of; others have no value there.
+/// Names that the ends of a range may contain. Other names have no value there.
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
 
-/// Bytes of the longest domain that a note spells out.
+/// Length of the longest domain that a note spells out, in bytes.
 const LONGEST: usize = 120;
 
-/// What is plotted.
+/// The parts of a plot command.
 pub(crate) struct Plot {
-    /// Formulas, each drawn.
+    /// The formulas; each is drawn.
     pub formulas: Vec<Vec<Token>>,
-    /// Whether they are heights.
+    /// True if the formulas are heights.
     pub is_height: bool,
-    /// A `domain` line, if there are ranges that can be read.
+    /// A `domain` line for the ranges, if they can be read.
     pub domain: Option<Vec<Token>>,
-    /// What became of ranges.
+    /// A note on the ranges.
     pub note: Option<Note>,
 }
 
 const AXES: [TokenKind; 3] = [X, Y, Z];
 
-/// A range of a coordinate.
+/// The range of a coordinate.
 struct PlotRange {
     axis: TokenKind,
     low: Vec<Token>,
@@ -53,7 +52,7 @@ struct PlotRange {
 }
 
 impl Words<'_> {
-    /// What a command plots; `None` if `tokens` are none.
+    /// The parts of a plot command; `None` if `tokens` are something else.
     pub(crate) fn plot(self, tokens: &[Token]) -> Fallible<Option<Plot>> {
         // `plots[implicitplot3d](…)` of Maple
         if let [plots, open, command, close, rest @ ..] = tokens
@@ -69,7 +68,7 @@ impl Words<'_> {
         self.plot_of(self.word(*first), &tokens[1..])
     }
 
-    /// What the command `word` plots with its brackets.
+    /// The parts of the plot command `word`, whose brackets are at the start of `tokens`.
     fn plot_of(self, word: &str, tokens: &[Token]) -> Fallible<Option<Plot>> {
         let (Some((inner, rest)), Some(is_height)) = (bracketed(tokens), plots_height(word)) else {
             return Ok(None);
@@ -106,7 +105,7 @@ impl Words<'_> {
             if let Some(level) = level.clone().filter(|_| outside(formula, Equals).is_none()) {
                 *formula = less(formula, &level);
             }
-            // A function by its name alone is drawn where nothing else is.
+            // A function's name alone adds no formula: it is drawn anyway if nothing else is.
             if matches!(formula.as_slice(), [name] if name.kind == TokenKind::Name) {
                 formula.clear();
             }
@@ -114,8 +113,8 @@ impl Words<'_> {
         Ok(Some(Plot { formulas, is_height, domain, note }))
     }
 
-    /// `isosurface { function { … } threshold 1 contained_by { box { -2, 2 } } }` of POV-Ray,
-    /// behind its first word.
+    /// The parts of `isosurface { function { … } threshold 1 contained_by { box { -2, 2 } } }` of
+    /// POV-Ray; `tokens` begin behind its first word.
     fn isosurface(self, tokens: &[Token], place: Span) -> Option<Plot> {
         let (inner, _) = bracketed(tokens)?;
         let behind = |word: &str| {
@@ -146,7 +145,7 @@ impl Words<'_> {
         let (inner, _) = bracketed(tokens)?;
         let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
         let mut ends = split(ends, Comma);
-        // A corner is a list between signs of order.
+        // The `<` and `>` around a corner are read as relations.
         for end in &mut ends {
             end.retain(|token| !matches!(token.kind, Less | Greater));
         }
@@ -161,7 +160,7 @@ impl Words<'_> {
         Some(AXES.into_iter().enumerate().map(range).collect())
     }
 
-    /// The formulas of a list, or the one that there is.
+    /// The formulas of a list, or the single formula.
     fn listed(formula: &[Token]) -> Vec<Vec<Token>> {
         if formula[0].kind == At
             && let Some((_, body)) = bracketed(&formula[1..])
@@ -176,7 +175,7 @@ impl Words<'_> {
         vec![formula.to_vec()]
     }
 
-    /// `Contours -> {1}`
+    /// The level in `Contours -> {1}`.
     fn level(self, arguments: &[Vec<Token>]) -> Option<Vec<Token>> {
         arguments.iter().find_map(|part| match part.as_slice() {
             [name, minus, arrow, value @ ..]
@@ -227,7 +226,7 @@ impl Words<'_> {
         ranges
     }
 
-    /// The numbers of a row of MATLAB, which blanks or commas separate.
+    /// The numbers of a row of MATLAB, separated by blanks or commas.
     fn numbers(self, row: &[Token]) -> Option<Vec<Vec<Token>>> {
         let mut numbers: Vec<Vec<Token>> = Vec::new();
         let mut sign = None;
@@ -245,7 +244,7 @@ impl Words<'_> {
         (sign.is_none() && matches!(numbers.len(), 2 | 4 | 6)).then_some(numbers)
     }
 
-    /// Ranges as a `domain` line, and a note that says so.
+    /// A `domain` line for the ranges, and the note on it.
     fn domain(self, ranges: &[PlotRange], place: Span) -> (Option<Vec<Token>>, Option<Note>) {
         let Some(first) = ranges.first() else { return (None, None) };
         let typed = |tokens: &[Token]| span_of(tokens).map_or("", |span| &self.text[span.range()]);
@@ -285,7 +284,7 @@ impl Words<'_> {
     }
 }
 
-/// Pairs of numbers as the ranges of x, y and z; one pair for all three.
+/// The ranges of x, y and z from pairs of numbers; a single pair holds for all three.
 fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
     let pair = |axis, at: usize| PlotRange {
         axis,

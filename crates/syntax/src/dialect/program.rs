@@ -1,9 +1,10 @@
-//! Programs as people paste them, brought to statements of this language: functions with bodies,
-//! typed declarations, names that are set again, `return`.
+//! Programs as people paste them, translated to statements of this language: functions with bodies,
+//! typed declarations, repeated assignments, `return`.
 //!
-//! A name that a function sets becomes a function of the same parameters, so that nothing is left
-//! that runs in steps: `vec2 q = p.xz;` in `f(p)` is `f_q(p) = p.xz`, and `q` below it `f_q(p)`.
-//! Each time that a name is set again it is another one. What a formula means is not known here.
+//! A variable of a function becomes a function with the same parameters, so the order of statements
+//! has no effect: `vec2 q = p.xz;` in `f(p)` becomes `f_q(p) = p.xz`, and a later `q` becomes
+//! `f_q(p)`. Each assignment to a variable defines another name. What a formula means is not known
+//! here.
 
 use crate::messages::note::Note;
 use crate::tree::ast::Name;
@@ -11,19 +12,19 @@ use crate::tree::built_statement::BuiltStatement;
 use crate::tree::raw_statement::RawStatement;
 use rustc_hash::FxHashSet;
 
-/// A text as statements.
+/// The statements of a text.
 #[derive(Default)]
 pub(crate) struct PastedProgram {
     pub statements: Vec<RawStatement>,
-    /// Whether names are typed or set in steps, as programs do.
+    /// True if the text has declarations or assignments that only programs have.
     pub in_steps: bool,
-    /// The last function of one vector of three components.
+    /// Name of the function to draw: the last one that takes a point of space.
     pub last_function: Option<Name>,
-    /// The last number that was set outside functions.
+    /// Name of the last number that is assigned outside functions and is not a known constant.
     pub last_value: Option<Name>,
-    /// What the text does not spell out.
+    /// Statements that the text does not spell out.
     pub synthesized: Vec<BuiltStatement>,
-    /// Names that were made in branches and loops, which may be used nowhere.
+    /// Names generated in branches and loops; nothing may use them.
     pub generated: FxHashSet<String>,
     pub notes: Vec<Note>,
 }

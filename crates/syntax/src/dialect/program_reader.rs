@@ -1,4 +1,4 @@
-//! The statements of a program, one after the other: what each sets, and what is left as it stands.
+//! Reads the statements of a program in order, and collects statements of this language.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::plot_commands::Plot;
@@ -21,43 +21,43 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use std::cell::Cell;
 use std::rc::Rc;
 
-/// The names of a function's body, or of what is outside functions.
+/// The variables of a function's body, or of the text outside functions.
 #[derive(Clone, Default)]
 pub(crate) struct Frame {
-    /// The function's name and parameters.
+    /// Name and parameters of the function; `None` outside functions.
     pub function: Option<Head>,
     pub aliases: Aliases,
-    /// Names that were set, with the number of their components.
+    /// Variables that were declared or assigned, with their number of components.
     pub set: Vec<(String, usize)>,
-    /// Names that count in whole numbers, and have a number that is known.
+    /// Integer variables, such as loop counters; their values are computed if possible.
     pub whole: FxHashSet<String>,
-    /// How many branches and loops are around.
+    /// Number of enclosing branches and loops.
     pub nested: usize,
-    /// How many calls are around that are written out.
+    /// Number of enclosing calls that are inlined.
     pub depth: usize,
-    /// What names begin with that are made in a call that is written out.
+    /// Prefix of the names that an inlined call generates.
     pub prefix: Option<String>,
-    /// Whether the result was written as it stands.
+    /// True if the function's result is already a statement of its own.
     pub is_done: bool,
 }
 
-/// A function that changes what it is given, or returns nothing.
+/// A function that changes its arguments or returns nothing. Calls to it are inlined.
 pub(crate) struct Procedure {
     pub parameters: Vec<ProcedureParameter>,
     pub body: Vec<ProgramStep>,
 }
 
-/// A parameter.
+/// A parameter of a procedure.
 pub(crate) struct ProcedureParameter {
     pub name: Name,
     pub size: usize,
-    /// Whether it has a value when the function begins.
+    /// True if it has the argument's value when the function begins.
     pub is_in: bool,
-    /// Whether what it was made into goes back.
+    /// True if its final value is written back to the argument.
     pub is_out: bool,
 }
 
-/// What stands for something else wherever it is called.
+/// A macro, which is replaced by its body wherever it is called.
 pub(crate) struct Macro {
     pub parameters: Option<Vec<String>>,
     pub body: Vec<Token>,
@@ -66,26 +66,26 @@ pub(crate) struct Macro {
 pub(crate) struct ProgramReader<'a> {
     pub words: Words<'a>,
     pub limits: &'a Limits,
-    /// Names that the text uses, or that were made.
+    /// Names that the text uses, or that were generated.
     pub taken: FxHashSet<String>,
-    /// Names of whole numbers, whose quotients programs cut.
+    /// Integer variables; programs truncate their quotients.
     pub whole: FxHashSet<String>,
-    /// Names that were defined.
+    /// Names that have a definition.
     pub heads: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
-    /// Numbers that names stand for outside functions.
+    /// Known values of names outside functions.
     pub constants: FxHashMap<String, f64>,
-    /// How many statements were run.
+    /// Number of statements and rounds that ran.
     pub steps: usize,
-    /// How many symbols macros were written out to.
+    /// Number of tokens that macros expanded to.
     pub written: Cell<usize>,
     pub program: PastedProgram,
 }
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
-/// Reads `text` as statements.
+/// Reads a text, whether it is a program or not.
 pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     let mut statements = scan(text, limits)?;
     let words = Words { text };
@@ -119,7 +119,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
 }
 
 impl ProgramReader<'_> {
-    /// One statement, which may be a function with the statements after it.
+    /// Reads a statement. A function may take more statements from `following` as its body.
     pub(crate) fn statement(
         &mut self,
         tokens: Vec<Token>,
@@ -139,7 +139,7 @@ impl ProgramReader<'_> {
         if frame.function.is_none()
             && let Some(statements) = self.words.unwrapped(&tokens)
         {
-            // Each is shorter, so that this ends.
+            // Each of them has fewer tokens, so the recursion ends.
             return statements
                 .into_iter()
                 .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
@@ -222,7 +222,7 @@ impl ProgramReader<'_> {
         self.plain(tokens, frame, true)
     }
 
-    /// A statement as it stands.
+    /// Adds a statement unchanged or, if `plots` is set, the formulas that a plot command plots.
     pub(crate) fn plain(&mut self, tokens: Vec<Token>, frame: &Frame, plots: bool) -> Fallible<()> {
         let mut tokens = tokens;
         if frame.function.is_some() && plots && self.words.assignment(&tokens).is_none() {
@@ -278,10 +278,10 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Reads a statement that sets names in steps; whether it is one.
+    /// Reads an assignment; returns whether the statement is one that is read here.
     fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         if let Some((left, right)) = Words::parallel(tokens) {
-            // All values are those before any of the names is set.
+            // All values are computed before any of the variables changes.
             let within = frame.aliases.clone();
             for (name, value) in left.into_iter().zip(right) {
                 self.set_to(self.words.name(name), 1, value, None, &within, frame)?;

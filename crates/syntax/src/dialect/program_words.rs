@@ -1,4 +1,4 @@
-//! The words of programs, and where their parts begin and end: no formula is looked into.
+//! Words of programs, and the parts of a statement. Formulas are not looked into.
 
 use crate::lex::spelling::{plain_name, token_kind};
 use crate::lex::token::{Token, bracketed, closing, in_brackets, split};
@@ -7,19 +7,19 @@ use crate::messages::error::{Error, ErrorKind};
 use crate::span::Span;
 use crate::tree::ast::Name;
 
-/// What the types of vectors begin with, of which the number of components is the end.
+/// Beginnings of vector types; the number of components follows.
 const VECTORS: &[&str] = &["vec", "float", "half", "ivec", "uvec", "bvec", "dvec"];
 
-/// What functions are called that tell the distance of a scene.
+/// Usual names of functions that return the distance to a scene.
 pub(crate) const SCENES: &[&str] =
     &["map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "getDist", "GetDist"];
 
-/// Whether a type counts in whole numbers.
+/// Returns whether `word` is an integer type.
 pub(crate) fn is_whole_type(word: &str) -> bool {
     matches!(word, "int" | "uint" | "long" | "unsigned")
 }
 
-/// Whether a word is a type, or stands before a declared name like one.
+/// Returns whether `word` is a type or a modifier before a declared name.
 pub(crate) fn is_type(word: &str) -> bool {
     let sized =
         |stem: &str, ends: &[&str]| word.strip_prefix(stem).is_some_and(|end| ends.contains(&end));
@@ -39,7 +39,7 @@ pub(crate) fn is_type(word: &str) -> bool {
     }
 }
 
-/// The number of components of a type.
+/// Number of components of a type; 1 if it is not a vector type.
 pub(crate) fn size_of(word: &str) -> usize {
     let is_vector = VECTORS.iter().any(|stem| word.starts_with(stem)) && !word.contains('x');
     let word = word.strip_suffix('f').unwrap_or(word);
@@ -49,19 +49,19 @@ pub(crate) fn size_of(word: &str) -> usize {
     }
 }
 
-/// Symbols, and the text that they stand in.
+/// Looks up the words of tokens in their text.
 #[derive(Clone, Copy)]
 pub(crate) struct Words<'a> {
     pub text: &'a str,
 }
 
 impl<'a> Words<'a> {
-    /// What was typed for a symbol that is a name; nothing for others.
+    /// The text of a token that is a name; empty for other tokens.
     pub(crate) fn word(self, token: Token) -> &'a str {
         if token.kind.is_name() { &self.text[token.span.range()] } else { "" }
     }
 
-    /// Whether a word is among symbols.
+    /// Returns whether `word` is among `tokens`.
     pub(crate) fn has(self, tokens: &[Token], word: &str) -> bool {
         tokens.iter().any(|token| self.word(*token) == word)
     }
@@ -70,24 +70,24 @@ impl<'a> Words<'a> {
         Name { text: plain_name(&self.text[token.span.range()]), span: token.span }
     }
 
-    /// The error for a word of programs that is not read.
+    /// The error for a word of programs that is not supported.
     pub(crate) fn unread(self, token: Token) -> Box<Error> {
         Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
-    /// Whether a word is followed by brackets or a name, and not by a sign.
+    /// Returns whether `tokens` begin with a word that brackets or a name follow, not an operator.
     pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
         if next.kind.is_name() || next.kind == OpenBrace {
             return true;
         }
-        // `if(c, a, b)` is a value; `if (c) a` is not.
+        // `if(c, a, b)` is a value; `if (c) a` is a command.
         let Some((inner, rest)) = bracketed(&tokens[1..]) else { return false };
         split(inner, Comma).len() == 1
             && rest.first().is_some_and(|next| next.kind.is_name() || next.kind == OpenBrace)
     }
 
-    /// Joins a body to the statement before it, which ends with a function's parameters.
+    /// Joins a function's body to the preceding statement, which ends with its parameters.
     pub(crate) fn join_bodies(self, statements: &mut Vec<Vec<Token>>) {
         let mut index = 1;
         while index < statements.len() {
@@ -95,7 +95,7 @@ impl<'a> Words<'a> {
             let is_body = statements[index][0].kind == OpenBrace
                 && before.last().is_some_and(|token| token.kind == CloseParen)
                 && self.types(before) > 0;
-            // The right side of a definition of OpenSCAD may stand below it.
+            // In OpenSCAD the right side of a definition may stand on the next line.
             let is_right = before.last().is_some_and(|token| token.kind == Equals)
                 && self.word(before[0]) == "function";
             if is_body || is_right {
@@ -107,7 +107,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Whether a statement is one of a program: typed, or setting a name anew.
+    /// Returns whether only programs have such a statement, for example a declaration or `a += 1`.
     pub(crate) fn is_step(self, tokens: &[Token]) -> bool {
         let first = self.word(tokens[0]);
         let types = self.types(tokens);
@@ -133,24 +133,24 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Whether an equals sign can set: two of them state.
+    /// Returns whether an equals sign may assign; `==` compares.
     fn sets(self, equals: Token) -> bool {
         !self.text[equals.span.range()].starts_with("==")
     }
 
-    /// How many words before a declared name are types.
+    /// Number of types and modifiers before a declared name.
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
         let count = tokens.iter().take_while(|token| is_type(self.word(**token))).count();
         if begins_name(tokens.get(count)) { count } else { 0 }
     }
 
-    /// Whether a statement is a function whose body stands in braces.
+    /// Returns whether `tokens` begin with a function whose body stands in braces.
     pub(crate) fn has_body(self, tokens: &[Token]) -> bool {
         self.function(tokens).is_some()
     }
 
-    /// Name, parameters, body and what follows of a function with a body.
-    #[allow(clippy::type_complexity)] // taken apart at once
+    /// Name, parameters and body of a function, and the tokens behind it.
+    #[allow(clippy::type_complexity)] // callers destructure it
     pub(crate) fn function(
         self,
         tokens: &[Token],
@@ -171,7 +171,7 @@ impl<'a> Words<'a> {
         Some((name, split(parameters, Comma), body.to_vec(), rest.to_vec()))
     }
 
-    /// Name, parameters and what stands behind the colon of `def name(parameters):`.
+    /// Name and parameters of `def name(parameters):`, and the tokens behind its colon.
     pub(crate) fn python(tokens: &[Token]) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
         let (parameters, rest) = bracketed(&tokens[2..])?;
         let colon = rest.iter().position(|token| token.kind == Colon)?;
@@ -180,7 +180,7 @@ impl<'a> Words<'a> {
     }
 
     /// Name, parameters and value of `f = lambda x: …` or `f = (x) => …`; the name may be left out.
-    #[allow(clippy::type_complexity)] // taken apart at once
+    #[allow(clippy::type_complexity)] // callers destructure it
     pub(crate) fn lambda(
         self,
         tokens: &[Token],
@@ -228,7 +228,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Name, size and value of a parameter.
+    /// Name, number of components and default value of a parameter.
     pub(crate) fn parameter(self, tokens: &[Token]) -> Option<(Token, usize, Option<Vec<Token>>)> {
         let equals = tokens.iter().position(|token| token.kind == Equals);
         let declared = &tokens[..equals.unwrap_or(tokens.len())];
@@ -274,7 +274,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The names before an equals sign, and what stands behind it.
+    /// The names before an equals sign, and the tokens behind it.
     fn set_at_once(tokens: &[Token]) -> Option<(Vec<Token>, &[Token])> {
         let equals = tokens.iter().position(|token| token.kind == Equals)?;
         let single = |tokens: &Vec<Token>| match tokens.as_slice() {
@@ -297,7 +297,7 @@ impl<'a> Words<'a> {
         Self::set_at_once(tokens).filter(|(names, _)| matches!(names.len(), 2..=4))
     }
 
-    /// Whether the components of a parameter are taken in `lines`.
+    /// Returns whether a parameter is a point: `lines` use its components, or some length.
     pub(crate) fn is_point(self, parameter: &[Token], lines: &[Vec<Token>]) -> bool {
         let Some((name, _, None)) = self.parameter(parameter) else { return false };
         let name = self.word(name);
@@ -315,7 +315,7 @@ impl<'a> Words<'a> {
         })
     }
 
-    /// The first sign that stands before all that it joins, as in `(+ a b)`.
+    /// The first operator in prefix notation, as in `(+ a b)`.
     pub(crate) fn prefixed(tokens: &[Token]) -> Option<Token> {
         let found = tokens.windows(3).find(|part| {
             part[0].kind == OpenParen
@@ -325,7 +325,7 @@ impl<'a> Words<'a> {
         found.map(|part| part[1])
     }
 
-    /// Whether `++` or `--` is in `tokens`.
+    /// Returns whether `tokens` contain `++` or `--`.
     pub(crate) fn steps_by_one(tokens: &[Token]) -> bool {
         tokens.windows(2).any(|pair| {
             matches!(pair[0].kind, Plus | Minus)
@@ -334,7 +334,7 @@ impl<'a> Words<'a> {
         })
     }
 
-    /// Whether a statement is a value, which is neither set nor returned.
+    /// Returns whether a statement is a value: neither an assignment nor a `return`.
     pub(crate) fn is_value(self, tokens: &[Token]) -> bool {
         let Some(first) = tokens.first() else { return false };
         self.word(*first) != "return"
@@ -343,7 +343,7 @@ impl<'a> Words<'a> {
             && tokens.iter().all(|token| token.kind != Equals)
     }
 
-    /// `name: f32 = value` as `name = value`.
+    /// Turns `name: f32 = value` into `name = value`.
     pub(crate) fn without_type(tokens: Vec<Token>) -> Vec<Token> {
         let equals = tokens.iter().position(|token| token.kind == Equals).unwrap_or(tokens.len());
         let is_typed = tokens.get(1).is_some_and(|next| next.kind == Colon)
@@ -358,7 +358,7 @@ impl<'a> Words<'a> {
         short
     }
 
-    /// `f[x_, y_]` as `f[x, y]`, on the left of a definition.
+    /// Turns `f[x_, y_]` into `f[x, y]` on the left of a definition.
     pub(crate) fn patterns(self, tokens: &mut [Token]) {
         let Some(end) = tokens.get(1..).and_then(closing).filter(|_| tokens[1].kind == OpenBracket)
         else {
@@ -376,7 +376,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Whether a symbol is a name.
+/// Returns whether the token is a name.
 pub(crate) fn begins_name(token: Option<&Token>) -> bool {
     token.is_some_and(|token| token.kind.is_name())
 }

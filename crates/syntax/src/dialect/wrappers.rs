@@ -1,5 +1,5 @@
-//! What other systems put around a formula: commands that plot it, declarations of names, braces of
-//! print. No formula is looked into.
+//! Removes what other systems put around a formula: plot commands, declarations of names, braces of
+//! print. Formulas are not looked into.
 
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -7,7 +7,7 @@ use crate::lex::token_kind::TokenKind::{self, *};
 use crate::lex::token::{Token, bracketed, closing, outside, split};
 use crate::span::Span;
 
-/// Commands that only declare names, or set up a system.
+/// Commands that only declare names or set up a system.
 const SETUP: &[&str] = &[
     "syms",
     "restart",
@@ -29,20 +29,21 @@ const SETUP: &[&str] = &[
     "precision",
 ];
 
-/// The same, where brackets follow.
+/// Such commands with brackets behind them.
 const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "reset", "kill"];
 
-/// What makes symbols of names.
+/// Functions that create symbols.
 const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
 
-/// What makes grids of coordinates.
+/// Functions that create grids of coordinates.
 const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
 /// Words before a formula that ask for its picture.
 const ASKS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
 impl Words<'_> {
-    /// The statements that one stands for which is more than a formula; none if it means nothing.
+    /// The statements that a wrapped one contains, empty if it has no meaning here. `None` for
+    /// others.
     pub(crate) fn unwrapped(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let first = *tokens.first()?;
         let next = tokens.get(1);
@@ -76,7 +77,7 @@ impl Words<'_> {
                 let (inner, rest) = bracketed(&tokens[1..])?;
                 return rest.is_empty().then(|| vec![inner.to_vec()]);
             }
-            // These mean nothing around a formula.
+            // These do not change the formula in their brackets.
             "Simplify" | "FullSimplify" | "Evaluate" | "N" | "Expand" | "Factor" | "simplify"
             | "expand" | "patch"
                 if opens && Self::is_whole_call(tokens) =>
@@ -110,7 +111,7 @@ impl Words<'_> {
         self.of_maple(tokens)
     }
 
-    /// What stands behind a command that sets up, `with(plots):`, or behind the mark of a session,
+    /// The tokens behind a setup command such as `with(plots):` or behind the prompt of a session:
     /// `In[1]:=`, `(%i1)`, `>>>`.
     fn behind_mark(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let rest = match tokens {
@@ -142,7 +143,7 @@ impl Words<'_> {
         (!rest.is_empty()).then_some(rest)
     }
 
-    /// `formula /. {a -> 2, b -> 3}` of Mathematica, as the formula and its values.
+    /// The formula and its values in `formula /. {a -> 2, b -> 3}` of Mathematica.
     fn with_rules(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let is_sign = |pair: &[Token]| {
             pair[0].kind == Slash && &self.text[pair[0].span.to(pair[1].span).range()] == "/."
@@ -163,7 +164,7 @@ impl Words<'_> {
         (at > 0).then_some(all)
     }
 
-    /// `formula where a = 2, b = 3`, as the formula and its values.
+    /// The formula and its values in `formula where a = 2, b = 3`.
     fn with_values(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let is_word = |token: &Token| {
             token.kind == TokenKind::Name && matches!(self.word(*token), "where" | "with" | "for")
@@ -190,7 +191,7 @@ impl Words<'_> {
         (is_read && values.iter().all(is_value)).then_some(all)
     }
 
-    /// A line of a file of Surfer: its formula, a parameter, or what is about its picture.
+    /// A line of a Surfer file: its formula or a parameter; empty for lines about the picture.
     fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         const PARAMETER: &str = "surface_parameter_";
         if !self.text.contains("surface_equation") {
@@ -216,13 +217,13 @@ impl Words<'_> {
         is_look.then(Vec::new)
     }
 
-    /// Whether the text sets a name of Surfer's that `draw_surface` draws.
+    /// Returns whether the text assigns `surface`, which Surfer's `draw_surface` draws.
     pub(crate) fn sets_surface(self) -> bool {
         let mut places = self.text.match_indices("surface");
         places.any(|(at, word)| self.text[at + word.len()..].trim_start().starts_with('='))
     }
 
-    /// Whether a statement is one call and nothing else.
+    /// Returns whether a statement is a single call.
     fn is_whole_call(tokens: &[Token]) -> bool {
         let end = closing(&tokens[1..]);
         end.is_some_and(|end| {
@@ -230,7 +231,7 @@ impl Words<'_> {
         })
     }
 
-    /// What stands in braces around an equation, or behind the colon of a set.
+    /// The tokens in braces around an equation, or behind the colon of a set.
     fn in_braces(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let end = closing(tokens)?;
         if tokens[end + 1..].iter().any(|token| !matches!(token.kind, Comma | Unknown)) {
@@ -243,7 +244,7 @@ impl Words<'_> {
         {
             return Some(inner[colon + 1..].to_vec());
         }
-        // `{(x, y, z) : …}`, or with a bar.
+        // A set such as `{(x, y, z) : …}`, or with a bar.
         let point = closing(inner).filter(|_| inner[0].kind == OpenParen);
         if let Some(end) = point
             && inner[..=end]
@@ -261,7 +262,7 @@ impl Words<'_> {
         (has(Equals).is_some() && !is_choice).then(|| inner.to_vec())
     }
 
-    /// `With[{a = 2}, body]`.
+    /// The statements of `With[{a = 2}, body]`.
     fn with(tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let (inner, rest) = bracketed(&tokens[1..])?;
         let [names, body] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
@@ -275,7 +276,7 @@ impl Words<'_> {
         Some(all)
     }
 
-    /// `a := 2: b := 3`, whose statements end with colons.
+    /// The two statements of `a := 2: b := 3`. Maple ends statements with colons.
     fn of_maple(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let sets = tokens
             .get(1)

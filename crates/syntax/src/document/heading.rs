@@ -1,6 +1,6 @@
-//! The comment that a text starts with. Nothing is known of statements.
+//! The comment at the start of a text. Statements are not known here.
 
-/// The title and text of the comment that a document starts with.
+/// The title and the text of the comment at the start of a document.
 pub(crate) fn heading(text: &str) -> (Option<String>, String) {
     let mut lines = text
         .trim_start_matches('\u{FEFF}')

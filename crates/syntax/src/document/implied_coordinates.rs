@@ -1,8 +1,8 @@
-//! Names of coordinates that a text uses and does not define: r, rho, theta and phi, and the point
-//! of space in programs.
+//! Defines names of coordinates that a text uses without defining them: r, rho, theta and phi, and
+//! the point of space in programs.
 //!
-//! Which system they are of is decided by the names that stand together, and a note tells the
-//! definitions that were taken. Where a text defines a name, it means that.
+//! The names that occur together decide the coordinate system, and a note states the definitions. A
+//! definition in the text takes precedence.
 
 use crate::lex::arrangement::statements;
 use crate::lex::spelling::plain_name;
@@ -19,18 +19,18 @@ use crate::tree::scope::{Scope, canonical};
 use crate::tree::statement::ParsedStatement;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// A name with its definition.
+/// A name and the text of its definition.
 type ImpliedDefinition = (&'static str, &'static str);
 
 const CYLINDER: &str = "sqrt(x^2 + y^2)";
 const SPHERE: &str = "sqrt(x^2 + y^2 + z^2)";
 const AROUND: &str = "atan2(y, x)";
 
-/// A use of a name: the line, and the place.
+/// Uses of each name: index of the line, and place.
 type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
 
-/// Where the four names, x, y, z and the names of a point are used: not where they are defined, or
-/// parameters, or stand for something that a program has set.
+/// Uses of the four names, of x, y, z and of the names of a point. Definitions and parameters are
+/// left out, and so are variables of a program.
 fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     let mut uses = Uses::default();
     for (index, line) in lines.iter().enumerate() {
@@ -73,8 +73,9 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     uses
 }
 
-/// Makes `r = 1 + cos(theta)` an equation: a left side that is one of the names and equal to
-/// another that has no definition, and that nothing else uses.
+/// Turns a line such as `r = 1 + cos(theta)` from a definition into an equation. The name on its
+/// left must not be used elsewhere. The right side must contain z without x and y, or another of
+/// the four names that has no definition.
 pub(crate) fn settle(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
     let defined: FxHashSet<String> = lines
         .iter()
@@ -90,7 +91,7 @@ pub(crate) fn settle(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scop
         let Some(own) = canonical(&head.name.text).filter(|_| line.raw.head.is_none()) else {
             continue;
         };
-        // Uses are in the order of their lines.
+        // Uses are in the order of their lines, so the first and the last are enough.
         let used_elsewhere = uses.get(own).is_some_and(|all| {
             let mut ends = all.first().into_iter().chain(all.last());
             ends.any(|(at, _)| *at != index)
@@ -102,7 +103,7 @@ pub(crate) fn settle(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scop
         let in_terms_of_others = ["r", "rho", "theta", "phi"]
             .into_iter()
             .any(|other| other != own && is_here(other) && !has(other));
-        // `theta = z/2`; with x or y it may be how the name is defined.
+        // `theta = z/2` is an equation; a formula with x or y may define the name.
         let is_restricted =
             line.pair.clone().into_inner().any(|part| part.as_rule() == Rule::restriction);
         let in_terms_of_z = is_here("z") && !is_restricted && !is_here("x") && !is_here("y");
@@ -112,7 +113,7 @@ pub(crate) fn settle(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scop
     }
 }
 
-/// The definitions that are implied, with notes that tell them.
+/// The implied definitions and the notes that state them; their names are added to `scope`.
 pub(crate) fn implied(
     text: &str,
     lines: &[ParsedStatement<'_>],
@@ -135,7 +136,7 @@ pub(crate) fn implied(
         }
     }
     let [r, rho, theta, phi] = ["r", "rho", "theta", "phi"].map(place);
-    // With x or y, an r that is nothing else is a radius that was forgotten.
+    // In a formula with x or y, r is probably a radius that lacks a definition.
     let plane: FxHashSet<usize> = ["x", "y"]
         .iter()
         .filter_map(|name| uses.get(name))
@@ -167,7 +168,7 @@ pub(crate) fn implied(
     (built, notes)
 }
 
-/// The system that names are of (r, rho, theta, phi), and its definitions.
+/// Name and definitions of the system in which the names r, rho, theta and phi are used.
 fn system(
     [r, rho, theta, phi]: [bool; 4],
     with_z: bool,
@@ -196,7 +197,7 @@ fn system(
     })
 }
 
-/// Whether components of `name` are taken.
+/// Returns whether components of `name` are used.
 fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool {
     lines.iter().any(|line| {
         line.raw.lexed.tokens.windows(2).any(|pair| {
@@ -207,7 +208,7 @@ fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool
     })
 }
 
-/// The statement that defines a name.
+/// The statement of an implied definition.
 fn define(
     (name, body): ImpliedDefinition,
     scope: &Scope,

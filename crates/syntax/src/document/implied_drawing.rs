@@ -1,4 +1,4 @@
-//! What is drawn where a text only defines.
+//! The drawing of a text that only defines.
 
 use crate::dialect::program::PastedProgram;
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -9,8 +9,8 @@ use crate::tree::built_statement::BuiltStatement;
 use crate::tree::statement::is_plain_number;
 use zeroset_ir::Axis;
 
-/// What a document with only definitions draws: its last function of (x, y, z), or of (x, y) as a
-/// height.
+/// The drawing of a document with definitions only: its last function of (x, y, z), or of (x, y) as
+/// a height.
 pub(crate) fn implied_drawing(
     definitions: &[(&Definition, &BuiltStatement)],
 ) -> Fallible<(BuiltStatement, Note)> {
@@ -41,8 +41,8 @@ pub(crate) fn implied_drawing(
     Err(Error::new(definition.name.span, kind))
 }
 
-/// What a program draws that returns nothing: its last function of a point of space, or the last
-/// number that it sets.
+/// The drawing of a program without a result of its own: its last function of a point of space, or
+/// the last number that it assigns.
 pub(crate) fn drawn_by_program(
     program: &PastedProgram,
     built: &[BuiltStatement],
@@ -60,12 +60,12 @@ pub(crate) fn drawn_by_program(
         let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
         (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
     };
-    // It stands nowhere in the text.
+    // The expression stands nowhere in the text.
     let expr = Expr::new(kind, Span::at(name.span.start));
     Some(drawn(expr, name.span, name.span))
 }
 
-/// What is drawn that the text does not spell out, and the note that says so at `place`.
+/// A drawing of `expr` that the text does not spell out, and the note about it at `place`.
 fn drawn(expr: Expr, span: Span, place: Span) -> (BuiltStatement, Note) {
     let kind = NoteKind::DrawsFunction { drawn: expr.to_string() };
     let statement = Statement::Draw { expr, restrictions: Vec::new() };

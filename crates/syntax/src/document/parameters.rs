@@ -1,4 +1,4 @@
-//! Which names are parameters, sliders and time, and what values they have.
+//! Decides which names are parameters, sliders or time, and computes their values.
 
 use crate::document::reading::{DocumentReader, Parameter, ParameterKind};
 use crate::lex::spelling::is_definable;
@@ -19,7 +19,7 @@ use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 
 impl<'a> DocumentReader<'a> {
-    /// The values of the overrides, by name; errors are kept.
+    /// The values of the overrides, by name. Errors are recorded.
     pub(crate) fn overrides(
         &mut self,
         definitions: &[(&Definition, &BuiltStatement)],
@@ -40,8 +40,8 @@ impl<'a> DocumentReader<'a> {
         values
     }
 
-    /// What every defined name means, and the parameters among them, with time if the picture
-    /// depends on it by more than what is drawn; errors are kept.
+    /// The meaning of every defined name, and the parameters among them. Time is added if a formula
+    /// or an override uses it, or if `is_timed`. Errors are recorded.
     pub(crate) fn parameters<'d>(
         &mut self,
         definitions: &[(&'d Definition, &BuiltStatement)],
@@ -154,7 +154,7 @@ fn override_value(
         let error = Error::new(span, ErrorKind::UnknownOverride { name: given });
         return Err(error.suggest_any(span, meant));
     } else {
-        // The value stands behind the name and `=`.
+        // A message shows `name=value`, so the places in the value move by the length of `name=`.
         let moved = |place: Span| Span::new(place.start + span.end + 1, place.end + span.end + 1);
         return evaluate_text(value, limits).map_err(|mut error| {
             error.span = moved(error.span);
@@ -167,7 +167,7 @@ fn override_value(
     Err(Error::new(span, kind))
 }
 
-/// The value and range of a slider's definition.
+/// The value and range of a slider.
 fn slider(
     definition: &Definition,
     given: Option<Constant>,
@@ -185,7 +185,7 @@ fn slider(
     Ok((value, Some(range)))
 }
 
-/// Whether a value certainly lies outside a range.
+/// Returns whether a value certainly lies outside a range.
 fn is_outside(value: &Constant, (low, high): &ConstantRange) -> bool {
     value.bounds().hi < low.bounds().lo || high.bounds().hi < value.bounds().lo
 }

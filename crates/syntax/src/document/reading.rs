@@ -1,4 +1,4 @@
-//! A whole text read: surfaces in one graph, parameters, domain, view and notes.
+//! Reads a whole text: surfaces in one graph, parameters, domain, view and notes.
 
 use crate::dialect::program_reader::program;
 use crate::document::heading::heading;
@@ -24,23 +24,23 @@ use crate::tree::statement::{build, lines, settle_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Constant, Graph, NodeId};
 
-/// What reading depends on beside the text.
+/// Inputs of reading besides the text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options<'a> {
     /// Names with constant expressions that replace or supply their values, in order.
     pub overrides: &'a [(String, String)],
-    /// The time `t`, whatever the document says.
+    /// Value of the time `t`; it replaces the value in the document.
     pub time: Option<f64>,
-    /// How much is read.
+    /// Limits on the text.
     pub limits: Limits,
 }
 
-/// A text as it was read.
+/// The result of reading a text.
 #[derive(Clone, Debug)]
 pub struct Document {
-    /// All surfaces in one graph, exactly as typed: nothing is simplified.
+    /// Functions of all surfaces in one graph, exactly as typed: nothing is simplified.
     pub graph: Graph,
-    /// What is drawn, in the order of the text; at least one.
+    /// The surfaces, in the order of the text; at least one.
     pub surfaces: Vec<Surface>,
     /// Sliders and time, by ascending number.
     pub parameters: Vec<Parameter>,
@@ -48,49 +48,49 @@ pub struct Document {
     pub domain: Option<DomainLine>,
     /// The `view` line, if there is one.
     pub view: Option<ViewLine>,
-    /// How it is to be lit, if a line says so.
+    /// Look of the picture, if a `look` line sets one.
     pub look: Option<&'static zeroset_style::Look>,
-    /// What is shown where nothing is, if a line says so.
+    /// Background color, if a `background` line sets one.
     pub background: Option<SrgbColor>,
-    /// What else is said of the picture.
+    /// All other settings of the picture.
     pub picture: PictureLines,
-    /// Where all of that is said, in the order of the text.
+    /// Places of all settings, in the order of the text.
     pub lines: Vec<SettingLine>,
-    /// The first comment's first line, if the text starts with a comment.
+    /// First line of the comment at the start of the text, if there is one.
     pub title: Option<String>,
     /// The rest of that comment, line breaks kept; empty if there is none.
     pub doc: String,
-    /// Notes, in the order of their places.
+    /// Notes, sorted by their places.
     pub notes: Vec<Note>,
 }
 
-/// One thing to draw.
+/// An equation or solid to draw.
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// The function whose zeros are drawn.
     pub root: NodeId,
-    /// Whether it bounds a solid.
+    /// True if this is an equation or a solid.
     pub kind: SurfaceKind,
-    /// Where it was typed.
+    /// Place of the statement in the text.
     pub span: Span,
-    /// How it was read.
+    /// The statement as it was read.
     pub echo: String,
-    /// The color of the last `color` line above it, if there is one; of the first below it where
-    /// the last such line of the document follows all drawings.
+    /// Color from the last `color` line above the surface. If the last `color` line of the document
+    /// is below all surfaces, the first one below this surface counts instead.
     pub color: Option<SurfaceColor>,
-    /// How much of the light from behind it stops, within [0, 1]: what its `color` line says, or
-    /// else the `opacity` line that is in the same place; else 1.
+    /// Opacity within [0, 1]: the share of the light behind the surface that it stops. The `color`
+    /// line sets it, or else an `opacity` line, chosen like the `color` line. Otherwise it is 1.
     pub opacity: f64,
-    /// Whether it is not to be seen: what the `hidden` line in the same place says.
+    /// True if it is hidden: set by a `hidden` line, chosen like the `color` line.
     pub hidden: bool,
 }
 
-/// What a surface is the surface of.
+/// Kind of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// An equation: only its zeros.
+    /// An equation, of which only the zeros count.
     Equation,
-    /// An inequality: the solid where the function is ≤ 0.
+    /// An inequality: the solid in which the function is ≤ 0.
     Solid,
 }
 
@@ -103,25 +103,25 @@ pub struct Parameter {
     pub number: u32,
     /// Its value.
     pub value: Constant,
-    /// The ends of its slider, or of the loop of time.
+    /// Range of its slider, or of the loop of time.
     pub range: Option<(Constant, Constant)>,
-    /// Whether it is time.
+    /// True if it is a slider or time.
     pub kind: ParameterKind,
-    /// Where it was defined, if the text does so.
+    /// Place of its definition, if the text defines it.
     pub span: Option<Span>,
 }
 
-/// What moves a parameter.
+/// Kind of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterKind {
-    /// The user.
+    /// A slider, which the user moves.
     Slider,
-    /// The clock.
+    /// Time, which the clock moves.
     Time,
 }
 
 impl Document {
-    /// The line with this first word that holds for a surface, by number, if there is one.
+    /// The line that begins with `word` and holds for surface number `surface`, if there is one.
     pub fn line_for(&self, word: &str, surface: usize) -> Option<&SettingLine> {
         let place = self.surfaces.get(surface)?.span.start;
         let last = self.surfaces.last()?.span.start;
@@ -134,8 +134,7 @@ impl Document {
 /// Reads a document: one line or a whole file.
 ///
 /// # Errors
-/// What is wrong with the text or with an override: at least one error, at most one for
-/// each statement.
+/// The errors of the text and of overrides: at least one, at most one for each statement.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     DocumentReader::new(text, options).read()
 }
@@ -143,7 +142,7 @@ pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
 /// Reads a document from bytes that should be UTF-8.
 ///
 /// # Errors
-/// As [`read`], and where the bytes are not UTF-8.
+/// The errors of [`read`], or one for bytes that are not UTF-8.
 pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Errors> {
     match std::str::from_utf8(bytes) {
         Ok(text) => read(text, options),
@@ -154,11 +153,11 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
     }
 }
 
-/// The statements of a text, with every name resolved.
+/// Returns the statements of a text, with every name resolved.
 ///
 /// # Errors
-/// What is wrong with the text: at least one error, at most one for each statement.
-/// `domain`, `view` and `color` lines are checked by the grammar only.
+/// The errors of the text, at least one and at most one for each statement. Lines about the picture
+/// are checked, too.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
     let mut reader = DocumentReader::new(text, &options);
@@ -166,7 +165,7 @@ pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
-/// What is known of a text while it is read.
+/// State while a text is read.
 pub(crate) struct DocumentReader<'a> {
     text: &'a str,
     pub options: &'a Options<'a>,
@@ -186,8 +185,8 @@ impl<'a> DocumentReader<'a> {
         }
     }
 
-    /// The trees of all statements and the names they see; what is said of the picture goes to
-    /// the settings.
+    /// Builds the trees of all statements, and the scope in which their names are resolved. Lines
+    /// about the picture are collected in `settings`.
     fn statements(&mut self) -> Result<(Vec<BuiltStatement>, Scope), Errors> {
         let program = program(self.text, &self.options.limits)?;
         let mut lines = lines(self.text, &program.statements)?;
@@ -245,12 +244,12 @@ impl<'a> DocumentReader<'a> {
         Ok((built, scope))
     }
 
-    /// What there is, unless it is an error, which is kept.
+    /// The value of `result`, or `None` after recording its error.
     pub(crate) fn kept<T>(&mut self, result: Fallible<T>) -> Option<T> {
         result.map_err(|error| self.errors.push(*error)).ok()
     }
 
-    /// Fails if there were errors.
+    /// Fails if errors were recorded.
     fn check(&mut self) -> Result<(), Errors> {
         match std::mem::take(&mut self.errors) {
             errors if errors.is_empty() => Ok(()),
@@ -269,7 +268,7 @@ impl<'a> DocumentReader<'a> {
                 Statement::Draw { .. } => drawings.push(one),
             }
         }
-        // The last definition of a name counts, everywhere.
+        // Only the last definition of a name counts, even for statements above it.
         let mut last: FxHashMap<&str, usize> = FxHashMap::default();
         for (index, (definition, _)) in definitions.iter().enumerate() {
             if let Some(before) = last.insert(&definition.name.text, index) {
@@ -287,7 +286,7 @@ impl<'a> DocumentReader<'a> {
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
-            // Each is compared with every name, so a bound keeps hostile texts cheap.
+            // A note compares its name with every other, so a bound keeps hostile texts cheap.
             let notes = unused.take(MOST).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
         }
@@ -325,10 +324,10 @@ impl<'a> DocumentReader<'a> {
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         self.notes.sort_by_key(|note| note.span);
-        // One note on a name is enough.
+        // One note for each name is enough.
         let mut seen = FxHashSet::default();
         self.notes.retain(|note| !note.kind.is_about_a_name() || seen.insert(note.kind.clone()));
-        // Each is drawn with the line that it is about, which may be the whole text.
+        // A note is printed with its line, which may be the whole text, so their number is bounded.
         if let Some(note) = self.notes.get(MOST_NOTES) {
             let span = note.span;
             self.notes.truncate(MOST_NOTES);
@@ -352,7 +351,7 @@ impl<'a> DocumentReader<'a> {
     }
 }
 
-/// Gives surfaces what lines say that hold for them.
+/// Sets color, opacity and visibility of each surface from the lines that hold for it.
 fn style<'a>(
     surfaces: &mut [Surface],
     settings: &'a CollectedLines,
@@ -372,7 +371,7 @@ fn style<'a>(
     Ok(())
 }
 
-/// What is used of what a program's branches and loops have made, and everything else.
+/// Drops generated definitions that no other statement needs.
 fn needed(built: Vec<BuiltStatement>, generated: &FxHashSet<String>) -> Vec<BuiltStatement> {
     let name = |built: &BuiltStatement| match &built.statement {
         Statement::Define(definition) if generated.contains(&definition.name.text) => {
@@ -398,7 +397,7 @@ fn needed(built: Vec<BuiltStatement>, generated: &FxHashSet<String>) -> Vec<Buil
     built.into_iter().filter(|_| keep.next().unwrap_or(true)).collect()
 }
 
-/// Notes on exponents that are not known to be integers, each where it is first drawn.
+/// Notes on exponents that may be integers but are not known to be, at the first surface of each.
 fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
     let mut left = near_integers(graph, MOST_NOTES);
     let mut notes = Vec::new();
@@ -409,7 +408,7 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
         let needed = graph.reachable(&[surface.root]);
         left.retain(|id| {
             if needed[id.index()] {
-                // What is shared would be written out each time.
+                // A node that is used several times would be written out each time.
                 let nodes = graph.reachable(&[*id]).into_iter().filter(|needed| *needed).count();
                 let exponent = match nodes {
                     0..=12 => short_name(&zeroset_ir::display(graph, *id, &[])),
@@ -424,7 +423,7 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
     notes
 }
 
-/// The note on a definition that nothing uses: perhaps a formula with a typo in its left side.
+/// The note on a definition that nothing uses. It may be a formula with a typo in its left side.
 fn unused_note(definition: &Definition, scope: &Scope) -> Note {
     let Name { text: name, span } = &definition.name;
     let meant = scope.meant(name, definition.parameters.is_some());
@@ -455,7 +454,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallib
     })
 }
 
-/// How a drawing was read; a plain formula shows the `= 0` it implies.
+/// The text of a drawing as it was read; a plain formula gets the `= 0` that it implies.
 fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     if expr.is_condition() {
         return Drawing { expr, restrictions }.to_string();

@@ -1,4 +1,4 @@
-//! Definitions that use one another in a circle.
+//! Finds definitions that use one another in a circle.
 
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::tree::ast::Definition;
@@ -29,7 +29,8 @@ pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fa
         if state[start] != NEW {
             continue;
         }
-        // A depth-first walk with its own stack: (definition, how many of its uses were followed).
+        // A depth-first walk with its own stack of pairs: a definition, and the number of its uses
+        // followed.
         let mut path: Vec<(usize, usize)> = vec![(start, 0)];
         state[start] = OPEN;
         while let Some((at, followed)) = path.last_mut() {
@@ -47,7 +48,7 @@ pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fa
                 OPEN => {
                     let from = path.iter().position(|(at, _)| *at == next).unwrap_or(0);
                     let mut cycle: Vec<usize> = path[from..].iter().map(|(at, _)| *at).collect();
-                    // Starts with the definition that stands first in the text.
+                    // The cycle starts with the definition that stands first in the text.
                     let first = (0..cycle.len()).min_by_key(|i| cycle[*i]).unwrap_or(0);
                     cycle.rotate_left(first);
                     let name = |index: &usize| definitions[*index].0.name.text.clone();

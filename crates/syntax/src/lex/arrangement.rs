@@ -1,8 +1,8 @@
-//! Symbols put in the one arrangement that the grammar knows, within one statement: choices however
-//! they are written, lists, ranges, decimal commas, labels.
+//! Brings the tokens of one statement to the form that the grammar reads: choices in any notation,
+//! lists, ranges, decimal commas, labels.
 //!
-//! Symbols keep the places where they were typed, and their order; a bracket that was not typed
-//! stands at a place without length. Nothing here knows what a name means.
+//! Tokens keep their order and their places in the text. A bracket that was not typed has an empty
+//! span. Nothing here knows what a name means.
 
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
@@ -16,7 +16,7 @@ use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use std::collections::VecDeque;
 
-/// A symbol, or a pair of brackets with what is in it, arranged.
+/// A token, or a pair of brackets with its arranged contents.
 enum TokenTree {
     Leaf(Token),
     Group(Token, Vec<Token>, Token),
@@ -27,7 +27,7 @@ impl TokenTree {
         matches!(self, Self::Leaf(token) if token.kind == kind)
     }
 
-    /// Makes another symbol of a leaf.
+    /// Changes the kind of a leaf.
     fn set(&mut self, kind: TokenKind) {
         if let Self::Leaf(token) = self {
             token.kind = kind;
@@ -42,7 +42,7 @@ impl TokenTree {
     }
 }
 
-/// The statements of a text that is no program.
+/// The statements of a text that is not a program.
 pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<LexedStatement>> {
     let mut pieces = Vec::new();
     for tokens in scan(text, limits)? {
@@ -51,7 +51,7 @@ pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<LexedState
     Ok(pieces)
 }
 
-/// The symbols of a statement as the grammar knows them; `None` if nothing is left.
+/// The statement that `tokens` form, ready for the grammar; `None` if no token is left.
 pub(crate) fn arrange(
     text: &str,
     tokens: Vec<Token>,
@@ -70,7 +70,7 @@ pub(crate) fn arrange(
     let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
     let mut tokens = tokens.into_iter().peekable();
     let mut arranged = arranger.level(&mut tokens, None)?;
-    // What was given no meaning by what is around it has none.
+    // These have a meaning only within constructs that are already arranged here.
     for token in &mut arranged {
         if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
             token.kind = Unknown;
@@ -82,7 +82,7 @@ pub(crate) fn arrange(
     LexedStatement::new(scalar_products(text, arranged), arranger.notes).map(Some)
 }
 
-/// Takes away a label, and what ends a sentence.
+/// Removes a label, punctuation at the end, and marks of quotation.
 fn trim(text: &str, tokens: &mut Vec<Token>) {
     let typed = |token: &Token| &text[token.span.range()];
     while tokens.len() > 1
@@ -92,7 +92,7 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
     {
         tokens.pop();
     }
-    // What marks a quotation or bold letters, in quotation marks, or quoted in a letter.
+    // Marks of bold text or a quotation, and below, the `>` of a quoted mail.
     if let [first, .., last] = tokens.as_slice()
         && [("**", "**"), ("‘", "’"), ("'", "'")].contains(&(typed(first), typed(last)))
     {
@@ -111,8 +111,8 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
     }
 }
 
-/// Takes away the sign that a cell begins with, and what only cells have: semicolons in brackets,
-/// `PI()`.
+/// Removes notation of spreadsheet cells: the `=` in front, semicolons between arguments, and the
+/// brackets of `PI()`.
 fn spreadsheet(text: &str, tokens: &mut Vec<Token>) {
     if tokens.len() < 2 || tokens[0].kind != Equals {
         return;
@@ -146,7 +146,7 @@ impl Arranger<'_> {
         &self.text[token.span.range()]
     }
 
-    /// What was typed for a name; nothing for others.
+    /// The text of a name; empty for other nodes.
     fn word(&self, node: &TokenTree) -> &str {
         match node {
             TokenTree::Leaf(token) if token.kind == TokenKind::Name => self.typed(*token),
@@ -154,11 +154,11 @@ impl Arranger<'_> {
         }
     }
 
-    /// What stands up to the bracket that closes `open`, arranged; the bracket is left.
+    /// Arranges the tokens up to the bracket that closes `open`. That bracket is not consumed.
     fn level(&mut self, tokens: &mut Tokens, open: Option<Token>) -> Fallible<Vec<Token>> {
         let in_pieces = open.is_some_and(|open| open.kind == OpenChoice);
         let in_matrix = open.is_some_and(|open| open.kind == OpenMatrix);
-        // What commas separate, with the comma behind each.
+        // The parts between commas, each with the comma behind it.
         let mut segments: Vec<(Vec<TokenTree>, Option<Token>)> = Vec::new();
         let mut segment: Vec<TokenTree> = Vec::new();
         while let Some(mut token) = tokens.peek().copied() {
@@ -169,8 +169,8 @@ impl Arranger<'_> {
             if token.kind.closer().is_some() {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
-                // `{\text{for}}` is a word of the text around.
-                // Brackets of a macro may stand in another order.
+                // `{\text{for}}` is a word of the surrounding text. The brackets of a macro may
+                // stand in another order in the text, hence `get`.
                 let between = self.text.get(token.span.end..close.span.start).unwrap_or("");
                 if inner.is_empty() && token.kind == OpenBrace && between.contains(r"\text") {
                     continue;
@@ -192,7 +192,8 @@ impl Arranger<'_> {
                 segment.push(TokenTree::Leaf(merged));
                 continue;
             }
-            // A row of pieces may have commas of its own before its end or its condition.
+            // In a row of pieces a comma before the condition or the end of the row separates
+            // nothing.
             let is_empty = segment.is_empty() && in_pieces;
             let ends_value = in_pieces
                 && tokens.peek().is_some_and(|next| matches!(next.kind, If | RowEnd | CloseChoice));
@@ -207,11 +208,11 @@ impl Arranger<'_> {
                 matches!(open.kind, OpenParen | OpenBracket | OpenChoice | OpenMatrix)
             })
         {
-            // A comma behind the last argument.
+            // A trailing comma behind the last argument.
             segments.pop();
         }
         if open.is_some_and(|open| open.kind == OpenParen) {
-            // Arguments of numpy and SymPy that leave a value as it is.
+            // Options of numpy and SymPy that do not change the value.
             let is_option = |(segment, _): &(Vec<TokenTree>, Option<Token>)| {
                 segment.len() > 2
                     && segment[1].is(Equals)
@@ -230,7 +231,8 @@ impl Arranger<'_> {
         Ok(arranged)
     }
 
-    /// A pair of brackets: braces are pieces if they hold a colon, a list if a comma.
+    /// Groups a pair of brackets and decides what braces are: a choice if they hold a colon, a list
+    /// if they hold a comma.
     fn group(
         &self,
         (mut open, mut close): (Token, Token),
@@ -261,7 +263,7 @@ impl Arranger<'_> {
         TokenTree::Group(open, inner, close)
     }
 
-    /// `0,5` as one number, where a comma can separate nothing.
+    /// The single number `0,5`, if a comma cannot separate anything here.
     fn decimal_comma(
         &mut self,
         before: &[TokenTree],
@@ -279,7 +281,7 @@ impl Arranger<'_> {
         let is_whole = are_numbers && digits(*number) && digits(next);
         let separates = match open {
             None => self.is_setting,
-            // Brackets behind a name may hold arguments; two numbers alone may be a point.
+            // Brackets behind a name may hold arguments, and two numbers alone may be a point.
             Some(open) => {
                 let behind = self.text[..open.span.start].trim_end().chars().next_back();
                 let is_call = behind.is_some_and(|c| in_name(c) || ")]}".contains(c));
@@ -295,7 +297,7 @@ impl Arranger<'_> {
         Some(Token::new(Number, span))
     }
 
-    /// Arranges what stands between two commas onto the end of `out`.
+    /// Arranges the nodes between two commas and appends them to `out`.
     fn segment(
         &mut self,
         mut nodes: Vec<TokenTree>,
@@ -306,7 +308,7 @@ impl Arranger<'_> {
             self.words(&mut nodes);
         }
         for index in 1..nodes.len() {
-            // `(a) & (b)` of numpy.
+            // numpy joins conditions as in `(a) & (b)`.
             if let [TokenTree::Group(..), sign, TokenTree::Group(..), ..] = &mut nodes[index - 1..]
                 && sign.is(Ampersand)
             {
@@ -326,7 +328,7 @@ impl Arranger<'_> {
         let is_conditional = nodes.iter().skip(1).any(|node| self.word(node) == "if")
             && nodes.iter().any(|node| self.word(node) == "else");
         if is_ternary || is_conditional {
-            // What is set equal to a choice is no part of it.
+            // The left side of an equation is not part of the choice on its right.
             let choice = nodes
                 .iter()
                 .position(|node| node.is(QuestionMark) || self.word(node) == "if")
@@ -344,7 +346,7 @@ impl Arranger<'_> {
         Ok(())
     }
 
-    /// `x + y = z where z > 0` as `x + y = z {z > 0}`.
+    /// Rewrites `x + y = z where z > 0` as `x + y = z {z > 0}`.
     fn condition_behind(&self, nodes: &mut Vec<TokenTree>, is_first: bool) {
         let is_lead = |node: &TokenTree| matches!(self.word(node), "where" | "when" | "for");
         let Some(at) = nodes.iter().position(is_lead).filter(|at| *at > 0 && is_first) else {
@@ -363,8 +365,8 @@ impl Arranger<'_> {
         nodes.push(TokenTree::Group(open, inner, Token::new(CloseBrace, Span::at(end))));
     }
 
-    /// `a mod b` as `a % b`: behind what is divided or a bar, which may close it, and not before
-    /// brackets with arguments of its own.
+    /// Rewrites `a mod b` as `a % b`. The word must follow an operand or a bar, which may close
+    /// one. It must not stand before brackets with several arguments.
     fn infix(&self, nodes: &mut [TokenTree]) {
         for index in 1..nodes.len() {
             let is_call = |next: &TokenTree| matches!(next, TokenTree::Group(_, inner, _) if inner.iter().any(|token| token.kind == Comma));
@@ -383,7 +385,7 @@ impl Arranger<'_> {
         }
     }
 
-    /// `if c then a else b` as `c ? a : b`.
+    /// Rewrites `if c then a else b` as `c ? a : b`.
     fn then(&self, nodes: &mut Vec<TokenTree>) {
         if !nodes.iter().any(|node| self.word(node) == "then") {
             return;
@@ -398,7 +400,8 @@ impl Arranger<'_> {
         }
     }
 
-    /// Words and signs that have a role in brackets only: ranges, generators, the last piece.
+    /// Sets the kind of words and signs that have a role only in brackets: ranges, generators, the
+    /// last piece.
     fn words(&self, nodes: &mut [TokenTree]) {
         if nodes.iter().any(|node| node.is(Dots))
             && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)
@@ -418,7 +421,7 @@ impl Arranger<'_> {
             let within = nodes[index - 1].is(In);
             let kind = match self.word(&nodes[index]) {
                 word if follows && OTHERWISE.contains(&word) => Otherwise,
-                // Dropped below: it means nothing behind the sign that separates.
+                // `flatten` drops it, since the preceding `If` already separates the condition.
                 "for" | "if" if follows => Blank,
                 "for" => For,
                 "range" if within => RangeCall,
@@ -428,7 +431,7 @@ impl Arranger<'_> {
         }
     }
 
-    /// `c ? a : b` or `a if c else b`, as pieces.
+    /// Appends `c ? a : b` or `a if c else b` to `out`, as the pieces of a choice.
     fn chosen(
         &mut self,
         nodes: Vec<TokenTree>,
@@ -444,7 +447,8 @@ impl Arranger<'_> {
         out.push(Token::new(OpenChoice, Span::at(span.start)));
         let end = nodes.last().map_or(span.end, |node| node.span().end);
         let mut rest = VecDeque::from(nodes);
-        // The parts before, between and after the two signs.
+        // Each round takes one piece: the nodes before the first sign and those between the two
+        // signs.
         while let Some((first, second)) = self.signs(rest.iter(), is_ternary) {
             let joint = rest[second].span();
             let sign = rest[first].span();
@@ -463,7 +467,7 @@ impl Arranger<'_> {
         Ok(())
     }
 
-    /// A part of a choice, which may be a choice.
+    /// Appends a part of a choice, which may itself be a choice.
     fn part(
         &mut self,
         nodes: Vec<TokenTree>,
@@ -477,7 +481,7 @@ impl Arranger<'_> {
         Ok(())
     }
 
-    /// The places of the first sign of a choice and of the one that belongs to it.
+    /// Indices of the first sign of a choice and of the second sign that belongs to it.
     fn signs<'n>(
         &self,
         nodes: impl Iterator<Item = &'n TokenTree> + Clone,
@@ -505,12 +509,12 @@ impl Arranger<'_> {
     }
 }
 
-/// Whether brackets behind this hold arguments.
+/// Returns whether brackets behind `before` hold its arguments.
 fn is_called(before: Option<&TokenTree>) -> bool {
     matches!(before, Some(TokenTree::Leaf(token)) if token.kind == TokenKind::Name)
 }
 
-/// `a \over b` as a fraction.
+/// Appends `a \over b` to `out` as a fraction.
 fn over(mut nodes: Vec<TokenTree>, at: usize, out: &mut Vec<Token>) {
     let below = nodes.split_off(at + 1);
     let sign = nodes.pop().map_or(Span::default(), |node| node.span());
@@ -526,13 +530,13 @@ fn over(mut nodes: Vec<TokenTree>, at: usize, out: &mut Vec<Token>) {
     }
 }
 
-/// Whether brackets hold nothing but one list.
+/// Returns whether brackets hold nothing but one list.
 fn holds_lists(inner: &[Token]) -> bool {
     let closes = inner.iter().position(|token| token.kind == CloseList);
     inner.first().is_some_and(|token| token.kind == OpenList) && closes == Some(inner.len() - 1)
 }
 
-/// All symbols of `nodes`, in order.
+/// Appends all tokens of `nodes` to `out`, in order and without blanks.
 fn flatten(nodes: Vec<TokenTree>, out: &mut Vec<Token>) {
     for node in nodes {
         match node {

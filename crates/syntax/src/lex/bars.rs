@@ -1,56 +1,56 @@
-//! Bars: which open and which close, and which two are the word or.
+//! Decides for each bar whether it opens or closes, and which two bars together mean `or`.
 
 use crate::lex::token::Token;
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 
-/// Bars that may be open at once.
+/// Largest number of bars that may be open at once.
 const DEPTH: usize = 12;
 
-/// What a bar is.
+/// Role of a bar.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Opens,
     Closes,
-    /// The second of two that join conditions.
+    /// The second of two bars that mean `or`.
     Joins,
 }
 
 const ROLES: [Role; 3] = [Role::Opens, Role::Closes, Role::Joins];
 
-/// The best reading of all bars up to one, which has a role, and behind which as many are open as
-/// its place in a list says.
+/// The cheapest roles for all bars up to one of them, for a given role of that bar and a given
+/// number of bars open behind it.
 #[derive(Clone, Copy)]
 struct Reading {
-    /// How much in it is unusual; the least counts.
+    /// Cost of all unusual roles; the reading with the lowest cost wins.
     cost: u32,
-    /// Whether other readings cost as little.
+    /// True if another reading has the same cost.
     is_tied: bool,
-    /// The role of the bar before.
+    /// Role of the preceding bar.
     before: Role,
 }
 
-/// The readings of the bars up to one, by how many are open behind it and by its role.
+/// Readings up to one bar, indexed by the number of bars open behind it and by its role.
 type Readings = [[Option<Reading>; ROLES.len()]; DEPTH + 1];
 
-/// The bars between which all brackets are closed.
+/// The bars at one level of brackets.
 #[derive(Default)]
 struct BarLevel {
-    /// By their index.
+    /// Token indices of the bars.
     places: Vec<usize>,
-    /// What compares or joins comparisons, by its index.
+    /// Token indices of relations, `and` and `or`.
     signs: Vec<usize>,
 }
 
 impl BarLevel {
-    /// Whether something is compared between a bar and the one before.
+    /// Returns whether there is a relation between a bar and the one before it.
     fn compares(&self, bar: usize) -> bool {
         let before = bar.checked_sub(1).map_or(0, |before| self.places[before]);
         let first = self.signs.partition_point(|sign| *sign < before);
         self.signs.get(first).is_some_and(|sign| *sign < self.places[bar])
     }
 
-    /// Whether something is compared on both sides of a bar.
+    /// Returns whether there are relations both before and behind a bar.
     fn is_between(&self, bar: usize) -> bool {
         let place = self.places[bar];
         self.signs.first().is_some_and(|sign| *sign < place)
@@ -58,14 +58,13 @@ impl BarLevel {
     }
 }
 
-/// What it costs to have a comparison in bars, which is no number, or to join what is no
-/// comparison.
+/// Cost of a comparison between bars, which is not a number, or of an `or` that does not join
+/// comparisons.
 const UNLIKELY: u32 = 1000;
 
-/// Tells closing bars from opening ones within each pair of brackets. Of all pairings that are
-/// possible the one with the fewest products without a sign beside a bar is meant; it is an error
-/// if there are several such, or none. Two bars side by side between operands, where none is open,
-/// join conditions.
+/// Sets the role of each bar, separately for each pair of brackets. The pairing with the fewest
+/// implicit products beside a bar is chosen. It is an error if there is none, or several are
+/// equally good. Two adjacent bars behind an operand, where no bar is open, mean `or`.
 pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     if !tokens.iter().any(|token| matches!(token.kind, Bar | OpenBar | CloseBar)) {
         return Ok(());
@@ -96,7 +95,7 @@ fn pair(tokens: &mut [Token], level: &BarLevel) -> Fallible<()> {
     let places = &level.places;
     let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return Ok(()) };
     let mut readings: Vec<Readings> = vec![[[None; ROLES.len()]; DEPTH + 1]; places.len() + 1];
-    // Nothing is read yet: as behind a joint.
+    // Before the first bar the state is the same as behind an `or`.
     readings[0][0][Role::Joins as usize] =
         Some(Reading { cost: 0, is_tied: false, before: Role::Joins });
     for bar in 0..places.len() {
@@ -148,7 +147,7 @@ fn pair(tokens: &mut [Token], level: &BarLevel) -> Fallible<()> {
     Ok(())
 }
 
-/// Adds the readings that go on from one of the bars before `bar`.
+/// Extends a reading of the bars before `bar` by each possible role of `bar`.
 fn go_on(
     tokens: &[Token],
     level: &BarLevel,
@@ -176,7 +175,7 @@ fn go_on(
     };
     let typed = tokens[index].kind;
     if typed != CloseBar && depth < DEPTH && (!ends || begins(after)) {
-        // Bars directly within bars say nothing more.
+        // Bars directly within bars are redundant, so they cost as much as an implicit product.
         add(1, depth + 1, Role::Opens, (ends || follows_bar).into());
     }
     if typed != OpenBar && depth > 0 && ends {
@@ -204,7 +203,7 @@ mod tests {
         pair_bars(&mut statements[0]).err().map(|e| e.kind)
     }
 
-    /// What bars were told to be: `(` and `)` if they open and close.
+    /// The text with its bars replaced: `(` if a bar opens, `)` if it closes, `∨` for `or`.
     fn paired(text: &str) -> String {
         let mut statements = scan(text, &Limits::default()).expect("brackets are paired");
         pair_bars(&mut statements[0]).expect("bars are paired");

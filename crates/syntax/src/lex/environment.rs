@@ -1,24 +1,25 @@
-//! LaTeX environments: pieces of a choice, lines, or the rows of a matrix; and the rows as lists,
-//! which matrices are elsewhere.
+//! LaTeX environments: pieces of a choice, aligned lines, or the rows of a matrix. Matrices become
+//! lists of lists, as in the rest of the language.
 
 use crate::lex::spelling::start;
 use crate::lex::token::{Token, closing, is_outside, outside};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::span::Span;
 
-/// Environments of pieces: `\begin{…}` opens them.
+/// Environments that hold the pieces of a choice.
 const PIECES: &[&str] = &["cases", "dcases", "rcases", "array", "cases*", "dcases*"];
 
-/// Environments of the elements of a matrix.
+/// Environments that hold the elements of a matrix.
 const MATRICES: &[&str] = &["matrix", "pmatrix", "bmatrix", "Bmatrix", "smallmatrix"];
 
-/// The same between bars.
+/// Environments that hold a matrix between bars.
 const BARRED: &[&str] = &["vmatrix", "Vmatrix"];
 
-/// Bytes in which the end of an environment is looked for.
+/// Number of bytes in which the end of an environment is searched.
 const LONGEST: usize = 10_000;
 
-/// `\begin{…}` or `\end{…}`; `last` is the symbol before it in its statement.
+/// The token of `\begin{…}` or `\end{…}`, and its length. `last` is the token before it in its
+/// statement.
 pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> (TokenKind, usize) {
     let open = if begins { r"\begin{".len() } else { r"\end{".len() };
     let Some(length) = start(rest, 60).get(open..).and_then(|name| name.find('}')) else {
@@ -30,15 +31,15 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
     if !PIECES.contains(&name) && !is_matrix {
         return (if begins { OpenAlignment } else { CloseAlignment }, end);
     }
-    // The columns of an array.
+    // Skips the columns of an array, such as `{ll}`.
     if let Some(columns) = rest[end..].strip_prefix('{').filter(|_| begins && name == "array") {
         end += columns.find('}').map_or(0, |length| length + 2);
     }
     let kind = match (begins, last) {
-        // The scanner knows what it has opened.
+        // The scanner replaces this if the open bracket is not a matrix.
         (false, _) => CloseMatrix,
         (true, _) if is_matrix => OpenMatrix,
-        // An array in brackets or bars is a matrix; one that is all there is has lines.
+        // An array in brackets or bars is a matrix. One that is the whole statement may hold lines.
         (true, Some(OpenParen | OpenBracket | Bar | OpenBar)) if name == "array" => OpenMatrix,
         (true, None) if holds_lines(&rest[end..], name) => OpenAlignment,
         _ => OpenChoice,
@@ -46,8 +47,9 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
     (kind, end)
 }
 
-/// Whether an environment whose inside `rest` begins with is a formula in each row: there is
-/// nothing behind it, and no columns, but those of an array around its relations.
+/// Returns whether each row of an environment is a formula of its own; `rest` is the text behind its
+/// `\begin{…}`. This requires that nothing follows it and that no row has columns, except an array
+/// aligned at its relations.
 fn holds_lines(rest: &str, name: &str) -> bool {
     let close = format!(r"\end{{{name}}}");
     let Some((inner, behind)) = start(rest, LONGEST).split_once(&close) else { return false };
@@ -67,8 +69,9 @@ fn holds_lines(rest: &str, name: &str) -> bool {
         })
 }
 
-/// The elements of a matrix, with commas between them and `␤` between rows, as a list of lists; as
-/// one list if there is one row or one column. In brackets, or in bars if it was typed with some.
+/// A matrix as a list of lists, or as a single list if it has one row or one column. `inner` has
+/// commas between elements and `RowEnd` between rows. The list stands between the two returned
+/// brackets, which are bars for an environment such as `vmatrix`.
 pub(crate) fn matrix(
     typed: &str,
     (open, close): (Token, Token),
@@ -94,8 +97,8 @@ pub(crate) fn matrix(
     (at(open.span, before), all, at(close.span, behind))
 }
 
-/// `row matrix column` as the scalar product of `(row matrix)` and the column: elsewhere a row is a
-/// vector like any other. A column with the sign of a transposed one is a row.
+/// Rewrites `row matrix column` as the scalar product of `(row matrix)` and the column, since later
+/// stages do not tell rows from columns. A transposed column is a row.
 pub(crate) fn scalar_products(text: &str, tokens: Vec<Token>) -> Vec<Token> {
     if !tokens.iter().any(|token| begins_matrix(text, *token)) {
         return tokens;
@@ -124,12 +127,12 @@ pub(crate) fn scalar_products(text: &str, tokens: Vec<Token>) -> Vec<Token> {
     all
 }
 
-/// Whether a symbol opens a matrix.
+/// Returns whether a token opens a matrix.
 fn begins_matrix(text: &str, token: Token) -> bool {
     token.kind == OpenParen && text[token.span.range()].starts_with(r"\begin{")
 }
 
-/// The length of the row that `tokens` begin with, and that with the sign of a transposed one.
+/// Length of the row vector at the start of `tokens`, without and with its transposition sign.
 fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let end = closing(tokens).filter(|_| begins_matrix(text, tokens[0]))? + 1;
     match shape(text, &tokens[..end]) {
@@ -139,7 +142,7 @@ fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     }
 }
 
-/// `&` if the matrix that `tokens` are is a row, `␤` if it is a column.
+/// `Ampersand` if the matrix `tokens` is a single row, `RowEnd` if it is a single column.
 fn shape(text: &str, tokens: &[Token]) -> Option<TokenKind> {
     let commas = || tokens.iter().filter(|token| token.kind == Comma);
     let is_list = tokens.get(2).is_some_and(|first| first.kind == OpenList);
@@ -147,7 +150,7 @@ fn shape(text: &str, tokens: &[Token]) -> Option<TokenKind> {
     (!is_list).then_some(if of_columns { Ampersand } else { RowEnd })
 }
 
-/// The length of `^T`.
+/// Length of the transposition sign at the start of `tokens`.
 fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
     let is_sign = |token: &Token| matches!(&text[token.span.range()], "T" | r"\top" | r"\intercal");
     match tokens {
@@ -164,7 +167,7 @@ fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
     }
 }
 
-/// How many of `tokens` are matrices and names before a column, and where that is.
+/// Number of leading `tokens` that are matrices and names before a column, and index of the column.
 fn factors(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let (mut at, mut end) = (0, 0);
     loop {

@@ -1,21 +1,21 @@
-//! Signs of other languages, of markup and of print, that stand for a symbol or for none.
+//! Signs of other languages, of markup and of print. Each stands for a token or is skipped.
 
 use crate::lex::spelling::{in_name, line_length, plain, prefix, start, token_kind};
 use crate::lex::token::Context;
 use crate::lex::token_kind::TokenKind::{self, *};
 
-/// Words in angle brackets around a formula.
+/// Names of markup tags around a formula.
 const TAGS: &[&str] = &["math", "i", "em", "b", "span", "p", "code", "var", "br", "nowiki"];
 
-/// Statements of POV-Ray that name what follows.
+/// Words of POV-Ray before a definition.
 const DECLARES: &[&str] = &["#declare ", "#local "];
 
-/// The symbol of such a sign that `rest` begins with, and its length.
+/// The token of a foreign sign at the start of `rest`, and its length in bytes.
 pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)> {
     let first = rest.chars().next()?;
     let length = first.len_utf8();
     match first {
-        // A character of markup by name.
+        // A character of HTML by name, such as `&le;`.
         '&' => {
             let end = start(rest, 10).find(';')? + 1;
             Some((token_kind(&rest[..end])?, end))
@@ -25,17 +25,17 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)
             let word = DECLARES.iter().find(|word| rest.starts_with(**word))?;
             Some((Blank, word.len()))
         }
-        // A comment of MATLAB behind a statement, and the remainder of other languages.
+        // A comment of MATLAB behind a complete statement, then the remainder of other languages.
         '%' if context.last.is_none() => Some((Blank, line_length(rest))),
         '%' if context.last.is_some_and(TokenKind::ends_operand) && divides(&rest[1..]) => {
             Some((Remainder, 1))
         }
-        // Constants of Maxima.
+        // Constants of Maxima, such as `%pi`.
         '%' if !context.last.is_some_and(TokenKind::ends_operand) || context.touching.is_none() => {
             let word = prefix(&rest[1..], in_name);
             matches!(&rest[1..=word], "pi" | "e" | "phi").then_some((TokenKind::Name, 1 + word))
         }
-        // Coordinates of Houdini.
+        // Coordinates of Houdini, such as `$X`.
         '$' => {
             let is_axis =
                 rest[1..].starts_with(['X', 'Y', 'Z']) && prefix(&rest[1..], in_name) == 1;
@@ -45,29 +45,29 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)
         '@' if rest[1..].starts_with('P') && prefix(&rest[1..], in_name) == 1 => {
             Some((TokenKind::Name, 2))
         }
-        // The product of matrices in Python.
+        // Python's product of matrices.
         '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some((Star, 1)),
         '.' => {
             let dots = rest.find(|c| c != '.').unwrap_or(rest.len());
-            // A line of MATLAB that goes on below.
+            // A line continuation of MATLAB.
             if dots == 3 && rest[3..].trim_start_matches([' ', '\t', '\r']).starts_with('\n') {
                 return Some((Blank, 3 + rest[3..].find('\n')? + 1));
             }
-            // Component by component, in MATLAB.
+            // Elementwise operators of MATLAB, such as `.*`.
             let is_number = context.touching == Some(Number);
             if dots == 1 && !is_number && rest[1..].starts_with(['*', '/', '^']) {
                 return Some((Blank, 1));
             }
-            // The product of lists in Mathematica.
+            // Mathematica's product of lists, as in `{a, b}.{c, d}`.
             (context.touching == Some(CloseBrace) && rest[1..].starts_with('{'))
                 .then_some((DotProduct, 1))
         }
-        // Quotation marks stand around a formula, not in it.
+        // Quotation marks around a formula are skipped.
         '"' | '`' | '“' | '”' | '„' => {
             let next = start(&rest[length..], 20);
             let line = next[..line_length(next)].trim();
             let is_end = line.is_empty() || matches!(line, "." | ",");
-            // Mathematica marks the precision of a number.
+            // A backquote marks the precision of a number in Mathematica.
             let is_mark = first == '`' && context.touching == Some(Number);
             (context.last.is_none() || context.starts_line || is_end || is_mark)
                 .then_some((Blank, length))
@@ -84,8 +84,8 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)
     }
 }
 
-/// Whether a text begins with a divisor: a number, brackets, or a short name that is no word of a
-/// comment; with a minus or not.
+/// Returns whether `rest` begins with a divisor, perhaps behind a minus. That is a number, a bracket, or a
+/// name of one or two letters that is not a word of a comment.
 fn divides(rest: &str) -> bool {
     let rest = rest.trim_start_matches(' ');
     let rest = rest.strip_prefix('-').unwrap_or(rest);
@@ -95,7 +95,8 @@ fn divides(rest: &str) -> bool {
         || matches!(name, 1 | 2) && !behind.starts_with(char::is_alphabetic)
 }
 
-/// `<sup>2</sup>`, and what stands around a formula.
+/// The token of a markup tag and its length: a power for `<sup>`, a blank for tags around a
+/// formula.
 fn tag(rest: &str) -> Option<(TokenKind, usize)> {
     let end = start(rest, 80).find('>')?;
     let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);
@@ -112,11 +113,11 @@ fn tag(rest: &str) -> Option<(TokenKind, usize)> {
             return Some((Blank, end + 1));
         }
         let close = start(&rest[end + 1..], 40).find("</sup>")?;
-        // A sum above would need brackets.
+        // A longer exponent, such as a sum, would need brackets.
         let is_short = rest[end + 1..end + 1 + close].chars().all(in_name);
         return is_short.then_some((Caret, end + 1));
     }
-    // `x <b> y` compares: what opens must close.
+    // `x <b> y` is a comparison, so a tag needs its closing tag.
     let closes = || {
         let close = format!("</{word}>");
         start(&rest[end + 1..], 400).contains(&close)

@@ -1,8 +1,8 @@
-//! The symbol that a text starts with: one pass, no look at what it means, little at what is
-//! before.
+//! Recognizes the token at the start of a text, from its characters and a little context. Meanings
+//! are not known here.
 //!
-//! What people paste is brought to the same symbols here: LaTeX environments, comments of other
-//! languages, names of modules before functions, components of vectors.
+//! Notations that people paste are brought to the same tokens: LaTeX environments, comments of
+//! other languages, names of modules before functions, components of vectors.
 
 use crate::lex::environment::environment;
 use crate::lex::foreign_signs::foreign;
@@ -12,23 +12,24 @@ use crate::lex::spelling::{
 use crate::lex::token::Context;
 use crate::lex::token_kind::TokenKind::{self, *};
 
-/// Names of modules, which mean nothing before a dot and a name.
+/// Names of modules, as in `np.sin`. They are skipped before a dot and a name.
 const MODULES: &[&str] = &[
     "np", "numpy", "math", "Math", "sp", "sympy", "scipy", "jnp", "torch", "tf", "glm", "linalg",
     "mpmath", "mp", "cp", "xp", "Mathf",
 ];
 
-/// LaTeX commands whose text in braces is no part of a formula.
+/// LaTeX commands whose text in braces is not part of a formula.
 const LABELS: &[&str] = &["tag", "label"];
 
-/// Words in `\text{…}` that only lead over to a condition, or mean nothing.
+/// Words in `\text{…}` that only introduce a condition, or mean nothing.
 const LEADS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
 
-/// Words for what is chosen where no other piece is.
+/// Words for the piece of a choice that applies where no condition holds.
 pub(crate) const OTHERWISE: &[&str] =
     &["otherwise", "else", "elsewhere", "True", "true", "default"];
 
-/// The symbol that `rest` starts with, and its length; a blank for what has no meaning.
+/// The token at the start of `rest` and its length in bytes. It is `Blank` for text without
+/// meaning.
 pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
     let Some(character) = rest.chars().next() else {
         return (Blank, 0);
@@ -53,7 +54,7 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
         '.' if context.touching.is_some_and(ends_value) => component(rest, context),
         '0'..='9' | '.' => number(rest),
         '\\' => command(rest, context),
-        // Dollar signs stand around a formula, not in it.
+        // Dollar signs enclose a formula and are skipped there. One inside it is an error.
         '$' if context.last.is_some()
             && !rest[1..].trim_start_matches([' ', '\t', '\r']).is_empty()
             && !rest[1..]
@@ -63,7 +64,7 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
             (Unknown, 1)
         }
         '&' if !rest.starts_with("&&") => (Ampersand, 1),
-        // `5!!` and `!=` are others.
+        // `5!!` and `!=` are not factorials.
         '!' if context.last.is_some_and(TokenKind::ends_operand)
             && context.last != Some(Factorial)
             && !rest[1..].starts_with(['!', '=']) =>
@@ -86,22 +87,22 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
         }
         _ if vulgar(character).is_some() => (VulgarFraction, length),
         'ℯ' => (TokenKind::Name, length),
-        // Degrees, behind a number.
+        // The degree sign, behind an operand.
         '°' if context.last.is_some_and(TokenKind::ends_operand) => (TokenKind::Name, length),
         _ if character.is_alphabetic() => {
-            // A subscript of print ends a name.
+            // A name ends with its Unicode subscript.
             let is_below = |c: char| ('₀'..='₉').contains(&c);
             let end = prefix(rest, in_name);
             let below = rest[..end].find(is_below);
             let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
-            // Between conditions these are the words that they are in small letters; before
-            // brackets they may be functions.
+            // Behind an operand `AND` and `OR` join conditions. Elsewhere they may be functions, as
+            // in `AND(a, b)`.
             let is_joint = context.last.is_some_and(TokenKind::ends_operand);
             match &rest[..end] {
                 "AND" if is_joint => return (And, end),
                 "OR" if is_joint => return (Or, end),
                 "NOT" => return (Not, end),
-                // A part of a fraction is one letter.
+                // A part of `\frac` without braces is one letter.
                 word if context.is_part && !word.is_empty() => return name(rest, length),
                 _ => {}
             }
@@ -115,7 +116,7 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
             }
         }
         _ => {
-            // Some of two characters begin with one that has a meaning of its own.
+            // The longer spelling is tried first: `<=` begins with `<`.
             let two = rest.char_indices().nth(2).map_or(rest.len(), |(at, _)| at);
             let found =
                 [two, length].into_iter().find_map(|end| Some((token_kind(&rest[..end])?, end)));
@@ -124,26 +125,26 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
     }
 }
 
-/// Bytes in which the end of a comment is looked for.
+/// Number of bytes within which a comment must end.
 const LONGEST_COMMENT: usize = 10_000;
 
-/// The length of a comment of another language, or of what a file of it starts with.
+/// Length of the comment, Markdown mark or line continuation at the start of `rest`.
 fn comment(rest: &str, context: Context) -> Option<usize> {
-    // One that is never closed is none, or it would hide all that follows.
+    // A comment must be closed; otherwise its opening mark would hide all text behind it.
     for (open, close) in [("/*", "*/"), ("(*", "*)"), ("\"\"\"", "\"\"\"")] {
         if let Some(inner) = rest.strip_prefix(open) {
             let length = start(inner, LONGEST_COMMENT).find(close);
             return length.map(|length| open.len() + length + close.len());
         }
     }
-    // A fence of Markdown, and its bullets.
+    // Markdown: the fence of a code block, then a bullet.
     if context.starts_line && rest.starts_with("```") {
         return Some(line_length(rest));
     }
     if context.starts_line && context.last.is_none() && rest.starts_with('•') {
         return Some('•'.len_utf8());
     }
-    // A line that goes on below.
+    // A backslash at the end of a line continues it on the next line.
     if let Some(blank) = rest.strip_prefix('\\') {
         let blank = blank.strip_prefix('\r').unwrap_or(blank);
         if blank.starts_with('\n') {
@@ -153,12 +154,12 @@ fn comment(rest: &str, context: Context) -> Option<usize> {
     (context.starts_line && rest.starts_with('%')).then(|| line_length(rest))
 }
 
-/// Whether a component can follow: a vector has a name or stands in brackets.
+/// Returns whether a component can follow `kind`: a vector is a name or stands in brackets.
 fn ends_value(kind: TokenKind) -> bool {
     matches!(kind, TokenKind::Name | Component) || kind.is_axis() || kind.is_closer()
 }
 
-/// `.xz` behind a vector; a method without meaning here.
+/// The token of `.xz` or `.sin` behind a value, and its length. Methods without meaning are blank.
 fn component(rest: &str, context: Context) -> (TokenKind, usize) {
     let word = &rest[1..=prefix(&rest[1..], in_name)];
     if is_component(word) {
@@ -173,13 +174,13 @@ fn component(rest: &str, context: Context) -> (TokenKind, usize) {
     if matches!(word, "doit" | "evalf" | "simplify") && rest[1 + word.len()..].starts_with("()") {
         return (Blank, 3 + word.len());
     }
-    // The end of a sentence, or what has no meaning.
+    // A dot before an unknown name is an error. Any other begins a number or ends a sentence.
     let is_name =
         context.touching.is_some_and(TokenKind::is_name) && word.starts_with(char::is_alphabetic);
     if is_name { (Unknown, 1) } else { number(rest) }
 }
 
-/// The function that a method is, as Rust has them.
+/// The function that a method of Rust calls, such as `pow` for `powi`.
 pub(crate) fn method(word: &str) -> Option<&'static str> {
     const ALIKE: &[&str] = &[
         "pow", "sqrt", "cbrt", "abs", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh",
@@ -193,13 +194,13 @@ pub(crate) fn method(word: &str) -> Option<&'static str> {
     alike.or_else(other)
 }
 
-/// Whether a word names components of a vector.
+/// Returns whether `word` names components of a vector, such as `xz` or `rgb`.
 fn is_component(word: &str) -> bool {
     let one_of = |letters: &str| word.chars().all(|letter| letters.contains(letter));
     matches!(word.len(), 1..=4) && (one_of("xyzw") || one_of("rgba") || one_of("stpq"))
 }
 
-/// The length of a module's name with its dot, if a function of it follows.
+/// Length of a module's name with its dot or `::`, if a member of the module follows.
 fn module(rest: &str, end: usize) -> Option<usize> {
     if rest[end..].starts_with("::") && matches!(&rest[..end], "std" | "glm") {
         return Some(end + 2);
@@ -220,7 +221,7 @@ fn number(rest: &str) -> (TokenKind, usize) {
         if end == 1 {
             return (Unknown, 1);
         }
-        // `1.f` and `1.0f` are numbers of C.
+        // C writes numbers such as `1.f` and `1.0f`.
         let is_suffix = decimals[..count].bytes().all(|digit| digit == b'0');
         if let (true, Some(after)) = (is_suffix, decimals[count..].strip_prefix('f'))
             && !after.starts_with(in_name)
@@ -228,7 +229,7 @@ fn number(rest: &str) -> (TokenKind, usize) {
             return (Number, end + 1);
         }
     }
-    // `1.5*^-3` is one number of Mathematica, `1.0d0` one of Fortran.
+    // `1.5*^-3` is a number of Mathematica, `1.0d0` one of Fortran.
     let has_point = rest[..end].contains('.');
     let tail = rest[end..].strip_prefix("*^");
     let tail = tail.or_else(|| rest[end..].strip_prefix(['e', 'E']));
@@ -242,13 +243,13 @@ fn number(rest: &str) -> (TokenKind, usize) {
     (Number, end)
 }
 
-/// A name whose letters end at `end`, with its subscript.
+/// The token of a name whose letters end at byte `end`, and its length with its subscript.
 fn name(rest: &str, end: usize) -> (TokenKind, usize) {
     if let Some(fixed) = token_kind(&rest[..end]).or_else(|| token_kind(&plain_text(&rest[..end])))
     {
         return (fixed, end);
     }
-    // The underscore of a subscript is a letter elsewhere.
+    // `in_name` accepts underscores, so `end` may lie behind the one before a subscript.
     let base = rest[..end].strip_suffix('_').map_or(end, str::len);
     match rest[base..].strip_prefix('_') {
         Some(subscript) if subscript.starts_with('{') => {
@@ -304,7 +305,7 @@ fn command(rest: &str, context: Context) -> (TokenKind, usize) {
     }
 }
 
-/// A command of one character, or a character named as Mathematica does.
+/// The token of a one-character command such as `\{`, or of a Mathematica name such as `\[Theta]`.
 fn sign(rest: &str) -> (TokenKind, usize) {
     let two = 1 + rest[1..].chars().next().map_or(0, char::len_utf8);
     match &rest[..two] {
@@ -317,13 +318,13 @@ fn sign(rest: &str) -> (TokenKind, usize) {
                 (Blank, 2)
             }
         }
-        // A brace before an environment is its ornament.
+        // A brace before an environment is decoration.
         r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (Blank, 2),
         other => token_kind(other).map_or((Unknown, 1), |kind| (kind, two)),
     }
 }
 
-/// The length of `[2pt]`, the distance between two lines.
+/// Length of a row distance such as `[2pt]`; 0 if there is none.
 fn gap(rest: &str) -> usize {
     let Some(inner) = rest.strip_prefix('[') else { return 0 };
     let number = prefix(inner, |c| c.is_ascii_digit() || matches!(c, '.' | '-'));
@@ -332,7 +333,7 @@ fn gap(rest: &str) -> usize {
     if number > 0 && is_gap { number + 4 } else { 0 }
 }
 
-/// Words in braces behind `\text`; `None` if they may be a name.
+/// The token of the words in braces behind `\text`; `None` if they may be a name.
 fn text(rest: &str) -> Option<(TokenKind, usize)> {
     let inner = rest.strip_prefix('{')?;
     let length = start(inner, 60).find('}')?;
@@ -347,7 +348,7 @@ fn text(rest: &str) -> Option<(TokenKind, usize)> {
     Some((kind, length + 2))
 }
 
-/// The length of a name or a number in braces, if `rest` starts with one.
+/// Length of a name or number in braces at the start of `rest`.
 fn braced(rest: &str) -> Option<usize> {
     let inner = rest.strip_prefix('{')?;
     let length = prefix(inner, in_name);

@@ -1,5 +1,5 @@
-//! From characters to the statements that the grammar reads. Each is a row of tokens in one
-//! arrangement, whichever of many spellings was typed.
+//! Characters to the statements that the grammar reads. Each statement is a list of tokens in one
+//! standard form, whatever spelling was typed.
 //!
 //! Nothing here knows the grammar, or what a name means.
 

@@ -1,8 +1,9 @@
-//! A first, flat look at a text: its symbols, their number, brackets, and where statements end.
+//! The first pass over a text: splits it into tokens and statements, and checks limits and
+//! brackets.
 //!
-//! It runs in one pass without recursion, so that no later stage meets text that is too long or too
-//! deep. It does not know the grammar: a symbol is what can be told from its own characters, but
-//! for the parts of `\frac` and the hexadecimal color behind `color`.
+//! It is one loop without recursion, so no later stage meets a text that is too long or nested too
+//! deeply. It does not know the grammar. A token is told from its own characters, with a few
+//! exceptions such as the parts of `\frac` and the hexadecimal color behind `color`.
 
 use crate::lex::bars::pair_bars;
 use crate::lex::lexer::lex;
@@ -14,15 +15,15 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::Note;
 use crate::span::Span;
 
-/// One statement.
+/// One statement, as tokens and as text for the grammar.
 #[derive(Clone, Debug)]
 pub(crate) struct LexedStatement {
-    /// Never empty.
+    /// The tokens; never empty.
     pub tokens: Vec<Token>,
-    /// The symbols of all tokens: what the grammar reads.
+    /// One character per token: the text that the grammar reads.
     pub symbols: String,
     pub span: Span,
-    /// What was noticed while its symbols were arranged.
+    /// Notes from arranging its tokens.
     pub notes: Vec<Note>,
 }
 
@@ -38,13 +39,13 @@ impl LexedStatement {
         Ok(Self { tokens, symbols, span, notes })
     }
 
-    /// The index of the token at an offset in the symbols.
+    /// Index of the token at a byte offset in the symbols.
     pub(crate) fn index(&self, offset: usize) -> usize {
         self.tokens.partition_point(|token| token.at < offset)
     }
 }
 
-/// Splits `text` into the symbols of its statements, and checks length, depth and brackets.
+/// Splits `text` into the tokens of its statements. Checks length, nesting depth and brackets.
 pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     if text.len() > limits.bytes {
         let kind = ErrorKind::TooLong { bytes: text.len(), limit: limits.bytes };
@@ -52,10 +53,10 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     }
     let mut statements: Vec<Vec<Token>> = Vec::new();
     let mut tokens: Vec<Token> = Vec::new();
-    // The open brackets, by their indices in `tokens`.
+    // Indices in `tokens` of the open brackets.
     let mut open: Vec<usize> = Vec::new();
     let mut is_part = false;
-    // Environments in which `&` aligns and `\\` ends a line.
+    // Number of open environments in which `&` aligns and `\\` ends a line.
     let mut aligned = 0_usize;
     let mut starts_line = true;
     let mut count = 0;
@@ -83,7 +84,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let within = open.last().map_or(Blank, |index| tokens[*index].kind);
         let in_rows = matches!(within, OpenChoice | OpenMatrix);
         match kind {
-            // What an environment closes is what was opened; outside brackets it had lines.
+            // `\end` closes whatever its `\begin` opened. Outside brackets that is an alignment.
             CloseMatrix if within == OpenChoice => kind = CloseChoice,
             CloseMatrix if open.is_empty() && aligned > 0 => {
                 kind = CloseAlignment;
@@ -94,9 +95,9 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             Ampersand if within == OpenChoice => kind = If,
             Ampersand if within == OpenMatrix => kind = Comma,
             Ampersand if aligned > 0 => kind = Blank,
-            // Windows ends lines with two characters.
+            // Windows ends lines with two characters, of which one counts.
             LineEnd if rest.starts_with("\r\n") => kind = Blank,
-            // A line that starts with an operator goes on with the one before.
+            // A row that starts with an operator continues the row before it.
             RowEnd if !in_rows => kind = if goes_on(&text[end..]) { Blank } else { LineEnd },
             _ => {}
         }
@@ -109,7 +110,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             return Err(Error::new(span, ErrorKind::TooManySymbols { limit: limits.symbols }));
         }
         let mut first = tokens.len();
-        // A line that ends with an operator goes on below.
+        // A line that ends with an operator continues on the next line.
         let last = tokens.last().map_or(Blank, |token| token.kind);
         let goes_on = || {
             (last.is_arithmetic() || last == Caret) && continues(&text[end..])
@@ -148,7 +149,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     Ok(statements)
 }
 
-/// Whether `//` begins a comment here: not where it may be a division of what is before it.
+/// Returns whether `//` begins a comment here. Behind an operand it may be a division.
 fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> bool {
     let Some(before) = tokens.last().filter(|token| token.kind.ends_operand()) else {
         return true;
@@ -171,7 +172,7 @@ fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> 
     }
 }
 
-/// Whether a line of an environment goes on with the one before.
+/// Returns whether the row of an environment that `rest` begins with continues the row before it.
 fn goes_on(rest: &str) -> bool {
     const BLANKS: [&str; 11] =
         [" ", "\n", "\r", "\t", "&", "{}", r"\quad", r"\qquad", r"\,", r"\;", r"\ "];
@@ -183,7 +184,8 @@ fn goes_on(rest: &str) -> bool {
         || [r"\cdot", r"\times", r"\le", r"\ge"].iter().any(|sign| rest.starts_with(sign))
 }
 
-/// Whether a text begins with what can end the formula above it: not with a statement of its own.
+/// Returns whether `rest` begins with a line that can end the formula above it, not with a statement of its
+/// own.
 fn continues(rest: &str) -> bool {
     let line = rest.trim_start_matches([' ', '\t', '\r']);
     let line = start(&line[..line_length(line)], 300);
@@ -194,14 +196,15 @@ fn continues(rest: &str) -> bool {
     is_operand && !defines && !token_kind(&line[..name]).is_some_and(TokenKind::is_setting)
 }
 
-/// Whether a line is the rest of the formula above it, since no other starts as it does: with a
-/// plus or a relation, or, if it is indented, a minus. Not if both have a relation.
+/// Returns whether `rest` begins with a line that can only continue the formula `above`. Such a line starts
+/// with a plus or a relation or, if it is indented, with a minus. Two lines that both contain a
+/// relation are separate statements.
 fn goes_back(rest: &str, above: &[Token]) -> bool {
     let is_relation = |c: char| "=≠<≤>≥≔".contains(c);
     let line = start(&rest[..line_length(rest)], 300);
     let formula = line.trim_start();
     let has_relation = above.iter().any(|token| token.kind.is_relation());
-    // `<p>` is a tag, and no relation.
+    // `<p>` is a tag, not a relation.
     let is_tag = formula.starts_with('<')
         && formula[1..].starts_with(|c: char| c == '/' || c.is_alphabetic());
     let is_rest = !is_tag && formula.starts_with(|c| c == '+' || is_relation(c))
@@ -209,7 +212,7 @@ fn goes_back(rest: &str, above: &[Token]) -> bool {
     is_rest && !above.is_empty() && !(has_relation && formula.contains(is_relation))
 }
 
-/// The index of the bracket that `symbol` at `span` closes.
+/// Index of the open bracket that the bracket `kind` at `span` closes.
 fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallible<usize> {
     let Some((index, open)) = opened else {
         let kind = ErrorKind::Unopened { close: kind.as_char() };
@@ -226,15 +229,15 @@ fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallibl
     }
 }
 
-/// The error for a bracket that is never closed, the first of `tokens`.
+/// The error for the first of `tokens`, a bracket that is never closed.
 fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
     let Token { kind, span, .. } = tokens[0];
     let error = Error::new(span, ErrorKind::Unclosed { open: kind.as_char() });
-    // Where one bracket is missing, the end of its line is a fair guess.
+    // A single missing bracket most likely belongs at the end of its line.
     let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
     let line = tokens.iter().take_while(|token| token.kind != Semicolon && token.span.start < line);
     match (line.last(), kind.closer()) {
-        // What closes an environment has a name.
+        // Environments are left out, since a command closes them rather than a character.
         (Some(last), Some(close)) if is_only && !matches!(close, CloseChoice | CloseMatrix) => {
             error.suggest(Span::at(last.span.end), close.as_char())
         }

@@ -1,12 +1,13 @@
-//! Every spelling of the language, brought to one. Knows characters only, not meanings.
+//! Brings every spelling of the language to one. Knows characters, not meanings.
 
 use crate::lex::token_kind::TokenKind;
 use crate::settings::{SettingRow, setting};
 use zeroset_style::StandardView;
 
-/// The kind of a fixed spelling. A blank only separates, a line break ends a statement.
+/// The kind of a fixed spelling, such as `<=` or `\le`. A blank only separates; a line break ends a
+/// statement.
 ///
-/// This is the only list of the words, operators and LaTeX names of the language, but for
+/// This is the only list of the words, operators and LaTeX names of the language, apart from
 /// `SETTINGS`.
 pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
     use TokenKind::*;
@@ -14,26 +15,26 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         " " | "\t" | "\u{A0}" | "\u{2009}" | "\u{202F}" | "\u{3000}" | "\u{2062}" | "\u{FEFF}"
         | "\u{AD}" | "\u{200A}" | "\u{200B}" | "\u{200C}" | "\u{200D}" | "\u{2002}" | "\u{2003}" | "\u{2060}"
         | "\u{2061}" | "\u{200E}" | "\u{200F}" | "\u{202A}" | "\u{202C}" | "\u{202D}" | "\u{2066}" | "\u{2069}"
-        // In print these set spaces and the sizes of brackets; they mean nothing here.
+        // LaTeX commands for space and for the size of brackets.
         | r"\," | r"\;" | r"\:" | r"\!" | r"\ " | r"\quad" | r"\qquad" | r"\displaystyle"
         | r"\left" | r"\right" | r"\middle" | r"\bigl" | r"\bigr" | r"\big" | r"\biggl" | r"\biggr"
         | r"\bigg" | r"\Bigl" | r"\Bigr" | r"\Big" | r"\Biggl" | r"\Biggr" | r"\Bigg"
-        // These set type.
+        // LaTeX commands and HTML entities for fonts, limits and space.
         | r"\small" | r"\normalsize" | r"\large" | r"\Large" | r"\textstyle" | r"\limits"
         | r"\nolimits" | r"\displaylimits" | r"\mathbf" | r"\mathsf" | r"\boldsymbol" | r"\bf"
         | r"\rm" | r"\it" | r"\hspace" | r"\enspace" | r"\nonumber" | r"\notag" | "&nbsp;"
         | "&thinsp;"
-        // These set formulas apart from the text around them.
+        // Marks that set a formula apart from the text around it.
         | r"\(" | r"\)" | r"\]" | "$" => Blank,
         "\n" | "\r" => LineEnd,
         ";" => Semicolon,
         "," => Comma,
         ":" => Colon,
         "?" => QuestionMark,
-        // Behind a share of an opacity; a formula has no remainder.
+        // The sign behind an opacity. `foreign` reads the remainder of other languages.
         "%" => Percent,
         "+" => Plus,
-        // A dash between values can only be meant as a minus.
+        // A dash between values can only mean a minus.
         "-" | "−" | "&minus;" | "–" | "—" | "‒" | "﹣" => Minus,
         "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times"
         | "&times;" | "&middot;" | "&sdot;" => Star,
@@ -68,7 +69,7 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         r"\sum" => BigSum,
         r"\prod" => BigProduct,
         "&sup2;" | "&sup3;" => Superscript,
-        // What has no meaning, or none that is known here.
+        // Spellings without a meaning in this language.
         r"\pm" | r"\mp" | r"\int" | r"\iint" | r"\iiint" | r"\oint" | r"\partial" | r"\nabla"
         | r"\lim" | "&amp;" => Unknown,
         r"\bmod" => Remainder,
@@ -88,12 +89,12 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
     })
 }
 
-/// The setting that a word begins, as it was typed.
+/// The setting whose lines begin with `word`, as it was typed.
 pub(crate) fn typed_setting(word: &str) -> Option<&'static SettingRow> {
     setting(&plain_text(word))
 }
 
-/// Whether `character` may stand in a name after its first letter.
+/// Returns whether `character` may stand in a name after its first letter.
 pub(crate) fn in_name(character: char) -> bool {
     character.is_alphabetic()
         || character.is_ascii_digit()
@@ -101,34 +102,34 @@ pub(crate) fn in_name(character: char) -> bool {
         || ('₀'..='₉').contains(&character)
 }
 
-/// The length of what `text` starts with, as far as its characters are `accepted`.
+/// Length in bytes of the longest start of `text` in which all characters are `accepted`.
 pub(crate) fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
     text.find(|c| !accepted(c)).unwrap_or(text.len())
 }
 
-/// The length of the line that `rest` starts in.
+/// Length in bytes of the first line of `rest`, without its line break.
 pub(crate) fn line_length(rest: &str) -> usize {
     rest.find('\n').unwrap_or(rest.len())
 }
 
-/// The first bytes of `text`, no more than `most`.
+/// The longest start of `text` with at most `most` bytes.
 pub(crate) fn start(text: &str, most: usize) -> &str {
     &text[..text.floor_char_boundary(most)]
 }
 
-/// Whether `text` can be defined: a name that is no operator.
+/// Returns whether `text` can be defined: a name in plain letters that is not an operator.
 pub(crate) fn is_definable(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)
         && text.chars().all(|c| in_name(c) && plain_text(c.encode_utf8(&mut [0; 4])).starts_with(c))
         && token_kind(text).is_none_or(TokenKind::is_name)
 }
 
-/// The value of a superscript digit.
+/// The plain digit of a superscript digit.
 pub(crate) fn superscript_digit(character: char) -> Option<char> {
     "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..='9').find(|(s, _)| *s == character).map(|(_, digit)| digit)
 }
 
-/// Numerator and denominator of a fraction that is one character.
+/// Numerator and denominator of a one-character fraction such as `½`.
 pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
     Some(match character {
         '½' => ['1', '2'],
@@ -150,8 +151,7 @@ pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
     })
 }
 
-/// The letter, digit or sign that a character is another form of: of full width, or set for
-/// mathematics.
+/// The letter, digit or sign that a full-width or mathematical character is a variant of.
 pub(crate) fn plain(character: char) -> Option<char> {
     let code = u32::from(character);
     if (0xFF01..=0xFF5E).contains(&code) {
@@ -173,7 +173,8 @@ pub(crate) fn plain(character: char) -> Option<char> {
     None
 }
 
-/// A text with such characters replaced; subscripts become what `x_1` is.
+/// `text` with each character replaced by its [`plain`] form. Subscript digits become `_1`, as in
+/// `x_1`.
 pub(crate) fn plain_text(text: &str) -> String {
     let mut all = String::with_capacity(text.len());
     let mut is_below = false;
@@ -193,8 +194,8 @@ pub(crate) fn plain_text(text: &str) -> String {
     all
 }
 
-/// A number's text in one spelling: `.5` as `0.5`, `1.` as `1`, `0,5` as `0.5`, an exponent after
-/// `e`.
+/// The text of a number in one spelling: `.5` and `0,5` become `0.5`, `1.` becomes `1`, and an
+/// exponent follows `e`.
 pub(crate) fn decimal(typed: &str) -> String {
     let text = plain_text(typed.trim_end_matches('f'));
     let text = text.replace('−', "-").replace("*^", "e").replace(['E', 'd', 'D'], "e");
@@ -215,8 +216,8 @@ pub(crate) fn decimal(typed: &str) -> String {
     number
 }
 
-/// A name without LaTeX around it: `\sin` as `sin`, `\operatorname{foo}` as `foo`, `x_{12}` as
-/// `x_12`; `\[Theta]` as `theta`.
+/// A name without LaTeX around it: `\sin` becomes `sin`, `\operatorname{foo}` becomes `foo`,
+/// `x_{12}` becomes `x_12`, `\[Theta]` becomes `theta`.
 pub(crate) fn plain_name(typed: &str) -> String {
     if let Some(named) = typed.strip_prefix("\\[").and_then(|rest| rest.strip_suffix(']')) {
         return named.to_lowercase();
@@ -236,17 +237,17 @@ pub(crate) fn plain_name(typed: &str) -> String {
     }
 }
 
-/// A name for a message: cut where it is long.
+/// A name for a message; a long one is cut off.
 pub(crate) fn short_name(name: &str) -> String {
     short(name, 40, 40)
 }
 
-/// A formula for a message: left out where it is long, since a part of it would mislead.
+/// A formula for a message; a long one is left out, since a part of it would mislead.
 pub(crate) fn short_formula(formula: &str) -> String {
     short(formula, 24, 0)
 }
 
-/// `text`, or its first `kept` characters where it is longer than `longest`.
+/// `text`, or its first `kept` characters and `…` if it has more than `longest`.
 fn short(text: &str, longest: usize, kept: usize) -> String {
     if text.chars().nth(longest).is_none() {
         return text.to_owned();
@@ -271,7 +272,7 @@ mod tests {
                 panic!("`{literal}` is not a symbol");
             };
             let kind = TokenKind::of_char(only).expect("a kind has this character");
-            // No other kind is spelled so.
+            // No other kind has this spelling.
             assert!(
                 token_kind(literal).is_none_or(|other| other == kind || other == TokenKind::Bar)
             );

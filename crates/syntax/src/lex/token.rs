@@ -1,14 +1,14 @@
-//! Symbols of a text, and which of them stand between brackets. What they mean is not known here.
+//! Tokens of a text, and helpers that find those outside brackets. Meanings are not known here.
 
 use crate::lex::token_kind::TokenKind::{self, CloseParen, OpenParen};
 use crate::span::Span;
 
-/// A symbol and where it stands.
+/// A token and its place in the text.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Token {
     pub kind: TokenKind,
     pub span: Span,
-    /// Its offset in the symbols of its statement.
+    /// Byte offset of its character in the symbols of its statement.
     pub at: usize,
 }
 
@@ -18,25 +18,27 @@ impl Token {
     }
 }
 
-/// What is known where a symbol is read.
+/// The surroundings of a token that is read.
 #[derive(Clone, Copy, Default)]
-#[allow(clippy::struct_excessive_bools)] // what was seen, each by itself
+#[allow(clippy::struct_excessive_bools)] // independent observations
 pub(crate) struct Context {
-    /// Whether a part of a fraction is next, which is one digit or stands in braces.
+    /// True if a part of `\frac` is next: one digit or letter, or a group in braces.
     pub is_part: bool,
-    /// Whether a root of LaTeX is open, of which one digit stands below.
+    /// True if the preceding token was typed as a LaTeX command: behind `\sqrt` one digit is the
+    /// radicand.
     pub is_radicand: bool,
-    /// Whether a color is next.
+    /// True if a color is next.
     pub is_color: bool,
-    /// Whether nothing stands before it on its line.
+    /// True if the token is the first on its line.
     pub starts_line: bool,
-    /// The symbol before it, if nothing stands between.
+    /// The preceding token, if the next one directly follows it.
     pub touching: Option<TokenKind>,
-    /// The last symbol of its statement.
+    /// The preceding token of the same statement.
     pub last: Option<TokenKind>,
 }
 
-/// Tells of symbols, asked for one after the other, how many brackets are open behind each.
+/// Returns a function that counts the open brackets behind each token. It is called for one token
+/// after the other.
 fn depth() -> impl FnMut(&Token) -> usize {
     let mut depth = 0_usize;
     move |token| {
@@ -49,42 +51,42 @@ fn depth() -> impl FnMut(&Token) -> usize {
     }
 }
 
-/// Tells of symbols, asked for one after the other, which are `sign` outside brackets.
+/// Returns a test for `sign` outside brackets. It is called for one token after the other.
 pub(crate) fn is_outside(sign: TokenKind) -> impl FnMut(&Token) -> bool {
     let mut depth = depth();
     move |token| depth(token) == 0 && token.kind == sign
 }
 
-/// The first place of `sign` outside brackets.
+/// Index of the first `sign` outside brackets.
 pub(crate) fn outside(tokens: &[Token], sign: TokenKind) -> Option<usize> {
     tokens.iter().position(is_outside(sign))
 }
 
-/// The parts between `sign`, outside brackets; empty ones are left out.
+/// The parts between every `sign` outside brackets. Empty parts are left out.
 pub(crate) fn split(tokens: &[Token], sign: TokenKind) -> Vec<Vec<Token>> {
     let parts = tokens.split(is_outside(sign)).filter(|part| !part.is_empty());
     parts.map(<[Token]>::to_vec).collect()
 }
 
-/// Where the bracket is closed that `tokens` begin with.
+/// Index of the bracket that closes the one at the start of `tokens`.
 pub(crate) fn closing(tokens: &[Token]) -> Option<usize> {
     tokens.first()?.kind.closer()?;
     let mut depth = depth();
     tokens.iter().position(|token| depth(token) == 0)
 }
 
-/// What brackets hold that `tokens` begin with, and what follows them.
+/// The contents of the brackets at the start of `tokens`, and the tokens behind them.
 pub(crate) fn bracketed(tokens: &[Token]) -> Option<(&[Token], &[Token])> {
     let end = closing(tokens)?;
     Some((&tokens[1..end], &tokens[end + 1..]))
 }
 
-/// From the first of `tokens` to the last.
+/// The span from the first of `tokens` to the last.
 pub(crate) fn span_of(tokens: &[Token]) -> Option<Span> {
     Some(tokens.first()?.span.to(tokens.last()?.span))
 }
 
-/// `tokens` in brackets that were not typed.
+/// `tokens` in a pair of brackets that was not typed, and so has empty spans.
 pub(crate) fn in_brackets(tokens: &[Token]) -> Vec<Token> {
     let start = tokens.first().map_or(0, |first| first.span.start);
     let end = tokens.last().map_or(0, |last| last.span.end);

@@ -1,25 +1,25 @@
-//! Kinds of tokens, and the character by which the grammar knows each.
+//! Kinds of tokens, and the character that stands for each in the grammar.
 
 use crate::settings::SettingKind;
 
 /// Declares [`TokenKind`] from rows of a kind and its character.
 macro_rules! token_kinds {
     ($($(#[$doc:meta])* $kind:ident = $character:literal,)*) => {
-        /// What a token is, whichever spelling was typed.
+        /// Kind of a token, the same for all its spellings.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum TokenKind {
             $($(#[$doc])* $kind,)*
         }
 
         impl TokenKind {
-            /// The character by which the grammar knows this kind.
+            /// The character that stands for this kind in the grammar.
             pub(crate) const fn as_char(self) -> char {
                 match self {
                     $(Self::$kind => $character,)*
                 }
             }
 
-            /// The kind that the grammar knows by `character`.
+            /// The kind that `character` stands for in the grammar.
             pub(crate) const fn of_char(character: char) -> Option<Self> {
                 match character {
                     $($character => Some(Self::$kind),)*
@@ -37,7 +37,7 @@ token_kinds! {
     Name = 'a', X = 'x', Y = 'y', Z = 'z', Number = '0', VulgarFraction = '½',
     /// One digit as a part of a fraction or below a root.
     Digit = '1',
-    /// A row of superscript digits, perhaps with a sign.
+    /// Superscript digits, perhaps with a sign.
     Superscript = '²',
 
     // Operators.
@@ -59,19 +59,19 @@ token_kinds! {
     OpenBrace = '{', CloseBrace = '}', OpenFloor = '⌊', CloseFloor = '⌋',
     OpenCeiling = '⌈', CloseCeiling = '⌉', OpenChoice = '⦃', CloseChoice = '⦄',
     OpenList = '⟨', CloseList = '⟩', OpenMatrix = '⟦',
-    /// The end of an environment, which closes a choice too.
+    /// The end of an environment; it closes a choice, too.
     CloseMatrix = '⟧',
     OpenBar = '|', CloseBar = '¦',
-    /// A bar that opens or closes.
+    /// A bar of which it is still open whether it opens or closes.
     Bar = '❘',
 
     // Choices, ranges and sums.
     Comma = ',', Colon = ':', Semicolon = ';', QuestionMark = '⸮', Otherwise = 'O',
-    /// Between a value and its condition.
+    /// Separates a value from its condition.
     If = '¿',
-    /// Between the ends of a range.
+    /// Separates the ends of a range.
     Dots = '‥',
-    /// Between an index and its range.
+    /// Separates an index from its range.
     CountFrom = '≔',
     /// `for` and `range` in a generator.
     For = '∀', RangeCall = 'N',
@@ -89,7 +89,7 @@ token_kinds! {
     SettingWord = 's', Auto = 'u', HexColor = '#', Percent = '%',
     /// A named direction of view.
     Preset = 'p',
-    /// A word with a vector behind it, `eye`, and one with a number, `fov`.
+    /// A word before a vector, such as `eye`, and one before a number, such as `fov`.
     VectorKey = 'k', NumberKey = 'n',
 
     // Everything else. `Blank` is space, comments and markup.
@@ -98,7 +98,7 @@ token_kinds! {
     Unknown = '?',
 }
 
-/// Brackets, with those that close them.
+/// Pairs of opening and closing brackets.
 const BRACKETS: [(TokenKind, TokenKind); 8] = [
     (OpenParen, CloseParen),
     (OpenBracket, CloseBracket),
@@ -113,7 +113,7 @@ const BRACKETS: [(TokenKind, TokenKind); 8] = [
 use TokenKind::*;
 
 impl TokenKind {
-    /// The kind of the word that begins a line about the picture.
+    /// The kind of the word that begins a line about `setting`.
     pub(crate) fn of_setting(setting: SettingKind) -> Self {
         match setting {
             SettingKind::Domain => DomainWord,
@@ -125,23 +125,23 @@ impl TokenKind {
         }
     }
 
-    /// Whether this is a word that begins a line about the picture rather than a formula.
+    /// Returns whether this word begins a line about the picture.
     pub(crate) fn is_setting(self) -> bool {
         matches!(self, DomainWord | ViewWord | ColorWord | LookWord | BackgroundWord | SettingWord)
     }
 
-    /// Whether this stands for a name.
+    /// Returns whether this is a name or a word that may be one.
     pub(crate) fn is_name(self) -> bool {
         self.is_setting()
             || matches!(self, Name | X | Y | Z | Root | Auto | Preset | VectorKey | NumberKey)
     }
 
-    /// Whether this is a coordinate.
+    /// Returns whether this is a coordinate.
     pub(crate) fn is_axis(self) -> bool {
         matches!(self, X | Y | Z)
     }
 
-    /// Whether this joins two numbers, except for a power.
+    /// Returns whether this is an operator between two numbers, other than a power.
     pub(crate) fn is_arithmetic(self) -> bool {
         matches!(self, Plus | Minus | Star | Slash)
     }
@@ -154,12 +154,12 @@ impl TokenKind {
         matches!(self, Equals | NotEqual) || self.is_inequality()
     }
 
-    /// Whether this joins or denies conditions.
+    /// Returns whether this is `and`, `or` or `not`.
     pub(crate) fn is_logical(self) -> bool {
         matches!(self, And | Or | Not)
     }
 
-    /// Whether this is an operator, a relation or a comma.
+    /// Returns whether this is an operator, a relation or a comma.
     pub(crate) fn is_operator(self) -> bool {
         self.is_arithmetic()
             || self.is_relation()
@@ -168,14 +168,14 @@ impl TokenKind {
             || self == In
     }
 
-    /// Whether an operand can end with this.
+    /// Returns whether an operand can end with this token.
     pub(crate) fn ends_operand(self) -> bool {
         matches!(self, Number | Digit | VulgarFraction | Superscript | Component | Factorial)
             || self.is_name()
             || self.is_closer()
     }
 
-    /// Whether an operand can begin with this.
+    /// Returns whether an operand can begin with this token.
     pub(crate) fn begins_operand(self) -> bool {
         matches!(self, Number | VulgarFraction | Fraction | SquareRoot | CubeRoot | Not)
             || matches!(self, BigSum | BigProduct)
@@ -188,7 +188,7 @@ impl TokenKind {
         BRACKETS.iter().find(|(open, _)| *open == self).map(|(_, close)| *close)
     }
 
-    /// Whether this is a closing bracket.
+    /// Returns whether this is a closing bracket.
     pub(crate) fn is_closer(self) -> bool {
         BRACKETS.iter().any(|(_, close)| *close == self)
     }

@@ -1,9 +1,9 @@
-//! Choices between values by conditions, sums and products over whole numbers, and functions
-//! applied again and again: what is unrolled where it is used.
+//! Choices between values, sums and products over whole numbers, and repeated functions. All are
+//! expanded where they are used.
 //!
-//! A choice becomes selections by the sign of a margin, which kernels prove branch by branch: where
-//! it jumps there is no zero. As everywhere, a comparison does not hold where a side of it has no
-//! value; and where no piece holds, and there is no last value, a choice has none.
+//! A choice becomes selections by the sign of a margin. Kernels check these branch by branch, so a
+//! jump is never taken for a zero. As everywhere, a comparison does not hold where one of its sides
+//! has no value. Where no condition holds and there is no last value, a choice has no value.
 
 use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
@@ -16,14 +16,14 @@ use crate::tree::series::MOST_TERMS;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// The most steps of arithmetic by which a whole number is found.
+/// Most arithmetic steps in finding a whole number.
 const MOST_STEPS: usize = 256;
 
-/// The most numbers that are chosen between where a choice depends on another.
+/// Most numbers to choose between, where a choice depends on another one.
 const MOST_LEAVES: usize = 500;
 
 impl<'a> Lowering<'a> {
-    /// The value of the first piece whose condition holds.
+    /// Lowers a choice: the value of the first piece whose condition holds, else `otherwise`.
     pub(crate) fn choice(
         &mut self,
         pieces: &'a [(Expr, Expr)],
@@ -49,7 +49,7 @@ impl<'a> Lowering<'a> {
         rest.ok_or_else(|| Error::new(Span::default(), ErrorKind::Empty))
     }
 
-    /// `yes` where `condition`, or with `negated` its opposite, holds, else `no`.
+    /// `yes` where `condition` holds, else `no`. With `negated`, its opposite decides.
     fn choose(
         &mut self,
         condition: &'a Expr,
@@ -86,7 +86,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The first of `values` where one comparison holds, else the second.
+    /// The first of the two values where the comparison holds, else the second.
     fn compare(
         &mut self,
         left: &'a Expr,
@@ -110,10 +110,10 @@ impl<'a> Lowering<'a> {
         Ok(self.by_margin(margin, strict, yes, no))
     }
 
-    /// `yes` where a margin is positive, or if not `strict` 0, else `no`.
+    /// `yes` where a margin is positive, else `no`. A margin of 0 gives `yes` unless `strict`.
     fn by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
-        // Whether a program has left a loop is itself a choice, between numbers: with that in
-        // between, bounds would hold both of what is chosen.
+        // Whether a program has left a loop is itself a choice between numbers. If that choice were
+        // the margin, bounds would cover both values.
         if let Some(node) = self.by_numbers(margin, strict, (yes, no), &mut MOST_LEAVES.clone()) {
             return node;
         }
@@ -125,8 +125,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// What a margin decides that is a choice between numbers: the same choice between `values`.
-    /// `None` for others.
+    /// If a margin is a choice between numbers, the same choice between `values`. `None` for other
+    /// margins.
     fn by_numbers(
         &mut self,
         margin: NodeId,
@@ -169,7 +169,7 @@ impl<'a> Lowering<'a> {
         Ok(self.graph.apply(Op::WherePositive, &[node, margin]))
     }
 
-    /// A sum or a product, written out.
+    /// A sum or a product, written out term by term.
     pub(crate) fn series(
         &mut self,
         series: &'a Series,
@@ -205,7 +205,8 @@ impl<'a> Lowering<'a> {
         Ok(all.unwrap_or_else(|| Tensor::Number(self.graph.integer(empty))))
     }
 
-    /// A function applied as often as the first argument says, to the second; what follows stays.
+    /// Repeats a function. The first argument is the count, the second the start value; others stay
+    /// the same.
     pub(crate) fn iterate(
         &mut self,
         function: &Function,
@@ -231,7 +232,7 @@ impl<'a> Lowering<'a> {
         Ok(value)
     }
 
-    /// The whole number that an expression is.
+    /// The whole number that an expression evaluates to.
     fn whole(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<i64> {
         let node = self.number(expr, locals)?;
         match integer_of(&self.graph, node, &mut { MOST_STEPS }) {
@@ -242,8 +243,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// The whole number that a node is, if it follows from whole numbers by arithmetic in no more than
-/// so many steps.
+/// The whole number that a node evaluates to, if it takes at most `steps` steps of integer
+/// arithmetic.
 fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     *steps = steps.checked_sub(1)?;
     let (op, operands) = match graph.node(node) {
@@ -256,7 +257,7 @@ fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
         return a.checked_neg();
     }
     let b = integer_of(graph, *operands.get(1)?, steps)?;
-    // What is no arithmetic of whole numbers ends no range.
+    // Other operations are not allowed in the ends of a range.
     if op == Op::Add {
         a.checked_add(b)
     } else if op == Op::Sub {
@@ -272,8 +273,8 @@ fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     }
 }
 
-/// The argument of `{a = 0: 1, sin(a)/a}`, which is sinc(a): the enclosures of that are narrow
-/// where those of the quotient are not.
+/// The argument of `{a = 0: 1, sin(a)/a}`, which is sinc(a). Enclosures of sinc are narrow where
+/// those of the quotient are not.
 fn as_sinc<'e>(pieces: &'e [(Expr, Expr)], otherwise: Option<&'e Expr>) -> Option<&'e Expr> {
     let ([(condition, one)], Some(quotient)) = (pieces, otherwise) else { return None };
     let ExprKind::Compare(left, rest) = &condition.kind else { return None };
@@ -288,7 +289,7 @@ fn as_sinc<'e>(pieces: &'e [(Expr, Expr)], otherwise: Option<&'e Expr>) -> Optio
     is_sinc.then_some(&**left)
 }
 
-/// Whether a condition can restrict a value by itself.
+/// Whether a condition can restrict a value without a choice.
 fn is_restriction(condition: &Expr) -> bool {
     match &condition.kind {
         ExprKind::And(items) => items.iter().all(is_restriction),

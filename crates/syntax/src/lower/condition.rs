@@ -1,7 +1,7 @@
-//! Conditions: solids and the sets that equations are restricted to.
+//! Conditions: solids, and the sets that equations are restricted to.
 //!
-//! A point at which a side of a comparison has no value meets neither that comparison nor its
-//! opposite: there it is outside, and the rest of the condition still counts.
+//! Where a side of a comparison has no value, neither the comparison nor its opposite holds. Such a
+//! point is outside, and the rest of the condition still counts.
 
 use crate::lower::lowering::{Locals, Lowering};
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -10,16 +10,17 @@ use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
 impl<'a> Lowering<'a> {
-    /// The function that is ≤ 0 inside the solid that a condition describes, and above 0 elsewhere;
-    /// defined everywhere.
+    /// The function of a solid: ≤ 0 where `condition` holds, above 0 elsewhere, and defined
+    /// everywhere.
     pub(crate) fn solid(&mut self, condition: &'a Expr) -> Fallible<NodeId> {
-        // What is positive where the opposite holds.
+        // The margin of the opposite is positive outside the solid.
         let (node, _) = self.margin(condition, true, Purpose::Face, &[])?;
         Ok(node)
     }
 
-    /// A function that is positive or, unless the condition is strict, 0 just where `condition`, or
-    /// with `negated` its opposite, holds; and whether that is strict.
+    /// The margin of `condition`, or of its opposite if `negated`: it is positive exactly where
+    /// that holds. If it is not strict, it may also be 0 there. Returns the margin and whether it
+    /// is strict.
     pub(crate) fn margin(
         &mut self,
         condition: &'a Expr,
@@ -70,8 +71,8 @@ impl<'a> Lowering<'a> {
         Ok((self.fold(if all == negated { Op::Max } else { Op::Min }, &nodes), strict))
     }
 
-    /// `node` where it is defined, else a number that means outside; `node` alone if it cannot be
-    /// undefined.
+    /// `node` where it is defined, else the number `outside`. Returns `node` itself if it is
+    /// defined everywhere.
     pub(crate) fn otherwise_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {
@@ -106,7 +107,7 @@ impl<'a> Lowering<'a> {
         self.graph.apply(Op::Otherwise, &[node, outside])
     }
 
-    /// `root`, defined only where `condition` holds.
+    /// `root` where `condition` holds, undefined elsewhere.
     pub(crate) fn restrict(
         &mut self,
         root: NodeId,
@@ -145,8 +146,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The solid `root` where `condition` holds as well, so that the cut is a face of it. A cut
-    /// that has no inside (`!=`) only takes points away.
+    /// The solid `root` cut by `condition`, so that the cut is a face of it. A condition without an
+    /// inside (`!=`) only takes points away.
     pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
         match &condition.kind {
             ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),
@@ -159,16 +160,16 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// What a margin is for.
+/// Purpose of a margin.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// Where it is 0 is the face of a solid.
+    /// Its zeros are the face of a solid.
     Face,
-    /// Its sign decides what is defined, or which of two values is taken.
+    /// Its sign decides where a value is defined, or which of two values is taken.
     Restriction,
 }
 
-/// Each comparison of a chain with its sides.
+/// The comparisons of a chain, each with its two sides.
 pub(crate) fn comparisons<'a>(
     first: &'a Expr,
     rest: &'a [(Relation, Expr)],
@@ -177,7 +178,8 @@ pub(crate) fn comparisons<'a>(
     left.zip(rest).map(|(left, (relation, right))| (left, *relation, right))
 }
 
-/// The lower and the higher side of an inequality, and whether it is strict; `None` for others.
+/// The lower and the higher side of an inequality, and whether it is strict. `None` for other
+/// relations.
 pub(crate) fn sides<'a>(
     left: &'a Expr,
     relation: Relation,
@@ -192,13 +194,13 @@ pub(crate) fn sides<'a>(
     }
 }
 
-/// The operation that restricts to where a margin is positive, or not negative.
+/// The operation that restricts to where a margin is positive, or if not `strict`, not negative.
 fn restriction(strict: bool) -> Op {
     if strict { Op::WherePositive } else { Op::WhereNonneg }
 }
 
-/// Whether each inequality that a condition, or with `negated` its opposite, is made of is strict;
-/// `None` for a condition that is made of others, too.
+/// Whether each inequality in a condition, or in its opposite if `negated`, is strict. `None` if
+/// the condition contains other relations.
 fn strictness(condition: &Expr, negated: bool) -> Option<Vec<bool>> {
     match &condition.kind {
         ExprKind::And(items) | ExprKind::Or(items) => {
@@ -213,7 +215,7 @@ fn strictness(condition: &Expr, negated: bool) -> Option<Vec<bool>> {
     }
 }
 
-/// Whether a condition is one margin: of inequalities that are all strict or all not.
+/// Whether one margin can express a condition: its inequalities are all strict or all not strict.
 pub(crate) fn has_one_sign(condition: &Expr) -> bool {
     strictness(condition, false).is_some_and(|all| all.windows(2).all(|pair| pair[0] == pair[1]))
 }

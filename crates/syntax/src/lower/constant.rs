@@ -11,13 +11,13 @@ use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
 use crate::tree::scope::Scope;
 use zeroset_interval::Interval;
-use zeroset_ir::{Constant, Graph, Node, NodeId, Variability, ranks, simplify};
+use zeroset_ir::{Constant, Graph, Node, NodeId, Variability, variabilities, simplify};
 use zeroset_ops::Op;
 
 /// The value of a constant expression such as `1/3` or `2*pi`.
 ///
 /// # Errors
-/// What is wrong with the text, or that it varies, or has no value.
+/// Fails if the text is not an expression, if it varies, or if it has no value.
 ///
 /// ```
 /// use zeroset_syntax::constant;
@@ -34,7 +34,7 @@ pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
     match statements.as_slice() {
         [] => Err(Error::new(Span::at(text.len()), ErrorKind::Empty)),
         [lexed] => {
-            // Nobody would see a note on how a value was read.
+            // Notes are not shown here, so a decimal comma is refused.
             if let Some(note) = lexed.notes.first()
                 && let NoteKind::DecimalComma { read } = &note.kind
             {
@@ -61,7 +61,7 @@ pub(crate) fn evaluate(expr: &Expr, limits: &Limits) -> Fallible<Constant> {
     value.ok_or_else(|| Error::new(expr.span, ErrorKind::UndefinedConstant))
 }
 
-/// The values of nodes below which nothing varies; `None` for those that have none.
+/// The values of constant nodes; `None` for a node that has no value.
 fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<Constant>> {
     let Ok((graph, roots)) = simplify(graph, roots, &[Interval::ENTIRE; 3], &[]) else {
         return vec![None; roots.len()];
@@ -70,7 +70,7 @@ fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<Constant>> {
     roots.iter().map(|root| value(root).cloned()).collect()
 }
 
-/// The ends of a range, which stands at `span`: the first must be below the second.
+/// Evaluates the ends of a range that stands at `span`. The first must be below the second.
 pub(crate) fn evaluate_range(
     low: &Expr,
     high: &Expr,
@@ -84,15 +84,15 @@ pub(crate) fn evaluate_range(
     Ok((low, high))
 }
 
-/// At most `most` exponents without coordinates and parameters whose value may be an integer, but
-/// is not known to be one: `log2(8)` is enclosed by two floats next to 3, and a power with it is
-/// that of a real number, defined for bases >= 0 only.
+/// Constant exponents that may be integers but are not known to be; at most `most` of them. For
+/// example, `log2(8)` is enclosed by two floats next to 3. A power with such an exponent is that of
+/// a real number, defined for bases >= 0 only.
 pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
-    let ranks = ranks(graph);
+    let variabilities = variabilities(graph);
     let mut exponents = Vec::new();
     for (_, node) in graph.iter() {
         if let Node::Apply(Op::Pow, operands) = node
-            && ranks[operands[1].index()] == Variability::Constant
+            && variabilities[operands[1].index()] == Variability::Constant
         {
             exponents.push(operands[1]);
         }
@@ -102,7 +102,7 @@ pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
     let is_near = |value: &Constant| {
         let Interval { lo, hi } = value.bounds();
         let may_be_whole = value.exact().is_none() && lo.ceil() <= hi.floor();
-        // A wide range tells nothing, and floats beyond 2⁵³ are all integers.
+        // A wide enclosure says nothing, and floats beyond 2⁵³ are all integers.
         may_be_whole && hi - lo < 0.5 && hi.abs() < 1e9
     };
     let values = values(graph, &exponents);

@@ -1,8 +1,8 @@
-//! From trees to the expression graph: definitions expanded, nothing simplified.
+//! From trees to the expression graph: definitions are expanded, nothing is simplified.
 //!
-//! Recursion is over trees, whose depth is bounded, and over definitions inside definitions, whose
-//! sum is bounded here, and which take a further piece of stack where little is left. Every
-//! expansion is remembered by its arguments, so repeated use costs nothing.
+//! Recursion is over trees and over definitions inside definitions. The depth of both together is
+//! bounded, and stack is added where little is left. Every expansion is cached by its arguments, so
+//! repeated use costs nothing.
 
 use crate::limits::Limits;
 use crate::lower::prelude;
@@ -21,31 +21,31 @@ const LEVELS: usize = 5;
 /// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
 const VISITS: usize = 16;
 
-/// Stack that must be left at each level, in bytes: a level itself takes a kilobyte, and the
-/// choices between numbers in it a hundred.
+/// Stack that must be left at each level, in bytes. A level takes a kilobyte, and choices between
+/// numbers in it a hundred.
 const RED_ZONE: usize = 1 << 18;
-/// The stack that is added where less is left: definitions nest deeper than brackets, by a thousand
-/// levels.
+/// Size of the stack segments that are added, in bytes. Definitions nest up to a thousand levels
+/// deeper than brackets.
 const SEGMENT: usize = 1 << 21;
 
-/// What a defined name lowers to.
+/// Binding of a defined name.
 #[derive(Clone, Debug)]
 pub(crate) enum NameBinding<'a> {
     /// The parameter with this number.
     Parameter(u32),
-    /// A number that does not change.
+    /// A constant.
     Number(Constant),
     /// A definition, expanded where it is used.
     Definition(&'a Definition),
 }
 
-/// Values by the names of a function's parameters.
+/// Values of a function's parameters, with their names.
 pub(crate) type Locals<'a> = [(&'a str, Tensor)];
 
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
-    /// What was noticed on the way.
+    /// Notes taken while lowering.
     pub notes: Vec<Note>,
     names: FxHashMap<&'a str, NameBinding<'a>>,
     time: Option<u32>,
@@ -55,7 +55,7 @@ pub(crate) struct Lowering<'a> {
     values: FxHashMap<&'a str, Tensor>,
     levels: usize,
     visits: usize,
-    /// Per node, as far as has been asked, whether it is defined everywhere.
+    /// Whether each node is defined everywhere, for the nodes examined so far.
     pub(crate) total: Vec<bool>,
 }
 
@@ -68,7 +68,7 @@ impl<'a> Lowering<'a> {
         Self { names, time, is_constant: false, ..Self::constant(limits) }
     }
 
-    /// For an expression in which nothing may vary.
+    /// Creates the lowering of an expression in which nothing may vary.
     pub(crate) fn constant(limits: &'a Limits) -> Self {
         Self {
             graph: Graph::new(),
@@ -85,13 +85,12 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The node of a number.
+    /// The node of an expression that must be a number and has no parameters.
     pub(crate) fn value(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
         self.number(expr, &[])
     }
 
-    /// The function whose zeros are drawn for a plain formula or an equation; `None` for a
-    /// condition.
+    /// The function whose zeros are drawn for a formula or an equation. `None` for a condition.
     pub(crate) fn equation(&mut self, expr: &'a Expr) -> Fallible<Option<NodeId>> {
         match &expr.kind {
             ExprKind::Compare(left, rest) => match rest.as_slice() {
@@ -103,7 +102,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// `left − right`, without the subtraction where one side is the number 0.
+    /// `left − right`, or a single side (negated if it is the right one) if the other is the number
+    /// 0.
     pub(crate) fn difference(
         &mut self,
         left: &'a Expr,
@@ -123,12 +123,12 @@ impl<'a> Lowering<'a> {
         Ok(self.graph.apply(Op::Sub, &[left_node, right_node]))
     }
 
-    /// `op` over all `nodes`, from the left.
+    /// Combines `nodes` by `op`, from the left.
     pub(crate) fn fold(&mut self, op: Op, nodes: &[NodeId]) -> NodeId {
         nodes[1..].iter().fold(nodes[0], |all, node| self.graph.apply(op, &[all, *node]))
     }
 
-    /// Counts a visit, and fails where the formula has grown too large.
+    /// Counts a visit. Fails if the formula is too large or too deep.
     fn enter(&mut self, span: Span) -> Fallible<()> {
         let limit = self.limits.nodes;
         self.visits += 1;
@@ -151,7 +151,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The value of an expression: a number or a vector.
+    /// The value of an expression: a number, a vector or a matrix.
     #[inline(never)]
     pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         self.enter(expr.span)?;
@@ -169,7 +169,7 @@ impl<'a> Lowering<'a> {
         stacker::grow(SEGMENT, || self.lower(expr, locals))
     }
 
-    /// Each kind in a function by itself, so that what nests in one does not take the stack of all.
+    /// Each kind has a function of its own, so that nesting one kind does not use the stack of all.
     #[inline(never)]
     fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         match &expr.kind {
@@ -221,7 +221,7 @@ impl<'a> Lowering<'a> {
         exprs.map(|expr| self.value_of(expr, locals)).collect()
     }
 
-    /// A sum or a product, from the left.
+    /// A sum or a product, combined from the left.
     #[inline(never)]
     fn chain(
         &mut self,
@@ -240,8 +240,8 @@ impl<'a> Lowering<'a> {
         Ok(all)
     }
 
-    /// The opposite of a number; that of a negative number is a number, so that `x^-2` has one for
-    /// its exponent.
+    /// The negation of a number. That of an exact constant is a constant, as in the exponent of
+    /// `x^-2`.
     fn opposite(&mut self, inner: NodeId) -> NodeId {
         let exact = self.graph.number(inner).and_then(Constant::exact);
         match exact.map(|value| Constant::rational(-value)) {
@@ -293,7 +293,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A function of values.
+    /// Applies a function to values.
     #[inline(never)]
     pub(crate) fn call(
         &mut self,
@@ -347,7 +347,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The body of a function with `names` replaced by its arguments.
+    /// Expands a function: its body, with `names` standing for the arguments.
     #[inline(never)]
     fn expand(
         &mut self,
@@ -372,7 +372,7 @@ impl<'a> Lowering<'a> {
         Ok(value)
     }
 
-    /// The n-th root of `radicand`: of negative numbers too where n is odd.
+    /// The n-th root of `radicand`. If n is odd, it is also defined for negative numbers.
     #[inline(never)]
     fn root(&mut self, radicand: NodeId, index: NodeId, span: Span) -> Fallible<NodeId> {
         let whole = self.graph.number(index).and_then(Constant::as_integer);
@@ -404,8 +404,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Errors of size inside a definition are shown where it is used: that is what can be changed. So
-/// are all errors where the definition is not typed, whose places are those of another text.
+/// Moves errors of size to where a definition is used, since the use can be changed. If the
+/// definition was not typed, moves all errors, since their places are in another text.
 fn at_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
     if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;

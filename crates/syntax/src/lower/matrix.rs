@@ -1,8 +1,7 @@
-//! Matrices of two to four rows, which are expanded to their elements as vectors are to their
-//! components.
+//! Matrices of two to four rows. Like vectors, they are expanded: into their elements.
 //!
-//! Elements are in the order of shaders: column by column. A matrix times a vector is a vector, and
-//! so is a vector times a matrix, which is what `p.xz *= m` means there.
+//! Elements are in the order of shaders, column by column. A matrix times a vector is a vector, and
+//! so is a vector times a matrix; in shaders `p.xz *= m` means the latter.
 
 use crate::lower::lowering::Lowering;
 use crate::lower::value::Tensor;
@@ -12,7 +11,7 @@ use zeroset_ir::NodeId;
 use zeroset_ops::Op;
 
 impl Lowering<'_> {
-    /// A matrix made of its elements, of one number for the diagonal, or of another matrix.
+    /// Creates a matrix from its elements, from a number for the diagonal, or from another matrix.
     pub(crate) fn matrix(
         &mut self,
         size: usize,
@@ -41,7 +40,7 @@ impl Lowering<'_> {
         Ok(Tensor::Matrix((0..size * size).map(element).collect()))
     }
 
-    /// An operation of which an operand is a matrix.
+    /// Applies an operation to operands of which at least one is a matrix.
     pub(crate) fn of_matrices(
         &mut self,
         op: Op,
@@ -68,8 +67,8 @@ impl Lowering<'_> {
         self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
-    /// The product of two matrices, or of a matrix and a vector; `None` where the sizes differ, and
-    /// for other values.
+    /// The product of two matrices, or of a matrix and a vector. `None` for other values and other
+    /// sizes.
     fn product(&mut self, left: &Tensor, right: &Tensor) -> Option<Tensor> {
         let n = match (left, right) {
             (Tensor::Matrix(a), Tensor::Matrix(b)) if a.len() == b.len() => a.len().isqrt(),
@@ -91,14 +90,14 @@ impl Lowering<'_> {
         Some(if nodes.len() == n { Tensor::Vector(nodes) } else { Tensor::Matrix(nodes) })
     }
 
-    /// The sum of products of what stands at the same place.
+    /// The scalar product of two rows of numbers.
     fn products(&mut self, left: &[NodeId], right: &[NodeId]) -> NodeId {
         let products: Vec<NodeId> =
             left.iter().zip(right).map(|(a, b)| self.graph.apply(Op::Mul, &[*a, *b])).collect();
         self.fold(Op::Add, &products)
     }
 
-    /// The determinant of a matrix of 1, 4, 9 or 16 elements, by its first column.
+    /// The determinant of a matrix of 1, 4, 9 or 16 elements, expanded along its first column.
     pub(crate) fn determinant(&mut self, nodes: &[NodeId]) -> NodeId {
         if let [only] = nodes {
             return *only;
@@ -120,7 +119,7 @@ impl Lowering<'_> {
         sum.unwrap_or(nodes[0])
     }
 
-    /// The elements of a matrix with rows and columns exchanged.
+    /// The elements of the transposed matrix.
     pub(crate) fn transposed(nodes: &[NodeId]) -> Vec<NodeId> {
         let n = nodes.len().isqrt();
         (0..n * n).map(|at| nodes[at % n * n + at / n]).collect()

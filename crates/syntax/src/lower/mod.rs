@@ -1,10 +1,10 @@
-//! From syntax trees to the expression graph: definitions expanded, vectors taken apart.
+//! From syntax trees to the expression graph: definitions are expanded, vectors split into numbers.
 //!
-//! Nothing here knows tokens, except where constants and the language's own definitions are given
-//! as text and read like any other.
+//! Nothing here knows tokens, with one exception: constants and the language's own definitions are
+//! given as text and parsed like any other.
 //!
-//! The files use one another in a circle: `lowering` walks the trees, and the others are its steps,
-//! which come back to it for their operands.
+//! The files use one another in a circle: `lowering` walks the trees and calls the other files,
+//! which call it for their operands.
 
 pub(crate) mod choice;
 pub(crate) mod condition;

@@ -1,7 +1,7 @@
-//! Vectors, which are expanded to their components: the graph knows numbers only.
+//! Vectors are expanded to their components, because the graph knows numbers only.
 //!
-//! An operation on vectors is done component by component, a number beside a vector counting for
-//! each. What mixes components has a name: `length`, `dot`, `cross`, `normalize`.
+//! Operations on vectors apply component by component. A number beside a vector is used for each
+//! component. Functions that mix components have names: `length`, `dot`, `cross`, `normalize`.
 
 use crate::lower::lowering::Lowering;
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -11,7 +11,7 @@ use crate::tree::ast::LETTERS;
 use zeroset_ir::NodeId;
 use zeroset_ops::{Op, VectorFunction};
 
-/// What an expression lowers to.
+/// Value of an expression, as nodes of the graph.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Tensor {
     Number(NodeId),
@@ -26,7 +26,7 @@ impl Tensor {
         self.parts().len()
     }
 
-    /// The component at `index`, which must be below their number; or the number itself.
+    /// The component at `index`, which must be in range, or the number itself.
     fn part(&self, index: usize) -> NodeId {
         match self {
             Self::Number(node) => *node,
@@ -34,7 +34,7 @@ impl Tensor {
         }
     }
 
-    /// All components, or the number alone.
+    /// All components; a number is its own only component.
     pub(crate) fn parts(&self) -> &[NodeId] {
         match self {
             Self::Number(node) => std::slice::from_ref(node),
@@ -42,7 +42,7 @@ impl Tensor {
         }
     }
 
-    /// The elements of what must be a matrix.
+    /// The elements of a value that must be a matrix.
     fn elements(&self, span: Span) -> Fallible<&[NodeId]> {
         match self {
             Self::Matrix(nodes) => Ok(nodes),
@@ -69,7 +69,7 @@ pub(crate) fn numbers(values: &[Tensor], span: Span) -> Fallible<Vec<NodeId>> {
 }
 
 impl Lowering<'_> {
-    /// What `apply` makes of the components of `operands` that stand at the same place, for each.
+    /// Calls `apply` with the operands' components at each index, and collects the results.
     pub(crate) fn by_component(
         &mut self,
         operands: &[Tensor],
@@ -86,7 +86,7 @@ impl Lowering<'_> {
         Ok(if has_matrix { Tensor::Matrix(nodes) } else { Tensor::new(nodes) })
     }
 
-    /// An operation, component by component.
+    /// Applies an operation component by component, or by the rules of matrices.
     pub(crate) fn native(&mut self, op: Op, operands: &[Tensor], span: Span) -> Fallible<Tensor> {
         if operands.iter().any(Tensor::is_matrix) {
             return self.of_matrices(op, operands, span);
@@ -94,7 +94,7 @@ impl Lowering<'_> {
         self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
-    /// Notes that a product of two vectors is no scalar product.
+    /// Notes that a product of two vectors is not their scalar product.
     pub(crate) fn note_product(&mut self, op: Op, left: &Tensor, right: &Tensor, span: Span) {
         let is_vector = |value: &Tensor| matches!(value, Tensor::Vector(_));
         let are_vectors = is_vector(left) && is_vector(right);
@@ -103,7 +103,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The root of the sum of squares.
+    /// The length of a vector: the root of the sum of squares.
     pub(crate) fn length(&mut self, nodes: &[NodeId]) -> NodeId {
         let two = self.graph.integer(2);
         let squares: Vec<NodeId> =
@@ -112,7 +112,7 @@ impl Lowering<'_> {
         self.graph.apply(Op::Sqrt, &[sum])
     }
 
-    /// A function that mixes components.
+    /// Applies a function that mixes components.
     pub(crate) fn of_vectors(
         &mut self,
         function: VectorFunction,
@@ -126,7 +126,7 @@ impl Lowering<'_> {
             VectorFunction::Determinant => {
                 Ok(Tensor::Number(self.determinant(arguments[0].elements(span)?)))
             }
-            // As numpy and Mathematica have it.
+            // In numpy and Mathematica, `dot` is also the matrix product.
             VectorFunction::Dot if arguments.iter().any(Tensor::is_matrix) => {
                 self.of_matrices(Op::Mul, arguments, span)
             }
@@ -167,7 +167,7 @@ impl Lowering<'_> {
     }
 }
 
-/// A vector of `size` components: of as many in all, or of one that is repeated.
+/// A vector of `size` components: as many in all arguments, or one that is repeated.
 pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<Tensor> {
     let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
     let given = nodes.len();
@@ -180,7 +180,7 @@ pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<
     Ok(Tensor::new(nodes))
 }
 
-/// The components that `letters` name.
+/// The components of a vector that `letters` name, or a column of a matrix.
 pub(crate) fn component(value: Tensor, letters: &str, span: Span) -> Fallible<Tensor> {
     if let (Tensor::Matrix(nodes), Some(column)) = (&value, LETTERS.find(letters)) {
         let rows = nodes.len().isqrt();
@@ -203,7 +203,7 @@ pub(crate) fn component(value: Tensor, letters: &str, span: Span) -> Fallible<Te
     Ok(Tensor::new(found))
 }
 
-/// The number of components of all operands; that of numbers is 1.
+/// The number of components that the operands have in common; numbers fit any.
 fn common_size(operands: &[Tensor], span: Span) -> Fallible<usize> {
     let mut size = 1;
     if operands.iter().any(Tensor::is_matrix)

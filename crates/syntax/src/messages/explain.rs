@@ -1,14 +1,14 @@
-//! Why something is an error and what to do about it, in words.
+//! Explanations of errors and advice on them, in words.
 
 use crate::messages::error::{Error, ErrorKind, Suggestion};
 use crate::settings::setting;
 use zeroset_style::{LOOKS, VIEWS};
 
-/// Longest piece of corrected text that is quoted.
+/// Longest corrected text that is quoted, in characters.
 const QUOTED: usize = 60;
 
 impl Error {
-    /// A few words to stand at the caret.
+    /// A few words to show at the caret.
     pub fn label(&self) -> Option<&'static str> {
         Some(match &self.kind {
             ErrorKind::Unclosed { .. } => "opened here",
@@ -25,7 +25,7 @@ impl Error {
         })
     }
 
-    /// Why this is an error.
+    /// The reason why this is an error.
     pub fn reason(&self) -> Option<&'static str> {
         Some(match &self.kind {
             ErrorKind::TooLong { .. }
@@ -110,7 +110,7 @@ impl Error {
         })
     }
 
-    /// What to write instead. `text` is the text that the error's spans are places of.
+    /// Advice on what to write. `text` is the text that the error's spans are places in.
     pub fn help(&self, text: &str) -> Option<String> {
         if let ErrorKind::UnexpectedCharacter { character } = self.kind
             && let Some(help) = character_help(character)
@@ -133,7 +133,7 @@ impl Error {
             | ErrorKind::BadLook => format!("did you mean `{replacement}`?"),
             ErrorKind::UnexpectedCharacter { .. } => format!("write `{replacement}`"),
             _ => match text.get(meant.span.range()) {
-                // A sign alone says little without the one it replaces.
+                // A sign by itself says little, so the sign that it replaces is shown too.
                 Some(typed)
                     if !typed.is_empty()
                         && meant.span == self.span
@@ -146,7 +146,7 @@ impl Error {
         })
     }
 
-    /// What to do about an error of this kind.
+    /// Advice for an error without a suggestion.
     fn advice(&self) -> Option<String> {
         Some(match &self.kind {
             ErrorKind::UnknownName { name, .. } if is_clause(name) => {
@@ -223,7 +223,7 @@ impl Error {
         })
     }
 
-    /// The text that the error points at, with the suggestion put in.
+    /// The text at the error's place, with the suggestion applied.
     fn corrected(&self, text: &str, meant: &Suggestion) -> String {
         let whole = self.span.to(meant.span);
         let (Some(before), Some(after)) =
@@ -244,7 +244,7 @@ fn is_clause(word: &str) -> bool {
     matches!(word, "for" | "if" | "where" | "when")
 }
 
-/// What to do about an error, where that does not depend on the text.
+/// Advice for errors where it never depends on the text.
 fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",

@@ -1,6 +1,6 @@
-//! Errors and notes: what they are, as data, and how people see them, as text with carets.
+//! Errors and notes, as data and as text with carets for people.
 //!
-//! Nothing here knows how a text is read; every other folder uses this one.
+//! Nothing here knows how a text is read. Every other folder uses this one.
 
 pub(crate) mod error;
 pub(crate) mod explain;

@@ -1,20 +1,20 @@
-//! Notes on how a text was read, where its writer might have meant something else.
+//! Notes on how a text was read, where its writer may have meant something else.
 
 use crate::span::Span;
 
-/// The most notes on a document.
+/// Most notes on a document.
 pub(crate) const MOST_NOTES: usize = 40;
 
-/// A note, and the place it is about.
+/// A note and its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// The place to point at.
     pub span: Span,
-    /// What it says.
+    /// Kind of the note.
     pub kind: NoteKind,
 }
 
-/// What a note says.
+/// Kind of a note, with the message as its `Display`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[allow(missing_docs)] // each message says what its variant means
 pub enum NoteKind {
@@ -119,7 +119,7 @@ pub enum NoteKind {
 }
 
 impl NoteKind {
-    /// Whether it says what a name means, which one note for all its uses tells.
+    /// Whether the note explains a name, so that one note serves for all uses of the name.
     pub(crate) fn is_about_a_name(&self) -> bool {
         matches!(
             self,
@@ -144,7 +144,7 @@ fn did_you_mean(meant: Option<&str>) -> String {
 }
 
 impl Note {
-    /// What it says, in one line.
+    /// The message, in one line.
     pub fn message(&self) -> String {
         self.kind.to_string()
     }

@@ -5,15 +5,14 @@ use crate::messages::note::Note;
 use crate::span::Span;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet, Title};
 
-/// Columns that a diagnostic may take; the same everywhere, so that output does not depend on the
-/// terminal.
+/// Width of a diagnostic, in columns. It is fixed, so that output does not depend on the terminal.
 const WIDTH: usize = 100;
-/// Bytes kept after the start of what is pointed at, where a line is very long.
+/// Bytes of a very long line that are kept after the start of the marked place.
 const CONTEXT: usize = 400;
 
 impl Errors {
-    /// All errors as text with carets. `source_name` is the file's name, if there is one; `text` is
-    /// what was read. Without `color` the result is plain text.
+    /// All errors as text with carets. `source_name` is the file's name, if there is one. `text` is
+    /// the text that was read. Without `color` the result is plain text.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let rendered: Vec<String> =
             self.iter().map(|error| error.render(source_name, text, color)).collect();
@@ -43,7 +42,7 @@ impl Note {
     }
 }
 
-/// A title, the place that it is about with a label, and what else is said of it.
+/// Draws a title, the marked place with a label, and further messages.
 fn draw<'a>(
     title: Title<'a>,
     (source_name, text, span): (Option<&'a str>, &'a str, Span),
@@ -53,8 +52,8 @@ fn draw<'a>(
 ) -> String {
     let place = span.start.min(text.len());
     let line = 1 + text[..place].matches('\n').count();
-    // Whole lines are shown, or less of the last where it is very long; columns are counted from
-    // the start of the first.
+    // Whole lines are shown, except for a very long last line, which is cut. Columns are counted
+    // from the start of the first line.
     let start = text[..place].rfind('\n').map_or(0, |at| at + 1);
     let end = span.end.clamp(place, text.len());
     let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);

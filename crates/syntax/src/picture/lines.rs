@@ -1,7 +1,7 @@
-//! What the lines about the picture say: each is read as its row of the table of settings tells,
-//! and kept until names have values.
+//! Lines about the picture. Each is read by its row in the table of settings, and kept until names
+//! have values.
 //!
-//! What they mean for a picture is not decided here.
+//! Nothing here decides what a line means for a picture.
 
 use crate::lex::spelling::typed_setting;
 use crate::lex::token_kind::TokenKind;
@@ -20,36 +20,36 @@ use crate::tree::statement::ParsedStatement;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Constant;
 
-/// What a document says of the picture beside where and from where to look. What is `None` is not
-/// said.
+/// Settings of the picture that have no field of their own in a document. A field is `None` if no
+/// line sets it.
 #[derive(Clone, Debug, Default)]
 pub struct PictureLines {
-    /// a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is kept.
+    /// Coefficients a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is kept.
     pub clip: Option<[Constant; 4]>,
-    /// Where the light is, in world units.
+    /// Position of the light, in world units.
     pub light: Option<[Constant; 3]>,
-    /// Whether there are shadows.
+    /// Whether shadows are drawn.
     pub shadows: Option<bool>,
     /// Whether the domain's box and axes are drawn.
     pub axes: Option<bool>,
-    /// Whether it is told which value has which color.
+    /// Whether a legend shows which value has which color.
     pub legend: Option<bool>,
-    /// Lines along which a value stays the same.
+    /// Contour lines, along which a value is constant.
     pub contours: Option<Contours>,
 }
 
-/// Where a line stands that sets something about the picture.
+/// Place of a line that sets something about the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SettingLine {
-    /// Its first word, in its first spelling.
+    /// First word of the line, in its main spelling.
     pub word: &'static str,
-    /// All of it, without its end and without a comment.
+    /// The whole line, without its end and without a comment.
     pub span: Span,
-    /// The opacity behind a color.
+    /// Place of the opacity behind a color.
     pub share: Option<Span>,
 }
 
-/// What the lines of a text say, before names have values.
+/// Settings from all lines of a text, before names have values.
 #[derive(Default)]
 pub(crate) struct CollectedLines {
     pub domain: Option<DomainLine>,
@@ -57,16 +57,16 @@ pub(crate) struct CollectedLines {
     pub look: Option<&'static zeroset_style::Look>,
     pub background: Option<SrgbColor>,
     pub picture: PictureLines,
-    /// Each perhaps with an opacity of its own.
+    /// Colors by the offset of their line, each perhaps with an opacity of its own.
     pub colors: Vec<(usize, (TypedColor, Option<f64>))>,
     pub opacities: Vec<(usize, f64)>,
     pub hidden: Vec<(usize, bool)>,
-    /// Where they stand.
+    /// Places of all lines.
     pub lines: Vec<SettingLine>,
     pub contours: Option<Contours<Expr>>,
-    /// With the names of a point's own, once it was needed.
+    /// Scope with the names of points added, once a line has needed it.
     scope: Option<Scope>,
-    /// Names of the document that values of points depend on.
+    /// Names of the document that values at points depend on.
     pub used: FxHashSet<String>,
 }
 
@@ -81,7 +81,7 @@ impl CollectedLines {
     ) -> Fallible<()> {
         let span = line.raw.lexed.span;
         let first = line.raw.lexed.tokens[0];
-        // The ranges of a plot have no word; a `domain` line counts more.
+        // The ranges of a plot have no word. A `domain` line takes precedence over them.
         let is_made = first.span.start == first.span.end;
         let setting = typed_setting(&text[first.span.range()])
             .or_else(|| SETTINGS.iter().find(|row| TokenKind::of_setting(row.kind) == first.kind))
@@ -130,8 +130,9 @@ impl CollectedLines {
     }
 }
 
-/// What holds for a drawing at `place`: what the last line above it says; but where no drawing is
-/// below the last line (that at `last` is the last drawing), the first line below it.
+/// The setting of a drawing at `place`, given by the last line above it. If the last line stands
+/// below the last drawing (at `last`), lines follow their drawings, and the first line below it
+/// counts.
 pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
     let follow = lines.last().is_some_and(|(at, _)| *at > last);
     let found = if follow {
@@ -143,7 +144,7 @@ pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Opti
 }
 
 impl Builder<'_> {
-    /// As many numbers, of a line that begins with `word`.
+    /// Reads `COUNT` numbers from a line that begins with `word`.
     fn numbers<const COUNT: usize>(
         &mut self,
         line: Pair<'_>,
@@ -166,7 +167,7 @@ impl Builder<'_> {
         <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad(word, self.lexed.span))
     }
 
-    /// The values that stand in a line that begins with `word`.
+    /// Reads values from a line that begins with `word`.
     pub(crate) fn values<'i>(
         &mut self,
         word: &'static str,
@@ -179,7 +180,7 @@ impl Builder<'_> {
         parts.into_iter().map(value).collect()
     }
 
-    /// Whether something is on: the word alone means that it is.
+    /// Reads `on` or `off`. The word of the line alone means `on`.
     fn switch(&mut self, line: Pair<'_>, word: &'static str) -> Fallible<bool> {
         match &parts(line)[..] {
             [] => Ok(true),
@@ -198,7 +199,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A share from 0 to 1.
+    /// Reads a share from 0 to 1, or from 0 % to 100 %.
     pub(crate) fn opacity(&mut self, pair: Pair<'_>) -> Fallible<f64> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();

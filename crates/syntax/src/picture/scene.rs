@@ -1,5 +1,5 @@
-//! `domain`, `view`, `look` and `background` lines and plain colors, as data: what they mean for a
-//! picture is not decided here.
+//! `domain`, `view`, `look` and `background` lines and plain colors, as data. Nothing here decides
+//! what they mean for a picture.
 
 use crate::tree::grammar::{Pair, Rule};
 use zeroset_style::{COLOR_MAPS, LOOKS, Look, StandardView};
@@ -19,11 +19,11 @@ use zeroset_ir::Constant;
 /// A range between two numbers, in world units.
 pub type ConstantRange = (Constant, Constant);
 
-/// Where to look for the surface.
+/// The region to look at.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // a document has one
 pub enum DomainLine {
-    /// To be found by search.
+    /// A region to be found by search.
     Auto,
     /// A range for each coordinate, in world units; `None` where the line leaves one out.
     Box([Option<ConstantRange>; 3]),
@@ -31,16 +31,16 @@ pub enum DomainLine {
     Ball(Constant),
 }
 
-/// Where to look from.
+/// The camera, as far as a `view` line sets it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewLine {
-    /// The named view, if one is chosen.
+    /// The named view, if one is given.
     pub preset: Option<&'static StandardView>,
     /// The eye, in world units.
     pub eye: Option<[Constant; 3]>,
     /// The point looked at, in world units.
     pub target: Option<[Constant; 3]>,
-    /// What points up in the picture.
+    /// Direction that points up in the picture.
     pub up: Option<[Constant; 3]>,
     /// The vertical field of view, in degrees.
     pub fov: Option<Constant>,
@@ -56,19 +56,19 @@ pub struct SrgbColor {
 }
 
 impl SrgbColor {
-    /// The color with this name, in any case: one of those of CSS, which a `color` line takes.
+    /// The CSS color with this name, in any case.
     pub fn named(name: &str) -> Option<Self> {
         let (_, rgb) =
             NAMED_COLORS.entries().find(|(known, _)| known.as_str().eq_ignore_ascii_case(name))?;
         Some(Self { rgb: *rgb })
     }
 
-    /// The color that is written `#rgb`, `#rrggbb`, or as its name.
+    /// The color written as `#rgb` or `#rrggbb`, or by its name.
     pub fn typed(text: &str) -> Option<Self> {
         if !text.starts_with('#') {
             return Self::named(text);
         }
-        // Four and eight digits would say how opaque it is.
+        // Four or eight digits would include an opacity.
         let color = csscolorparser::parse(text).ok().filter(|_| matches!(text.len(), 4 | 7))?;
         let [r, g, b, _] = color.to_rgba8();
         Some(Self { rgb: [r, g, b] })
@@ -170,7 +170,7 @@ impl Builder<'_> {
         self.one_of(&given, &LOOKS, |look| look.name, ErrorKind::BadLook)
     }
 
-    /// The row whose name is given, in any case; an error of this kind if there is none.
+    /// The row named by `given`, in any case. Fails with `kind` if there is none.
     pub(crate) fn one_of<T>(
         &self,
         given: &Pair<'_>,
@@ -189,7 +189,7 @@ impl Builder<'_> {
         self.plain(&line.into_inner().next().expect("a color line has a color"))
     }
 
-    /// A color that is the same everywhere.
+    /// Reads a color that is the same everywhere.
     pub(crate) fn plain(&self, given: &Pair<'_>) -> Fallible<SrgbColor> {
         let (span, typed) = (self.span(given), self.word(given));
         SrgbColor::typed(&typed).ok_or_else(|| {
@@ -202,13 +202,13 @@ impl Builder<'_> {
     }
 }
 
-/// The error for a line that does not hold what its `word` takes.
+/// The error for a line whose content does not fit its `word`.
 pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
     let hint = setting(word).map_or("", |setting| setting.hint);
     Error::new(span, ErrorKind::BadSetting { word, hint })
 }
 
-/// `domain 3` or six numbers.
+/// The ranges given by `domain 3` or by six numbers.
 fn plain_domain(
     numbers: &[Expr],
     span: Span,

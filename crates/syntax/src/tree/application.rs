@@ -1,5 +1,5 @@
-//! Functions and what they are applied to: brackets, or the implicit product up to the next
-//! function.
+//! Function application. A function takes its argument in brackets, or else the implicit product up
+//! to the next function.
 
 use crate::lex::spelling::short_formula;
 use crate::lex::token_kind::TokenKind::{Minus, Number};
@@ -17,8 +17,8 @@ use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
 impl Builder<'_> {
-    /// A function and what it is applied to: brackets, or the implicit product up to the next
-    /// function.
+    /// Reads what `callee` is applied to: arguments in brackets, or the implicit product up to the
+    /// next function.
     pub(crate) fn application(
         &mut self,
         callee: &Callee,
@@ -63,8 +63,8 @@ impl Builder<'_> {
         })
     }
 
-    /// The second pair of brackets in `root(3)(x)` of `AsciiMath` and in `sqrt[3](x)`, which
-    /// Mathematica has as a product.
+    /// Reads `root(3)(x)` of `AsciiMath` and `sqrt[3](x)` as roots, by taking the second pair of
+    /// brackets. Mathematica's `Sqrt[3](x)` remains a product.
     #[inline(never)] // keeps the stack frames of nested calls small
     fn with_radicand(
         &mut self,
@@ -86,7 +86,7 @@ impl Builder<'_> {
             }
             _ => false,
         };
-        // Elsewhere square brackets are brackets like any others.
+        // With any other index the square brackets hold an ordinary argument.
         let is_index = |one: &Expr| {
             one.whole_number().is_some()
                 || matches!(one.kind, ExprKind::Name(NamedValue::Defined(_)))
@@ -103,7 +103,7 @@ impl Builder<'_> {
         Ok(arguments)
     }
 
-    /// The arguments in brackets, or the only one in braces.
+    /// Reads the arguments in brackets, or the single argument in braces.
     #[inline(never)]
     fn arguments(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
         if pair.as_rule() == Rule::group {
@@ -112,7 +112,7 @@ impl Builder<'_> {
         Ok(vec![self.deeper(span, 1, |b| b.closed(pair, span))?])
     }
 
-    /// The exponent between a function and its argument, `sin^2 x`.
+    /// Reads the exponent between a function and its argument, as in `sin^2 x`.
     #[inline(never)]
     fn function_exponent(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let signs = match items.pop_front() {
@@ -142,7 +142,7 @@ impl Builder<'_> {
         Ok(Callee::BuiltIn(inverse))
     }
 
-    /// The argument of a function without brackets.
+    /// Reads an argument without brackets, as in `sin 2x`.
     #[inline(never)]
     fn bare_argument(
         &mut self,
@@ -186,7 +186,7 @@ impl Builder<'_> {
         Ok(product)
     }
 
-    /// `sin -x` is a difference; if that fails, brackets are what was meant.
+    /// Adds a suggestion to the error for `sin -x`, which is read as a difference: `sin(-x)`.
     fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
         let next = self.lexed.tokens.partition_point(|token| token.span.start < span.end);
         match &self.lexed.tokens[next..] {
@@ -203,7 +203,7 @@ impl Builder<'_> {
         }
     }
 
-    /// A call with its arguments counted.
+    /// Builds a call, choosing the function by the number of arguments.
     #[inline(never)]
     pub(crate) fn call(
         &mut self,
@@ -220,12 +220,12 @@ impl Builder<'_> {
             (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
                 self.note(span, NoteKind::NaturalLogarithm);
             }
-            // SymPy and MATLAB have the mean at 0.
+            // In SymPy and MATLAB, `Heaviside(0)` is 1/2.
             (Callee::BuiltIn(name), [_]) if name == "heaviside" && typed == "Heaviside" => {
                 let number = |digits| Expr::of_digits(digits, span);
                 arguments.push(number("1").over(number("2"), span));
             }
-            // `Clip[x, {a, b}]`
+            // Mathematica's `Clip[x, {a, b}]` takes the ends as a list.
             (
                 Callee::BuiltIn(_),
                 [_, Expr { kind: ExprKind::Call(Function::Vector(2), ends), .. }],
@@ -234,7 +234,7 @@ impl Builder<'_> {
                 arguments.truncate(1);
                 arguments.extend(ends);
             }
-            // Typst has fractions so.
+            // Typst writes fractions as `frac(a, b)`.
             (Callee::BuiltIn(name), [_, _]) if name == "frac" => {
                 return quotient_of(arguments);
             }
@@ -243,7 +243,7 @@ impl Builder<'_> {
                 let argument = arguments.remove(0);
                 return Ok(logarithm(argument, base, span.to(place)));
             }
-            // Mathematica has the base first, Python last.
+            // Mathematica puts the base first, Python puts it last.
             (Callee::BuiltIn(name), [_, _]) if name == "log" => {
                 let before = &self.text[..span.start];
                 let is_first = typed == "Log" && self.text[span.end..].starts_with('[');
@@ -266,7 +266,7 @@ impl Builder<'_> {
             }
             _ => {}
         }
-        // The largest component of a vector.
+        // `min` and `max` of a single vector combine its components.
         if let (Callee::BuiltIn(_), [only]) = (callee, arguments.as_slice())
             && let Some(function @ Function::Native(Op::Min | Op::Max)) = forms.function(2)
             && is_vector(only)
@@ -281,7 +281,7 @@ impl Builder<'_> {
             && name == "sinc"
             && (before.ends_with("np.") || before.ends_with("numpy."))
         {
-            // That of numpy is sin(πa)/(πa).
+            // numpy's `sinc(a)` is sin(πa)/(πa).
             let pi = ExprKind::Name(NamedValue::Constant(NamedConstant::Pi));
             let pi = Expr::new(pi, argument.span);
             *argument = product_of([pi, argument.clone()])?;
@@ -290,7 +290,7 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
     }
 
-    /// Notes on functions that other languages understand otherwise.
+    /// Adds notes on functions that other languages define differently.
     pub(crate) fn note_form(&mut self, callee: &Callee, span: Span) {
         if let Callee::BuiltIn(name) = callee {
             match name.as_str() {
@@ -301,7 +301,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The error for a number of arguments that a function does not take.
+    /// The error for a number of arguments that the function does not take.
     pub(crate) fn wrong_count(
         &self,
         callee: &Callee,
@@ -319,7 +319,7 @@ impl Builder<'_> {
     }
 }
 
-/// ln(argument)/ln(base)
+/// The logarithm to a base: ln(argument)/ln(base).
 fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
     let ln = |expr: Expr| {
         let place = expr.span;
@@ -328,7 +328,7 @@ fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
     ln(argument).over(ln(base), span)
 }
 
-/// How a function of the language is called, with its line of help.
+/// Usage of a built-in function: its call with named parameters, and its line of help.
 fn usage(callee: &Callee) -> Option<String> {
     let Callee::BuiltIn(name) = callee else {
         return None;
@@ -348,8 +348,8 @@ fn usage(callee: &Callee) -> Option<String> {
     Some(format!("`{name}({operands}{more})`: {}", row.doc))
 }
 
-/// Whether factors behind a function may be meant to be outside it: with a blank before a name that
-/// is no number's, as in `sin x y`.
+/// Whether some of the factors behind a function may be meant to be outside it, as in `sin x y`:
+/// two that are not numbers have a blank between them.
 fn spaced(factors: &[Expr]) -> bool {
     let is_name = |expr: &Expr| !matches!(expr.kind, ExprKind::Number(_));
     factors.windows(2).any(|pair| {

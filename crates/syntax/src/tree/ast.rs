@@ -1,20 +1,20 @@
 //! The syntax tree: what was typed, with every name resolved and every implicit product made
 //! explicit.
 //!
-//! Sums, products and chains hold any number of operands, so that only brackets, powers, signs and
-//! function arguments nest, and a limit on those bounds every recursion over a tree. Trees compare
-//! equal whatever their spans are.
+//! Sums, products and comparisons hold any number of operands. Only brackets, powers, signs and
+//! function arguments nest, so a limit on these bounds every recursion over a tree. Comparing trees
+//! ignores their spans.
 
 use crate::span::Span;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{Op, VectorFunction};
 
-/// An expression and where it stands.
+/// An expression and its place in the text.
 #[derive(Clone, Debug)]
 pub struct Expr {
-    /// What it is.
+    /// Kind of the expression, with its operands.
     pub kind: ExprKind,
-    /// Where it was typed.
+    /// Place in the text.
     pub span: Span,
 }
 
@@ -25,28 +25,28 @@ impl PartialEq for Expr {
 }
 
 impl Expr {
-    /// An expression at a place.
+    /// Creates an expression that stands at `span`.
     pub fn new(kind: ExprKind, span: Span) -> Self {
         Self { kind, span }
     }
 
-    /// The number that is written so.
+    /// The number written as `digits`.
     pub(crate) fn of_digits(digits: impl Into<String>, span: Span) -> Self {
         Self::new(ExprKind::Number(digits.into()), span)
     }
 
-    /// The equation of two, at the place of the first.
+    /// The equation `self = right`, at the span of `self`.
     pub(crate) fn equals(self, right: Self) -> Self {
         let span = self.span;
         self.compared(Relation::Equal, right, span)
     }
 
-    /// The comparison of two, which stands at `span`.
+    /// The comparison of `self` with `right`, which stands at `span`.
     pub(crate) fn compared(self, relation: Relation, right: Self, span: Span) -> Self {
         Self::new(ExprKind::Compare(Box::new(self), vec![(relation, right)]), span)
     }
 
-    /// 1 where this condition holds, else 0, all at `span`.
+    /// A choice at `span`: 1 where this condition holds, else 0.
     pub(crate) fn flag(self, span: Span) -> Self {
         let number = |digits| Self::of_digits(digits, span);
         let pieces = vec![(self, number("1"))];
@@ -69,12 +69,12 @@ impl Expr {
         }
     }
 
-    /// The number, if this is a whole one without a sign or an exponent.
+    /// The value, if this is a whole number without a sign or an exponent.
     pub(crate) fn whole_number(&self) -> Option<u32> {
         self.number()?.parse().ok()
     }
 
-    /// What this is made of.
+    /// The direct subexpressions.
     pub(crate) fn parts(&self) -> Vec<&Self> {
         match &self.kind {
             ExprKind::Number(_) | ExprKind::Name(_) => Vec::new(),
@@ -100,7 +100,7 @@ impl Expr {
         }
     }
 
-    /// This and everything that it is made of.
+    /// This expression and all its subexpressions, at any depth.
     pub(crate) fn all_parts(&self) -> Vec<&Self> {
         let mut all = vec![self];
         let mut at = 0;
@@ -111,8 +111,8 @@ impl Expr {
         all
     }
 
-    /// A sum or a product of two or more operands; one of the same kind in its first place is
-    /// opened, since it means the same.
+    /// A sum or a product of two or more operands. If `first` is a chain of the same kind, its
+    /// operands are spliced in, which does not change the meaning.
     pub(crate) fn chain(kind: Chain, first: Self, mut more: Vec<(Sign, Self)>, span: Span) -> Self {
         let (first, rest) = match first.kind {
             ExprKind::Chain(inner, first, mut rest) if inner == kind => {
@@ -129,7 +129,7 @@ impl Expr {
         Self::chain(Chain::Product, self, vec![(Sign::Inverse, divisor)], span)
     }
 
-    /// Both parts, if this is the quotient of two.
+    /// Numerator and denominator, if this is the quotient of two expressions.
     pub(crate) fn quotient(&self) -> Option<(&Self, &Self)> {
         match &self.kind {
             ExprKind::Chain(Chain::Product, top, rest) => match rest.as_slice() {
@@ -146,7 +146,7 @@ impl Expr {
     }
 }
 
-/// What an expression is.
+/// Kind of an expression, with its operands.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ExprKind {
     /// A decimal number without a sign, as text that `Constant::decimal` reads.
@@ -159,10 +159,10 @@ pub enum ExprKind {
     Chain(Chain, Box<Expr>, Vec<(Sign, Expr)>),
     /// `a^b`.
     Power(Box<Expr>, Box<Expr>),
-    /// A function of its arguments.
+    /// A function call with its arguments.
     Call(Function, Vec<Expr>),
-    /// `{c: a, d: b, e}`: the value of the first piece whose condition holds, else the last one, if
-    /// there is one.
+    /// `{c: a, d: b, e}`: the value of the first piece whose condition holds. If no condition
+    /// holds, it is the last value, if there is one.
     Choice(Vec<(Expr, Expr)>, Option<Box<Expr>>),
     /// `p.xz`: components of a vector, by the letters x, y, z and w.
     Component(Box<Expr>, String),
@@ -172,14 +172,14 @@ pub enum ExprKind {
     Compare(Box<Expr>, Vec<(Relation, Expr)>),
     /// Two or more conditions that must all hold.
     And(Vec<Expr>),
-    /// Two or more conditions of which one must hold.
+    /// Two or more conditions of which at least one must hold.
     Or(Vec<Expr>),
     /// A condition that must not hold.
     Not(Box<Expr>),
 }
 
 impl ExprKind {
-    /// The name of the document that this is, or that it calls.
+    /// The name of the document that this expression is or calls, if any.
     pub(crate) fn defined(&self) -> Option<&str> {
         match self {
             Self::Name(NamedValue::Defined(name)) | Self::Call(Function::Defined(name), _) => {
@@ -198,19 +198,19 @@ pub(crate) const LETTERS: &str = "xyzw";
 pub struct Series {
     /// Whether it is a product.
     pub is_product: bool,
-    /// What counts, inside the body only.
+    /// Index variable, visible in the body only.
     pub index: Name,
-    /// The first number.
+    /// First value of the index.
     pub low: Expr,
-    /// No number beyond this one.
+    /// Largest value that the index may take.
     pub high: Expr,
-    /// The distance between two numbers, 1 if not given.
+    /// Step of the index; `None` for 1.
     pub step: Option<Expr>,
-    /// What is added or multiplied.
+    /// Term or factor for each value of the index.
     pub body: Expr,
 }
 
-/// What a chain of operands makes.
+/// Kind of a chain of operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Chain {
     /// A sum of terms.
@@ -219,17 +219,17 @@ pub enum Chain {
     Product,
 }
 
-/// How a further operand joins a chain.
+/// How an operand joins those before it in a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
-    /// As it is: by `+`, by `*` or by nothing.
+    /// By `+`, by `*` or by juxtaposition.
     Direct,
-    /// Inverted: by `-` or `/`.
+    /// By `-` or `/`.
     Inverse,
 }
 
 impl Chain {
-    /// The operation that joins an operand.
+    /// The operation that joins an operand with this sign.
     pub(crate) fn op(self, sign: Sign) -> Op {
         match (self, sign) {
             (Self::Sum, Sign::Direct) => Op::Add,
@@ -258,7 +258,7 @@ pub enum Relation {
 }
 
 impl Relation {
-    /// What holds where this does not, if both sides have a value.
+    /// The relation that holds where this one does not, if both sides have a value.
     pub(crate) fn opposite(self) -> Self {
         match self {
             Self::Equal => Self::Unequal,
@@ -270,7 +270,7 @@ impl Relation {
         }
     }
 
-    /// How it is printed.
+    /// The relation as printed.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Equal => "=",
@@ -283,14 +283,14 @@ impl Relation {
     }
 }
 
-/// What a name stands for, where a number is wanted.
+/// A named value, where a number is expected.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum NamedValue {
     /// A coordinate of space.
     Coordinate(Axis),
     /// Time, `t`.
     Time,
-    /// A constant of the language; a document may give its name another meaning.
+    /// A constant of the language. A document may define its name otherwise.
     Constant(NamedConstant),
     /// A parameter of the function being defined.
     Local(String),
@@ -310,7 +310,7 @@ impl NamedValue {
     }
 }
 
-/// What is called.
+/// The function of a call.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Function {
     /// An operation of the table; `min` and `max` take two or more arguments.
@@ -327,8 +327,8 @@ pub enum Function {
     Matrix(u8),
     /// A function of vectors.
     OfVectors(VectorFunction),
-    /// `iterate(f, n, a, …)`: this function applied n times to a, its further arguments the same
-    /// each time.
+    /// `iterate(f, n, a, …)`: this function applied n times, starting from a. Further arguments are
+    /// the same each time.
     Iterate(Box<Function>),
     /// A function that the document defines.
     Defined(String),
@@ -358,7 +358,7 @@ impl Function {
 /// One statement of a document.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Statement {
-    /// Something to draw.
+    /// A drawing.
     Draw {
         /// A number (`= 0` implied), an equation or a condition.
         expr: Expr,
@@ -370,7 +370,7 @@ pub enum Statement {
 }
 
 impl Statement {
-    /// What is drawn and restricts it, or what a name stands for.
+    /// The expressions of a drawing and its restrictions, or the body of a definition.
     pub(crate) fn expressions(&self) -> Vec<&Expr> {
         match self {
             Self::Draw { expr, restrictions } => {
@@ -384,22 +384,22 @@ impl Statement {
 /// A definition of a value or a function.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Definition {
-    /// What is defined; `t` where time is set.
+    /// The defined name. Defining `t` sets the time.
     pub name: Name,
     /// The parameters of a function; `None` for a value.
     pub parameters: Option<Vec<Name>>,
-    /// What it stands for.
+    /// Value of the name, or body of the function.
     pub body: Expr,
-    /// The ends of a slider, `in [low, high]`.
+    /// Ends of the slider's range, from `in [low, high]`.
     pub range: Option<(Expr, Expr)>,
 }
 
-/// A name where it is introduced. Names compare equal whatever their spans are.
+/// A name where it is introduced. Comparing names ignores their spans.
 #[derive(Clone, Debug)]
 pub struct Name {
     /// The name.
     pub text: String,
-    /// Where it was typed; the default where no text has it.
+    /// Place in the text; the default span if the name was not typed.
     pub span: Span,
 }
 

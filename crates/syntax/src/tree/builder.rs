@@ -1,4 +1,4 @@
-//! From the grammar's parts to the syntax tree. Rows of factors are shaped in `juxtaposition`.
+//! Builds syntax trees from the grammar's parse. Juxtaposed factors are read in `juxtaposition`.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{plain_text, short_formula};
@@ -23,20 +23,20 @@ pub(crate) struct Builder<'a> {
     pub text: &'a str,
     pub lexed: &'a LexedStatement,
     pub scope: &'a Scope,
-    /// Parameters of the function being defined.
+    /// Parameters of the function being defined, then indices of the enclosing sums.
     pub locals: Vec<Name>,
-    /// Names that stand for what was made of them.
+    /// Expressions that the program's variables stand for.
     pub aliases: Aliases,
     pub limits: &'a Limits,
     depth: usize,
-    /// How many of the locals are parameters; the others count sums.
+    /// Number of `locals` that are parameters.
     parameters: usize,
     pub notes: Vec<Note>,
-    /// Names of the document that were used.
+    /// Names defined by the document that this statement uses.
     pub used: FxHashSet<String>,
 }
 
-/// Signs before a term or in an exponent.
+/// Signs before a term or in an exponent, with their places.
 pub(crate) type Signs = Vec<(Sign, Span)>;
 
 impl<'a> Builder<'a> {
@@ -53,9 +53,9 @@ impl<'a> Builder<'a> {
         Self { text, lexed, scope, locals, aliases, limits, depth: 0, parameters, notes, used }
     }
 
-    /// What `name` was made into, if anything; the last that it was made into.
+    /// The expression that `name` stands for, if it is a variable of the program.
     pub(crate) fn alias(&mut self, name: &str) -> Option<ExprKind> {
-        // An index of a sum hides it.
+        // An index of an enclosing sum hides the variable.
         let hidden = self.locals.iter().rposition(|local| local.text == name);
         let kind = self.aliases.find(name)?;
         if hidden.is_some_and(|at| at >= self.parameters) {
@@ -71,18 +71,18 @@ impl<'a> Builder<'a> {
         span_of(tokens).unwrap_or(Span::at(self.lexed.span.end))
     }
 
-    /// What was typed for `pair`.
+    /// The text that was typed for `pair`.
     pub(crate) fn typed(&self, pair: &Pair<'_>) -> &'a str {
         &self.text[self.span(pair).range()]
     }
 
-    /// The same in plain letters.
+    /// The text typed for `pair`, with styled letters replaced by plain ones.
     pub(crate) fn word(&self, pair: &Pair<'_>) -> String {
         plain_text(self.typed(pair))
     }
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
-        // One more than a document keeps tells it that there are more.
+        // A document keeps fewer notes. The additional one tells it that some were left out.
         if self.notes.len() > MOST_NOTES {
             return;
         }
@@ -92,7 +92,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Runs `build` that many levels deeper.
+    /// Runs `build` with the nesting depth raised by `levels`; fails if that exceeds the limit.
     pub(crate) fn deeper<T>(
         &mut self,
         span: Span,
@@ -106,7 +106,7 @@ impl<'a> Builder<'a> {
         built
     }
 
-    /// Fails unless `levels` more levels are allowed here.
+    /// Fails unless `levels` more levels of nesting are allowed.
     pub(crate) fn room(&self, span: Span, levels: usize) -> Fallible<()> {
         let limit = self.limits.depth;
         if self.depth + levels > limit {
@@ -115,31 +115,31 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// The number that the whole statement is.
+    /// Reads the whole statement as one number.
     pub(crate) fn only_expression(&mut self) -> Fallible<Expr> {
         let statement = recognise(self.text, self.lexed, Rule::constant)?;
         self.value(statement.into_inner().next().expect("a constant is an expression"))
     }
 
-    /// An expression that must be a number.
+    /// Reads an expression that must be a number.
     pub(crate) fn value(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let expr = self.expression(pair)?;
         number_only(&expr)?;
         Ok(expr)
     }
 
-    /// The ends of a range.
+    /// Reads the two ends of a range.
     pub(crate) fn bounds(&mut self, pair: Pair<'_>) -> Fallible<(Expr, Expr)> {
         let mut ends = pair.into_inner();
         let mut end = || ends.next().expect("bounds hold two expressions");
         Ok((self.value(end())?, self.value(end())?))
     }
 
-    /// An expression: a number or a condition.
+    /// Reads an expression: a number or a condition.
     pub(crate) fn expression(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         if pair.as_rule() != Rule::expression {
-            // A range or a generator where a value is wanted.
+            // Ranges and generators have no value.
             let found = crate::lex::spelling::short_name(self.typed(&pair));
             return Err(Error::new(span, ErrorKind::Unexpected { found }));
         }
@@ -150,8 +150,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    // What nests does so through the functions from here on to those that read brackets: of each,
-    // what is not on that way is a function by itself, or the stack would have room for it at every
+    // Recursion runs through the functions from here to those that read brackets. Work outside that
+    // path is done in functions of its own, so that it does not enlarge the stack frame of every
     // level.
 
     #[inline(never)]
@@ -182,7 +182,7 @@ impl<'a> Builder<'a> {
         self.denied(sides, words)
     }
 
-    /// A chain of comparisons, with each `not` before it.
+    /// Builds a chain of comparisons and negates it once for each `not` in `words`.
     #[inline(never)]
     fn denied(&self, sides: Sides, words: &[Pair<'_>]) -> Fallible<Expr> {
         let mut expr = compared(sides)?;
@@ -194,7 +194,7 @@ impl<'a> Builder<'a> {
         Ok(expr)
     }
 
-    /// What is compared, with the relation before each side, and where that is.
+    /// Reads the sides of a chain of comparisons.
     fn chain(&mut self, parts: &[Pair<'_>]) -> Fallible<Sides> {
         let mut sides = Vec::new();
         let mut place = Span::at(0);
@@ -224,7 +224,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A product with the signs before it.
+    /// Reads a product and the signs before it.
     pub(crate) fn term(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let signs = self.signs(pairs);
         let of_term = |pair: &Pair<'_>| !matches!(first_kind(pair), Some(Plus | Minus));
@@ -234,7 +234,7 @@ impl<'a> Builder<'a> {
         self.signed(&signs, |b| b.product(Signs::new(), pairs))
     }
 
-    /// Takes the signs that stand next.
+    /// Takes the signs that come next.
     #[inline(never)]
     pub(crate) fn signs(&self, pairs: &mut Pairs<'_>) -> Signs {
         let mut signs = Signs::new();
@@ -245,7 +245,7 @@ impl<'a> Builder<'a> {
         signs
     }
 
-    /// What `build` makes, negated once for every minus sign of `signs`.
+    /// Negates the result of `build` once for each minus in `signs`.
     pub(crate) fn signed(
         &mut self,
         signs: &[(Sign, Span)],
@@ -258,8 +258,8 @@ impl<'a> Builder<'a> {
         negated(self.deeper(*first, minus.count(), build)?, signs)
     }
 
-    /// A product; `before` are signs before it that are part of what the first remainder is taken
-    /// of.
+    /// Reads a product. The signs in `before` precede it and belong to the left operand of its
+    /// first remainder.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let mut joint = Joint { sign: Sign::Direct, function: None };
@@ -269,7 +269,8 @@ impl<'a> Builder<'a> {
             let run = self.run(pairs)?;
             self.join(&mut factors, joint, &signs, run)?;
             if pairs.peek().is_some_and(|pair| is_remainder(&pair)) {
-                // Of all that is left of it, as in every language that writes it so.
+                // A remainder is taken of everything to its left, as in other languages with this
+                // operator.
                 let signs = std::mem::take(&mut before);
                 let whole = self
                     .signed(&signs, |_| chain_of(Chain::Product, std::mem::take(&mut factors)))?;
@@ -282,7 +283,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Takes the operator that joins a further run to a product.
+    /// Takes the operator that joins the next row of factors to the product.
     #[inline(never)]
     fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<Joint> {
         let operator = pairs.peek()?;
@@ -291,7 +292,7 @@ impl<'a> Builder<'a> {
             Slash => (Sign::Inverse, None),
             DotProduct => (Sign::Direct, Some(Function::OfVectors(VectorFunction::Dot))),
             Remainder => {
-                // Nobody takes the word for another remainder.
+                // The word `mod` is unambiguous, so only the sign `%` gets a note.
                 if self.typed(&operator).contains('%') {
                     self.note(self.span(&operator), NoteKind::Remainder);
                 }
@@ -304,7 +305,7 @@ impl<'a> Builder<'a> {
         Some(Joint { sign, function })
     }
 
-    /// Joins a run to the factors before it.
+    /// Joins a row of juxtaposed factors to the factors before it.
     #[inline(never)]
     fn join(
         &mut self,
@@ -336,7 +337,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Notes a division that may be meant to end elsewhere.
+    /// Notes a division that may be meant to be grouped otherwise.
     fn note_division(&mut self, before: &[(Sign, Expr)], divisor: &Expr, others: &[Expr]) {
         let Some((_, numerator)) = before.last() else {
             return;
@@ -351,14 +352,14 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// How a run is joined to the factors before it.
+/// How a row of juxtaposed factors joins the factors before it.
 struct Joint {
     sign: Sign,
-    /// What is made of the last factor and the next.
+    /// Function that is applied to the factors on both sides of the operator.
     function: Option<Function>,
 }
 
-/// What is compared: the relation before each side, and where that is.
+/// Sides of a chain of comparisons: the relation before each side, its place, and the side.
 type Sides = Vec<(Relation, Span, Expr)>;
 
 #[inline(never)]
@@ -372,7 +373,7 @@ fn push(all: &mut Vec<Expr>, expr: Fallible<Expr>) -> Fallible<()> {
     Ok(())
 }
 
-/// A chain of comparisons; a side alone is itself.
+/// Builds a chain of comparisons. A single side is returned unchanged.
 fn compared(mut sides: Sides) -> Fallible<Expr> {
     let (_, _, first) = sides.remove(0);
     let Some((_, _, last)) = sides.last() else { return Ok(first) };
@@ -391,7 +392,7 @@ fn compared(mut sides: Sides) -> Fallible<Expr> {
     Ok(Expr::new(ExprKind::Compare(Box::new(first), rest), span))
 }
 
-/// The opposite of a number for each minus sign.
+/// Negates a number once for each minus sign.
 #[inline(never)]
 fn negated(mut expr: Expr, signs: &[(Sign, Span)]) -> Fallible<Expr> {
     number_only(&expr)?;
@@ -402,7 +403,7 @@ fn negated(mut expr: Expr, signs: &[(Sign, Span)]) -> Fallible<Expr> {
     Ok(expr)
 }
 
-/// The note on `1/2x`: the divisor may be meant to be the whole product.
+/// The note on `1/2x`, where the divisor may be meant to be `2x`.
 fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteKind {
     let product = |factors: &mut dyn Iterator<Item = &Expr>| {
         short_formula(&factors.map(factor_text).collect::<Vec<_>>().join("*"))
@@ -417,7 +418,7 @@ fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteK
     }
 }
 
-/// The note on `x^1/3`: an exponent of 1 is only ever written as the top of a fraction.
+/// The note on `x^1/3`, which is read as `(x^1)/3`. Such an exponent of 1 is probably a numerator.
 fn divided_power(power: &Expr, divisor: &Expr) -> Option<NoteKind> {
     let ExprKind::Power(base, exponent) = &power.kind else {
         return None;
@@ -430,7 +431,7 @@ fn divided_power(power: &Expr, divisor: &Expr) -> Option<NoteKind> {
     Some(NoteKind::DividedPower { read, root: root_text(base, index) })
 }
 
-/// How a root of `radicand` is written.
+/// The text of the `index`-th root of `radicand`.
 pub(crate) fn root_text(radicand: &Expr, index: u32) -> String {
     let radicand = short_formula(&radicand.to_string());
     match index {
@@ -440,13 +441,13 @@ pub(crate) fn root_text(radicand: &Expr, index: u32) -> String {
     }
 }
 
-/// Whether this is the operator that takes remainders.
+/// Whether `pair` is the remainder operator.
 fn is_remainder(pair: &Pair<'_>) -> bool {
     first_kind(pair) == Some(Remainder)
 }
 
-/// A sum or a product of one or more operands, several of which must be numbers; the sign of the
-/// first does not count.
+/// A sum or a product of one or more operands. If there are several, all must be numbers. The sign
+/// of the first is ignored.
 #[inline(never)]
 pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(Sign, Expr)>) -> Fallible<Expr> {
     let (_, first) = operands.remove(0);
@@ -461,7 +462,7 @@ pub(crate) fn product_of(factors: impl IntoIterator<Item = Expr>) -> Fallible<Ex
     chain_of(Chain::Product, factors.into_iter().map(|part| (Sign::Direct, part)).collect())
 }
 
-/// The first part over each of the others.
+/// The quotient of the first part by each of the others in turn.
 pub(crate) fn quotient_of(parts: impl IntoIterator<Item = Expr>) -> Fallible<Expr> {
     chain_of(Chain::Product, parts.into_iter().map(|part| (Sign::Inverse, part)).collect())
 }
@@ -483,7 +484,7 @@ pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
     }
 }
 
-/// One operand, or several joined by `word`.
+/// Joins operands by `word`. A single operand is returned unchanged.
 #[inline(never)]
 pub(crate) fn joined(mut operands: Vec<Expr>, word: &'static str) -> Fallible<Expr> {
     if operands.len() == 1 {
@@ -504,7 +505,7 @@ pub(crate) fn joined(mut operands: Vec<Expr>, word: &'static str) -> Fallible<Ex
     Ok(Expr::new(kind, span))
 }
 
-/// Fails on a comparison, which is not a number.
+/// Fails on a condition, where a number is required.
 pub(crate) fn number_only(expr: &Expr) -> Fallible<()> {
     if expr.is_condition() {
         return Err(Error::new(expr.span, ErrorKind::ConditionAsValue));
@@ -512,12 +513,12 @@ pub(crate) fn number_only(expr: &Expr) -> Fallible<()> {
     Ok(())
 }
 
-/// Fails on the first comparison.
+/// Fails on the first condition in `exprs`, where numbers are required.
 pub(crate) fn numbers_only<'e>(exprs: impl IntoIterator<Item = &'e Expr>) -> Fallible<()> {
     exprs.into_iter().try_for_each(number_only)
 }
 
-/// Fails on a number, which does not hold or fail to hold.
+/// Fails on a number, where a condition is required.
 pub(crate) fn condition_only(expr: &Expr, word: &'static str) -> Fallible<()> {
     if !expr.is_condition() {
         return Err(Error::new(expr.span, ErrorKind::ValueAsCondition { word }));

@@ -1,12 +1,12 @@
-//! Statements with their trees, and those that a text does not spell out: what branches, loops and
-//! calls are written out to.
+//! Statements with their syntax trees. Some are not in the text but are synthesized from a
+//! program's branches, loops and calls.
 
 use crate::messages::note::Note;
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Function, LETTERS, Statement};
 use rustc_hash::FxHashSet;
 
-/// A statement with its trees, what was noticed while building them, and the names that it uses.
+/// A statement with its syntax tree, the notes on it, and the names that it uses.
 #[derive(Clone)]
 pub(crate) struct BuiltStatement {
     pub statement: Statement,
@@ -16,7 +16,7 @@ pub(crate) struct BuiltStatement {
 }
 
 impl BuiltStatement {
-    /// A statement that the text does not spell out.
+    /// Creates a statement that is not in the text.
     pub(crate) fn synthesized(statement: Statement, span: Span) -> Self {
         let parts = statement.expressions().into_iter().flat_map(Expr::all_parts);
         let used = parts.filter_map(|part| part.kind.defined()).map(str::to_owned).collect();
@@ -24,7 +24,7 @@ impl BuiltStatement {
     }
 }
 
-/// A vector of which some components are set.
+/// The vector `before`, with the components that `letters` name replaced by those of `value`.
 pub(crate) fn with_parts(
     letters: &str,
     before: &ExprKind,

@@ -1,4 +1,5 @@
-//! What is one factor whatever surrounds it: brackets, braces, bars, fractions, roots, choices.
+//! Delimited factors, which are one factor in any context: brackets, bars, fractions, roots,
+//! choices.
 
 use crate::lex::spelling::vulgar;
 use crate::lex::token_kind::TokenKind::{OpenBracket, OpenCeiling, OpenFloor};
@@ -10,11 +11,11 @@ use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::scope::Callee;
 use zeroset_ops::{Op, VectorFunction};
 
-/// Bars of a norm, which are those of an absolute value where there is no matrix.
+/// Openings of double bars. They mean the same as single bars, except around a matrix.
 const DOUBLE_BARS: &[&str] = &[r"\begin{V", r"\|", r"\left\|", "‖", r"\lVert", r"\Vert"];
 
 impl Builder<'_> {
-    /// Round or square brackets around one expression.
+    /// Reads round or square brackets.
     pub(crate) fn group(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
         match only_part(&pair) {
@@ -27,7 +28,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Brackets around nothing, or around more than one expression.
+    /// Reads brackets that are empty or hold several expressions.
     #[inline(never)] // keeps the stack frames of nested brackets small
     fn several(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         if pair.clone().into_inner().next().is_none() {
@@ -39,9 +40,10 @@ impl Builder<'_> {
         Err(Error::new(span, ErrorKind::Tuple))
     }
 
-    /// Braces, bars, brackets that round, a fraction or a root.
+    /// Reads any other delimited factor, such as braces, bars, a fraction or a root.
     pub(crate) fn closed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        // Each is a function by itself, so that what nests in one does not take the stack of all.
+        // Each kind has a function of its own, so that nesting one kind does not use the stack
+        // frames of all.
         match pair.as_rule() {
             Rule::enclosed => self.enclosed(pair, span),
             Rule::choice => self.choice(pair, span),
@@ -71,7 +73,7 @@ impl Builder<'_> {
             return Ok(self.length_of(inner, span));
         }
         if op == Op::Abs && matches!(inner.kind, ExprKind::Call(Function::Matrix(_), _)) {
-            // Which norm is meant is not known.
+            // Double bars do not say which norm of the matrix is meant.
             if is_double {
                 return Err(Error::new(span, ErrorKind::Matrix));
             }
@@ -108,7 +110,7 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
     }
 
-    /// A part of a fraction, or what is below a root: one digit, or braces.
+    /// Reads a part of a fraction or a radicand: one digit, one letter, or braces.
     #[inline(never)]
     fn part(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
@@ -120,20 +122,20 @@ impl Builder<'_> {
     }
 }
 
-/// The only part of what stands in brackets.
+/// The only part of `pair`, if it has exactly one.
 #[inline(never)]
 fn only_part<'i>(pair: &Pair<'i>) -> Option<Pair<'i>> {
     let mut inner = pair.clone().into_inner();
     inner.next().filter(|_| inner.next().is_none())
 }
 
-/// The first part of what always has one.
+/// The first part of a pair that always has one.
 #[inline(never)]
 fn first_part(pair: Pair<'_>) -> Pair<'_> {
     pair.into_inner().next().expect("the grammar has something in brackets")
 }
 
-/// A fraction in one character.
+/// Reads a fraction in one character, such as `½`.
 #[inline(never)]
 fn vulgar_fraction(typed: &str, span: Span) -> Fallible<Expr> {
     let digits = typed.chars().next().and_then(vulgar);
@@ -141,12 +143,12 @@ fn vulgar_fraction(typed: &str, span: Span) -> Fallible<Expr> {
     quotient_of(digits.map(|digit| Expr::of_digits(digit, span)))
 }
 
-/// Whether an expression is a vector by its form alone.
+/// Whether an expression is a vector by its form alone, without looking up definitions.
 pub(crate) fn is_vector(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Call(Function::Vector(_), _) => true,
         ExprKind::Component(_, letters) => letters.len() > 1,
-        // An operation on a vector is one.
+        // An operation on a vector gives a vector.
         ExprKind::Call(Function::Native(_), arguments) => arguments.iter().any(is_vector),
         ExprKind::Negate(inner) => is_vector(inner),
         ExprKind::Chain(Chain::Sum, ..) => expr.parts().into_iter().any(is_vector),

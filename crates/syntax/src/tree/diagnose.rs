@@ -1,5 +1,5 @@
-//! Statements as the grammar recognises them, and what is wrong with one that it refuses, inferred
-//! from where it stopped.
+//! Parses statements by the grammar. If the grammar refuses one, the error is inferred from the
+//! token at which it stopped.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{short_name, typed_setting};
@@ -11,17 +11,17 @@ use crate::tree::grammar::{Pair, Rule, Zeroset};
 use pest::Parser as _;
 use pest::error::{ErrorVariant, InputLocation};
 
-/// Bytes of the longest statement that is written anew.
+/// Longest corrected statement that is suggested, in bytes.
 const LONGEST: usize = 60;
 
-/// Recognises a statement of `text`.
+/// Parses a statement of `text` by `rule`.
 pub(crate) fn recognise<'i>(
     text: &str,
     lexed: &'i LexedStatement,
     rule: Rule,
 ) -> Fallible<Pair<'i>> {
     let mut pairs = Zeroset::parse(rule, &lexed.symbols).map_err(|refusal| {
-        // Where a thread has little of its stack left, pest stops.
+        // pest stops where the thread has little stack left.
         if matches!(&refusal.variant, ErrorVariant::CustomError { .. }) {
             return Error::new(lexed.span, ErrorKind::NoStack);
         }
@@ -31,7 +31,7 @@ pub(crate) fn recognise<'i>(
     Ok(pairs.next().expect("a statement is one pair"))
 }
 
-/// The error behind the grammar's refusal of `lexed`; `next` is the index of the token at which it
+/// The error for a statement that the grammar refuses. `next` is the index of the token at which it
 /// stopped.
 fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<Error> {
     let found = lexed.tokens.get(next);
@@ -77,7 +77,7 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
         _ if let Some(span) = half_fraction(&lexed.tokens[..next]) => {
             Error::new(span, ErrorKind::HalfFraction)
         }
-        // Outside brackets it would have ended the statement, so arguments are being separated.
+        // Outside brackets a semicolon ends the statement, so this one separates arguments.
         (_, Semicolon) => {
             Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
         }
@@ -104,7 +104,8 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
     }
 }
 
-/// Braces behind a sign, open at `next`: a restriction follows what it restricts.
+/// The span from the last open brace to the token at `next`, if an operator precedes the brace.
+/// Such braces hold a choice: a restriction would follow a complete formula.
 fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
     let before = &lexed.tokens[..next];
     let open = before.iter().rposition(|token| token.kind == OpenBrace)?;
@@ -112,13 +113,13 @@ fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
     sign.kind.is_operator().then(|| before[open].span.to(lexed.tokens[next].span))
 }
 
-/// Whether the braces that were closed last hold a comparison.
+/// Whether the last pair of braces holds a comparison.
 fn braces_restrict(before: &[Token]) -> bool {
     let open = before.iter().rposition(|token| token.kind == OpenBrace).unwrap_or(0);
     before[open..].iter().any(|token| token.kind.is_relation())
 }
 
-/// Whether a colon is in a choice, where it has a meaning.
+/// Whether a colon is inside a choice, where it is allowed.
 fn inside(lexed: &LexedStatement, colon: &Token) -> bool {
     let before = lexed.tokens.iter().take_while(|token| token.span.start < colon.span.start);
     let mut depth = 0_i32;
@@ -128,14 +129,14 @@ fn inside(lexed: &LexedStatement, colon: &Token) -> bool {
     depth > 0
 }
 
-/// A sign of other languages, and what is written here.
+/// The error for an operator of another language; `meant` is the one to write instead.
 fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
     let sign = text[span.range()].to_owned();
     Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
 }
 
-/// A comma outside brackets: directly between two numbers it is a decimal comma. Behind a formula
-/// there may be values, behind an equation what restricts it, and behind a condition others.
+/// The error for a comma outside brackets. Directly between two numbers it is a decimal comma.
+/// Otherwise it may separate values, restrictions or conditions.
 fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
     let Token { span, .. } = lexed.tokens[index];
     let before = lexed.tokens[index - 1].span;
@@ -155,7 +156,8 @@ fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
     }
 }
 
-/// What was meant by parts of a statement between commas, the first of which is at `first`.
+/// The statement that was probably meant by one with commas; `first` is the index of its first
+/// comma.
 fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
     let parts = split(&lexed.tokens, Comma);
     let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
@@ -170,7 +172,7 @@ fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
         has(part, TokenKind::is_inequality) && !has(part, |kind| kind == Equals)
     };
     let all = |is: &dyn Fn(&Vec<Token>) -> bool| parts[1..].iter().all(is);
-    // A comma within the first part is another.
+    // The comma at `first` must be the first one outside brackets.
     if lexed.tokens[..first].len() != parts[0].len() {
         return None;
     }
@@ -186,7 +188,7 @@ fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
     (meant.len() <= LONGEST && !meant.contains('\n')).then_some(meant)
 }
 
-/// The place of `\frac` if its second part is missing right behind `before`.
+/// The place of `\frac`, if its second part is missing directly after `before`.
 fn half_fraction(before: &[Token]) -> Option<Span> {
     if let [.., fraction, part] = before
         && fraction.kind == Fraction
@@ -201,7 +203,7 @@ fn half_fraction(before: &[Token]) -> Option<Span> {
             OpenBrace => depth = depth.checked_sub(1)?,
             _ if depth > 0 => {}
             Fraction => return Some(token.span),
-            // Its first part, as in `\frac1x`.
+            // These are the first part of the fraction, as in `\frac1x`.
             Digit | Number => {}
             _ => return None,
         }
@@ -209,7 +211,7 @@ fn half_fraction(before: &[Token]) -> Option<Span> {
     None
 }
 
-/// LaTeX commands and signs of calculus.
+/// LaTeX commands of calculus.
 const CALCULUS: &[&str] =
     &[r"\int", r"\iint", r"\iiint", r"\oint", r"\partial", r"\nabla", r"\lim"];
 

@@ -1,5 +1,5 @@
-//! Arithmetic that other systems write as functions, `Plus[a, b]`, and functions that stand for a
-//! formula of ours: `Boole[c]`, `ChebyshevT[n, x]`.
+//! Functions of other systems: arithmetic such as `Plus[a, b]`, and functions that have an
+//! equivalent formula here, such as `Boole[c]` and `ChebyshevT[n, x]`.
 
 use crate::messages::error::{Error, ErrorKind, Fallible, plural};
 use crate::span::Span;
@@ -8,10 +8,10 @@ use crate::tree::builder::{Builder, chain_of, product_of, quotient_of};
 use crate::tree::grammar::Pair;
 use zeroset_ops::{Op, VectorFunction};
 
-/// What a name stands for before brackets.
+/// A function of another system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ForeignFunction {
-    /// All values joined so, two if they are inverted.
+    /// The sum or product of all arguments. With an inverse sign it takes two.
     Chain(Chain, Sign),
     Minus,
     /// The sum of a vector's components.
@@ -20,14 +20,14 @@ pub(crate) enum ForeignFunction {
     Boole,
     /// A Chebyshev polynomial of the first kind.
     Chebyshev,
-    /// The remainder of C, which has the sign of what is divided.
+    /// The remainder of C, which has the sign of the dividend.
     Remainder,
 }
 
-/// The largest degree of a polynomial that is written out.
+/// Largest degree of a polynomial that is written out.
 const MOST_DEGREE: u32 = 30;
 
-/// The arithmetic that a function called `name` is elsewhere; `square` is whether its brackets are.
+/// The foreign function called `name`. `square` tells whether its arguments are in square brackets.
 pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFunction> {
     Some(match name {
         "Plus" => ForeignFunction::Chain(Chain::Sum, Sign::Direct),
@@ -44,7 +44,7 @@ pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFuncti
 }
 
 impl Builder<'_> {
-    /// Such a function of what stands in its brackets.
+    /// Reads a call of a foreign function, whose arguments are in `group`.
     pub(crate) fn foreign_call(
         &mut self,
         kind: ForeignFunction,
@@ -100,7 +100,7 @@ impl Builder<'_> {
     }
 }
 
-/// a − b trunc(a/b)
+/// The remainder a − b trunc(a/b).
 fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
     let Some(b) = divisor else { return Ok(a) };
     let quotient = quotient_of([a.clone(), b.clone()])?;
@@ -109,8 +109,8 @@ fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
     chain_of(Chain::Sum, vec![(Sign::Direct, a), (Sign::Inverse, multiple)])
 }
 
-/// The Chebyshev polynomial of the first kind of that degree, written out: T(n + 1) = 2a T(n) − T(n
-/// − 1).
+/// The Chebyshev polynomial of the first kind of this degree at `a`, written out. The recurrence is
+/// T(n + 1) = 2a T(n) − T(n − 1).
 fn chebyshev(degree: u32, a: &Expr, span: Span) -> Fallible<Expr> {
     let (mut before, mut now): (Vec<i64>, Vec<i64>) = (vec![1], vec![0, 1]);
     for _ in 0..degree {

@@ -1,16 +1,16 @@
-//! The grammar, compiled in.
+//! The pest grammar, compiled in.
 
 use crate::lex::token_kind::TokenKind;
 
 pub(crate) use rules::{Rule, Zeroset};
 
-/// A recognised part of a statement.
+/// A part of a statement, as parsed by the grammar.
 pub(crate) type Pair<'i> = pest::iterators::Pair<'i, Rule>;
 
-/// Parts of a statement that are still to be read.
+/// Parts of a statement that are yet to be read.
 pub(crate) type Pairs<'i> = pest::iterators::Pairs<'i, Rule>;
 
-/// What stands behind the word of a line.
+/// The parts of a line, without the end of input.
 pub(crate) fn parts(line: Pair<'_>) -> Vec<Pair<'_>> {
     line.into_inner().filter(|part| part.as_rule() != Rule::EOI).collect()
 }

@@ -1,7 +1,7 @@
-//! Runs: factors side by side without signs, where names decide what is a call and what a product.
+//! Juxtaposed factors: rows without operators, in which names decide between calls and products.
 //!
-//! A run is read from left to right as a row of items. Only here `f(x)` and `x(y + 1)` differ,
-//! `sin 2x cos y` becomes two calls, and `xyz` three factors.
+//! A row is read from left to right as a list of items. Only at this stage do `f(x)` and `x(y + 1)`
+//! differ, does `sin 2x cos y` become two calls, and `xyz` three factors.
 
 use crate::lex::lexer::method;
 use crate::lex::spelling::{decimal, in_name, plain_name, superscript_digit};
@@ -20,46 +20,46 @@ use std::collections::VecDeque;
 use zeroset_ir::NamedConstant;
 use zeroset_ops::{Op, SpecialForm};
 
-/// A piece of a run.
+/// An item of a row of juxtaposed factors.
 pub(crate) enum FactorItem<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
-    /// What is no function, of what stands in the brackets that follow.
+    /// A call with a rule of its own; its brackets are the next item.
     Special(SpecialCall, Span),
-    /// A function behind what it is applied to, with its other arguments.
+    /// A method call behind its first argument; the pair holds the other arguments.
     Method(String, Span, Pair<'i>),
     /// `.xz` behind a vector.
     Component(String, Span),
     /// Round or square brackets.
     Group(Pair<'i>),
-    /// Anything that is one factor whatever surrounds it: braces, bars, `\frac`, `\sqrt{}`.
+    /// Any other delimited factor, such as braces, bars, `\frac` or `\sqrt{}`.
     Closed(Pair<'i>),
     /// `!` behind a whole number.
     Factorial(Span),
     /// `^`, and the signs of the exponent that follows.
     Caret(Signs, Span),
-    /// The number that superscript digits stand for.
+    /// Superscript digits, as a number.
     Superscript(Expr),
     /// `√` or `∛`.
     Radical(char, Span),
 }
 
-/// What is written like a function and is none.
+/// A call that is not a plain function call.
 #[derive(Clone, Copy)]
 pub(crate) enum SpecialCall {
-    /// What takes more than numbers.
+    /// A special form, whose arguments may be more than numbers.
     Form(&'static SpecialForm),
-    /// A condition.
+    /// A condition written as a function.
     Logic(Logic),
     Foreign(ForeignFunction),
 }
 
-/// What is left of a run.
+/// Items of a row that are yet to be read.
 pub(crate) type FactorItems<'i> = VecDeque<FactorItem<'i>>;
 
 impl Builder<'_> {
-    /// The factors of the run that comes next.
+    /// Reads the next row of juxtaposed factors.
     pub(crate) fn run(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Vec<Expr>> {
         let mut items = self.items(pairs)?;
         let mut factors = Vec::new();
@@ -70,15 +70,15 @@ impl Builder<'_> {
         Ok(factors)
     }
 
-    /// A part of a fraction, or the last number of a sum, that is one name.
-    #[inline(never)] // not in the stack frames of nested fractions
+    /// Reads a single name as a part of a fraction or as the last number of a sum.
+    #[inline(never)] // keeps its locals out of the stack frames of nested fractions
     pub(crate) fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let mut items = FactorItems::new();
         self.item(pair, &mut items)?;
         self.power(&mut items)
     }
 
-    #[inline(never)] // not a part of the recursion, so not of its stack frames
+    #[inline(never)] // keeps its locals out of the stack frames of the recursion
     fn items<'i>(&mut self, pairs: &mut Pairs<'i>) -> Fallible<FactorItems<'i>> {
         let mut items = FactorItems::new();
         while let Some(pair) = pairs.peek().filter(|pair| pair.as_rule() != Rule::operator) {
@@ -95,7 +95,7 @@ impl Builder<'_> {
             Rule::name => return self.name(typed, span, items),
             Rule::number => FactorItem::Leaf(Expr::of_digits(decimal(typed), span)),
             Rule::superscript => {
-                // `&sup2;` has its digit as it is.
+                // `&sup2;` contains an ordinary digit.
                 let digit = |c: char| superscript_digit(c).or(Some(c).filter(char::is_ascii_digit));
                 let digits: String = typed.chars().filter_map(digit).collect();
                 let digits = Expr::of_digits(digits, span);
@@ -115,7 +115,7 @@ impl Builder<'_> {
                 FactorItem::Method(method(word).unwrap_or(word).to_owned(), span, pair)
             }
             Rule::vulgar => {
-                // `2½` is five halves to some and one to others.
+                // `2½` may mean 5/2 or 2·(1/2).
                 if let Some(FactorItem::Leaf(before)) = items.back()
                     && before.number().is_some()
                 {
@@ -128,7 +128,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Adds the items that a name stands for: usually one.
+    /// Adds the items that a name stands for, usually one.
     fn name(&mut self, typed: &str, span: Span, items: &mut FactorItems<'_>) -> Fallible<()> {
         let name = plain_name(typed);
         if let Some(lifted) = self.alias(&name) {
@@ -162,17 +162,16 @@ impl Builder<'_> {
                 items.push_back(FactorItem::Function(callee, span));
             }
             NameMeaning::Product => {
-                // Of an exponent and a divisor only the first letter is one, which a note on these
-                // says.
+                // Only the first letter belongs to an exponent or a divisor. Another note says so.
                 let is_exponent = matches!(items.back(), Some(FactorItem::Caret(..)))
                     && !matches!(items.iter().nth_back(1), Some(FactorItem::Function(..)));
                 let is_noted = is_exponent || items.is_empty() && self.follows(span, &[Slash]);
                 let letters: Vec<String> = name.chars().map(String::from).collect();
                 let mut at = span.start;
                 for letter in &letters {
-                    // A LaTeX command or subscript is never split, so every letter is where it was
-                    // typed.
-                    // Letters of print are longer.
+                    // LaTeX commands and subscripts are never split, so plain letters stand where
+                    // they were typed. Styled letters take more bytes, so they all get the span of
+                    // the name.
                     let is_plain = typed.len() == name.len();
                     let place = if is_plain { Span::new(at, at + letter.len()) } else { span };
                     at = place.end;
@@ -190,12 +189,12 @@ impl Builder<'_> {
                     items.push_back(FactorItem::Leaf(degree(span)));
                     return Ok(());
                 }
-                // What makes a number of a number.
+                // Conversions between types of numbers, as in `float(x)`, have no effect.
                 let is_called = self.text[span.end..].starts_with('(');
                 if is_called && matches!(typed, "float" | "double" | "f32" | "f64" | "S") {
                     return Ok(());
                 }
-                // `2f` is a number of C#.
+                // In C#, `2f` is a number.
                 if typed == "f"
                     && let Some(FactorItem::Leaf(before)) = items.back()
                     && before.number().is_some()
@@ -203,7 +202,7 @@ impl Builder<'_> {
                 {
                     return Ok(());
                 }
-                // Beside a parameter x, X is no coordinate.
+                // A parameter `x` hides the coordinate, also under the name `X`.
                 let lower = name.to_lowercase();
                 let is_hidden = self.locals.iter().any(|local| local.text == lower);
                 let (value, kind) = if TIMES.contains(&typed) {
@@ -241,7 +240,7 @@ impl Builder<'_> {
         FactorItem::Leaf(Expr::new(ExprKind::Name(value), span))
     }
 
-    /// Reads one factor with its exponents onto the end of `factors`.
+    /// Reads one factor with its exponents and appends it to `factors`.
     pub(crate) fn factor(
         &mut self,
         items: &mut FactorItems<'_>,
@@ -254,22 +253,22 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Fails where a factor cannot stand behind another without a sign.
+    /// Fails if `next` must not follow the factor `before` without an operator.
     #[inline(never)]
     fn may_follow(&self, next: &FactorItem<'_>, before: &Expr) -> Fallible<()> {
         match next {
             FactorItem::Leaf(next) if next.number().is_some() => {
                 let (kind, sign) = match before.kind {
                     ExprKind::Number(_) => (ErrorKind::NumberAfterNumber, "*"),
-                    // It has its exponent already.
+                    // A power has an exponent already, so the number is not meant as one.
                     ExprKind::Power(..) => (ErrorKind::NumberAfterFactor, "*"),
                     _ => (ErrorKind::NumberAfterFactor, "^"),
                 };
                 let between = Span::new(before.span.end, next.span.start);
                 Err(Error::new(before.span.to(next.span), kind).suggest(between, sign))
             }
-            // Braces after a factor look like a restriction; read as a product they would hide a
-            // mistake.
+            // Braces behind a factor look like a restriction. Reading them as a product would hide
+            // a mistake.
             FactorItem::Closed(pair) if pair.as_rule() == Rule::braces => {
                 Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
             }
@@ -277,8 +276,8 @@ impl Builder<'_> {
         }
     }
 
-    /// A factor with its exponents. `x^y^z` is `x^(y^z)`, and a sign in an exponent covers what is
-    /// above it.
+    /// Reads a factor with its exponents. `x^y^z` is `x^(y^z)`. A sign in an exponent covers all
+    /// that stands above it.
     pub(crate) fn power(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let base = self.primary(items)?;
         match items.front() {
@@ -293,8 +292,8 @@ impl Builder<'_> {
         }
     }
 
-    /// What stands behind a factor and belongs to it.
-    #[inline(never)] // keeps the stack frames of nested factors without it small
+    /// Reads what follows a factor and belongs to it: components, methods, `!` and exponents.
+    #[inline(never)] // keeps the stack frames of nested plain factors small
     fn behind(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         while let Some(FactorItem::Component(..)) = items.front() {
             base = Self::component(base, items)?;
@@ -325,8 +324,8 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Component(Box::new(base), letters), span))
     }
 
-    /// `a.pow(2)` as `pow(a, 2)`.
-    #[inline(never)] // keeps its text out of the stack frames of nested factors
+    /// Reads `a.pow(2)` as `pow(a, 2)`.
+    #[inline(never)] // keeps its locals out of the stack frames of nested factors
     fn method(&mut self, base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let Some(FactorItem::Method(name, span, pair)) = items.pop_front() else { return Ok(base) };
         let place = self.span(&pair);
@@ -371,7 +370,7 @@ impl Builder<'_> {
         self.raised(chain)
     }
 
-    /// Powers from bases with their exponents, which go together from the right.
+    /// Combines a base and its exponents into powers, from the right.
     #[inline(never)]
     fn raised(&mut self, mut chain: Vec<(Signs, Expr)>) -> Fallible<Expr> {
         let (mut signs, mut expr) = chain.pop().expect("a chain starts with its base");
@@ -412,7 +411,7 @@ impl Builder<'_> {
         }
     }
 
-    /// What a factor is that does not stand in brackets.
+    /// Reads a factor that does not begin with brackets.
     #[inline(never)] // keeps the stack frames of nested brackets small
     fn worded(&mut self, item: FactorItem<'_>, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         match item {
@@ -439,8 +438,8 @@ impl Builder<'_> {
         }
     }
 
-    /// The error for what must stand behind a factor.
-    #[inline(never)] // keeps the stack frames of nested factors small, as below
+    /// The error for an item that may only stand behind a factor.
+    #[inline(never)] // keeps the stack frames of nested factors small
     fn misplaced(&self, item: &FactorItem<'_>) -> Box<Error> {
         let (span, sign) = match item {
             FactorItem::Component(_, span) => {
@@ -484,7 +483,7 @@ impl Builder<'_> {
         Ok(native(op, inner, place))
     }
 
-    /// A number or a value as a factor.
+    /// Reads a number or a value as a factor.
     #[inline(never)]
     fn leaf_factor(&mut self, expr: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         if let Some((letter, span)) = self.index(&expr, items.front()) {
@@ -496,7 +495,8 @@ impl Builder<'_> {
         self.not_a_call(expr, items.front())
     }
 
-    /// The component that `p[0]` takes of a name: no product, which nobody writes so.
+    /// The component that `p[0]` takes, with the span of the brackets. Nobody writes a product this
+    /// way.
     fn index(&self, expr: &Expr, next: Option<&FactorItem<'_>>) -> Option<(char, Span)> {
         let Some(FactorItem::Group(pair)) = next else { return None };
         let is_name = match &expr.kind {
@@ -513,7 +513,7 @@ impl Builder<'_> {
         (is_name && touches).then(|| LETTERS.chars().nth(digit).map(|letter| (letter, span)))?
     }
 
-    /// The brackets behind a form.
+    /// Takes the brackets behind a special call.
     fn brackets<'i>(&self, items: &mut FactorItems<'i>, span: Span) -> Fallible<Pair<'i>> {
         if let Some(FactorItem::Group(pair)) = items.pop_front() {
             return Ok(pair);
@@ -522,7 +522,8 @@ impl Builder<'_> {
         Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
     }
 
-    /// A number or a value; brackets after a value multiply, unless they hold several arguments.
+    /// Returns a number or a value. Brackets behind a value multiply, so they must hold one
+    /// expression.
     fn not_a_call(&mut self, expr: Expr, next: Option<&FactorItem<'_>>) -> Fallible<Expr> {
         if let (ExprKind::Name(value), Some(FactorItem::Group(pair))) = (&expr.kind, next)
             && pair.clone().into_inner().count() != 1
@@ -535,25 +536,25 @@ impl Builder<'_> {
     }
 }
 
-/// What a degree is.
+/// One degree in radians: π/180.
 fn degree(span: Span) -> Expr {
     let pi = Expr::new(ExprKind::Name(NamedValue::Constant(NamedConstant::Pi)), span);
     pi.over(Expr::of_digits("180", span), span)
 }
 
-/// Whether a dot behind this is no component: behind a coordinate without brackets.
+/// Whether `expr` is a coordinate without brackets, which has no components.
 fn is_coordinate(expr: &Expr) -> bool {
     let is_bare = expr.span.end - expr.span.start == 1;
     is_bare && matches!(expr.kind, ExprKind::Name(NamedValue::Coordinate(_)))
 }
 
-/// What time is called in shaders.
+/// Names of time in shaders.
 const TIMES: [&str; 6] = ["iTime", "iGlobalTime", "u_time", "uTime", "time", "TIME"];
 
 /// Blanks between a name and its brackets.
 const BLANKS: [char; 2] = [' ', '\t'];
 
-/// The letters of `.rgb`, by position.
+/// The letters of `.rgb` and the like, replaced by x, y, z and w.
 fn letters(typed: &str) -> String {
     let by_position = |letter: char| {
         let found = ["rgba", "stpq"].iter().find_map(|set| set.find(letter));

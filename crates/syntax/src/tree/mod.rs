@@ -1,4 +1,4 @@
-//! From tokens to syntax trees: the grammar's result is shaped into expressions in which every name
+//! From tokens to syntax trees. The grammar's parse is turned into expressions in which every name
 //! is resolved.
 //!
 //! Nothing here knows values, graphs or pictures, or how programs become statements.

@@ -1,6 +1,7 @@
-//! Trees as canonical text: explicit `*`, no bracket that does not change the reading.
+//! Prints trees as canonical text: every `*` is explicit, and brackets stand only where they change
+//! the reading.
 //!
-//! Parsing what is printed gives an equal tree; a property test holds this module to it.
+//! Parsing the printed text gives an equal tree; a property test checks this.
 
 use crate::lex::spelling::{in_name, token_kind};
 use crate::lex::token_kind::TokenKind;
@@ -9,8 +10,7 @@ use crate::tree::ast::{
 };
 use std::fmt;
 
-/// How tightly a printed expression holds together; a looser one inside a tighter place needs
-/// brackets.
+/// How tightly an expression binds. In a place that needs a tighter one, it is put in brackets.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Tightness {
     Or,
@@ -41,7 +41,7 @@ fn tightness(expr: &Expr) -> Tightness {
     }
 }
 
-/// Writes `expr`, in brackets unless it is at least as tight as `needed`.
+/// Writes `expr`, in brackets unless it binds at least as tightly as `needed`.
 fn write(f: &mut fmt::Formatter<'_>, expr: &Expr, needed: Tightness) -> fmt::Result {
     if tightness(expr) >= needed { write!(f, "{expr}") } else { write!(f, "({expr})") }
 }
@@ -56,7 +56,7 @@ fn list(f: &mut fmt::Formatter<'_>, items: &[Expr], joint: &str, needed: Tightne
     Ok(())
 }
 
-/// An expression as it stands in a product: in brackets if it is looser than a power.
+/// The text of an expression as a factor: in brackets if it binds less tightly than a power.
 pub(crate) fn factor_text(expr: &Expr) -> String {
     if tightness(expr) >= Tightness::Power { expr.to_string() } else { format!("({expr})") }
 }
@@ -93,7 +93,7 @@ impl fmt::Display for Expr {
             }
             ExprKind::Choice(pieces, otherwise) => write_choice(f, pieces, otherwise.as_deref()),
             ExprKind::Component(vector, letters) => {
-                // A dot behind a number or a coordinate is no component.
+                // A dot behind a number or a coordinate does not take a component.
                 match vector.kind {
                     ExprKind::Number(_) | ExprKind::Name(NamedValue::Coordinate(_)) => {
                         write!(f, "({vector})")?;
@@ -191,11 +191,11 @@ impl fmt::Display for Statement {
     }
 }
 
-/// Whether a left side has the form of what a definition names.
+/// Whether a left side has the form of a definition's.
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
         ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
-        // Setting a component, in a program.
+        // A program sets a component this way, as in `p.x = 1`.
         ExprKind::Component(vector, _) => matches!(vector.kind, ExprKind::Name(_)),
         ExprKind::Call(Function::Defined(_), arguments) => {
             arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
@@ -204,8 +204,8 @@ fn may_be_defined(left: &Expr) -> bool {
     }
 }
 
-/// Writes what is drawn. A value that is named as a setting is in brackets where the line would be
-/// read as that setting.
+/// Writes a drawn expression. A name at its start that is also a setting word is put in brackets,
+/// if the line would be read as that setting.
 fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
     let text = expr.to_string();
     let (word, rest) = text.split_at(text.find(|c| !in_name(c)).unwrap_or(text.len()));
@@ -226,7 +226,7 @@ fn write_restrictions(f: &mut fmt::Formatter<'_>, restrictions: &[Expr]) -> fmt:
     f.write_str("}")
 }
 
-/// A drawing as it is shown to people, who see one `=` in every equation.
+/// A drawing as it is shown to people: every equation has a single `=`.
 pub(crate) struct Drawing<'a> {
     pub expr: &'a Expr,
     pub restrictions: &'a [Expr],

@@ -1,21 +1,21 @@
-//! Statements before trees are built: the tokens of each, and what the text around it says of them.
+//! Statements before trees are built: their tokens, and what the program around them adds.
 //!
-//! Where these come from, a plain text or a program, is not known here.
+//! Nothing here knows whether a statement comes from a plain text or from a program.
 
 use crate::lex::scanner::LexedStatement;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{ExprKind, Name};
 
-/// A statement, and what the program around it says of it.
+/// The tokens of a statement, and what the program around it adds.
 pub(crate) struct RawStatement {
     pub lexed: LexedStatement,
-    /// What it defines, where its symbols are the right side only.
+    /// Left side of the definition. If it is given, the tokens are the right side only.
     pub head: Option<Head>,
-    /// What names stand for here, the last of a name counting.
+    /// Expressions that the program's variables stand for here.
     pub aliases: Aliases,
-    /// What is made of its value.
+    /// Conversion of the value.
     pub wrap: Option<Wrap>,
-    /// Whether a height over x and y is drawn.
+    /// Whether the value is a height over x and y, to be drawn as `z = value`.
     pub is_height: bool,
 }
 
@@ -26,12 +26,13 @@ pub(crate) struct Head {
     pub parameters: Option<Vec<Name>>,
 }
 
-/// What a program makes of a value before it has a name.
+/// How a program converts a value before naming it.
 pub(crate) enum Wrap {
-    /// Some components of a vector are set, which had this value before.
+    /// The value replaces the components `letters` of the vector `before`, which has `size`
+    /// components.
     Write { letters: String, before: ExprKind, size: usize },
-    /// 1 where a condition holds, else 0.
+    /// The value is a condition, converted to 1 where it holds, else 0.
     Flag,
-    /// One component of it.
+    /// One component of the value.
     Pick(char),
 }

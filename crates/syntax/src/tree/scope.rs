@@ -1,27 +1,28 @@
-//! What a name means: parameters of the function at hand, then the document's names, then the
-//! language's own.
+//! Meanings of names. Parameters of the current function come first, then names of the document,
+//! then names of the language.
 
 use crate::tree::ast::{Function, Name, NamedValue};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, form, names, natives};
 
-/// The names that statements can see.
+/// The names that are visible to statements.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scope {
-    /// Names that the document or an override defines: the number of parameters, or `None` for a
-    /// value.
+    /// Names that the document or an override defines, with their number of parameters, or `None`
+    /// for a value.
     defined: FxHashMap<String, Option<usize>>,
-    /// Coordinates that the text does not define and that have a definition all the same.
+    /// Coordinates that are used but not defined by the text, and so get a standard definition.
     implied: Vec<&'static str>,
-    /// Whether internal operations may be called; only the language's own prelude may.
+    /// Whether internal operations may be called. Only the language's own prelude may do so.
     internal: bool,
 }
 
-/// Longest name, in bytes, that is looked at letter by letter.
+/// Longest name, in bytes, that is tried as a product of letters.
 const LONGEST_PRODUCT: usize = 64;
 
-/// Names that are other names here, if they are not products of letters that have values.
+/// Names in other languages, with their names here. A product of letters that have values takes
+/// precedence.
 const ELSEWHERE: &[(&str, &str)] = &[
     ("tg", "tan"),
     ("ctg", "cot"),
@@ -40,7 +41,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("M_E", "e"),
 ];
 
-/// What the language itself has by that name.
+/// The meaning of `name` in the language itself. Names from other languages have none.
 pub(crate) fn built_in(name: &str) -> NameMeaning {
     if ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name) {
         return NameMeaning::Unknown;
@@ -48,38 +49,39 @@ pub(crate) fn built_in(name: &str) -> NameMeaning {
     Scope::default().meaning(name, &[])
 }
 
-/// The name that a name of other languages is read as, and that a note tells: constants need none.
+/// The equivalent here of a function's name in another language, to be shown in a note. Constants
+/// get no note.
 pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
     let found = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
     found.filter(|here| callee.name() == *here)
 }
 
-/// What a name stands for.
+/// Meaning of a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum NameMeaning {
     /// A number.
     Value(NamedValue),
-    /// Something that takes arguments.
+    /// A function.
     Function(Callee),
-    /// A row of one-letter values, multiplied.
+    /// A product of values with names of one letter.
     Product,
-    /// Nothing.
+    /// No meaning.
     Unknown,
 }
 
-/// A function before its arguments are counted.
+/// A function whose arguments are not counted yet.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Callee {
-    /// One that the document defines, with this number of parameters.
+    /// A function that the document defines, with its number of parameters.
     Defined(String, usize),
-    /// One of the language, by the name it was looked up with.
+    /// A function of the language, by the name it was looked up with.
     BuiltIn(String),
-    /// The logarithm to a base that is part of its name.
+    /// The logarithm to a base that is part of the name, as in `log_2`.
     Logarithm(String),
 }
 
 impl Callee {
-    /// The name in messages.
+    /// The name to show in messages.
     pub(crate) fn name(&self) -> &str {
         match self {
             Self::Defined(name, _) | Self::BuiltIn(name) => name,
@@ -100,7 +102,7 @@ impl Scope {
         self.defined.insert(name.to_owned(), parameters);
     }
 
-    /// What `name` stands for where `locals` are the parameters of the function being defined.
+    /// The meaning of `name`, where `locals` are the parameters of the function being defined.
     pub(crate) fn meaning(&self, name: &str, locals: &[Name]) -> NameMeaning {
         if let Some(value) = self.value(name, locals) {
             return NameMeaning::Value(value);
@@ -134,7 +136,7 @@ impl Scope {
                 return NameMeaning::Function(Callee::BuiltIn(lower));
             }
         }
-        // `sqrtf` and others of C.
+        // C has variants of functions for `float`, such as `sqrtf`.
         if let Some(double) = name.strip_suffix('f').filter(|double| double.len() > 2)
             && !signatures(double, false).is_empty()
         {
@@ -161,7 +163,7 @@ impl Scope {
         }
     }
 
-    /// Defines a name that the text does not define.
+    /// Defines a name that the text uses but does not define.
     pub(crate) fn imply(&mut self, name: &'static str) {
         if canonical(name).is_some() {
             self.implied.push(name);
@@ -175,7 +177,7 @@ impl Scope {
         self.defined.contains_key(name)
     }
 
-    /// The form of the language that `name` stands for, unless it is defined otherwise.
+    /// The special form called `name`, unless a definition or a parameter hides it.
     pub(crate) fn form(&self, name: &str, locals: &[Name]) -> Option<&'static SpecialForm> {
         if self.is_defined(name) || locals.iter().any(|local| local.text == name) {
             return None;
@@ -183,7 +185,7 @@ impl Scope {
         form(name).or_else(|| form(&name.to_lowercase()))
     }
 
-    /// The ways to call a function.
+    /// The signatures of a function.
     pub(crate) fn signatures(&self, callee: &Callee) -> Signatures {
         match callee {
             Callee::Defined(name, count) => {
@@ -195,7 +197,8 @@ impl Scope {
         }
     }
 
-    /// The known name most like `name`, if any is near.
+    /// The known name closest to `name`, if one is close. With `functions`, only functions are
+    /// considered.
     pub(crate) fn nearest(&self, name: &str, locals: &[Name], functions: bool) -> Option<String> {
         let own = self.defined.iter();
         let mut candidates: Vec<&str> = own
@@ -219,11 +222,11 @@ pub(crate) fn coordinate(name: &str) -> Option<Axis> {
     Axis::ALL.into_iter().find(|axis| axis.name() == name)
 }
 
-/// The candidate most like `name`: few edits for its length, then the nearest in length, so that a
-/// swapped pair of letters counts before a lost one, then the first in the alphabet.
+/// The candidate closest to `name`, if it is few edits away for its length. Ties are broken by the
+/// closest length, so that a swap of two letters wins over a lost letter, and then by the alphabet.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    // Comparing costs the product of the lengths, so names that no candidate can be near are not
-    // compared.
+    // A comparison costs the product of the lengths, so names too long to be close to any candidate
+    // are skipped.
     const LONGEST: usize = 24;
     if name.len() > LONGEST {
         return None;
@@ -250,14 +253,14 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
         .map(|(_, _, candidate)| candidate.to_owned())
 }
 
-/// A function with the number of its arguments.
+/// A function and its number of arguments, which is the least number if it takes `or_more`.
 struct Signature {
     function: Function,
     count: usize,
     or_more: bool,
 }
 
-/// The ways to call a function, by number of arguments.
+/// The signatures of a function, in order of their number of arguments.
 pub(crate) struct Signatures(Vec<Signature>);
 
 impl Signatures {
@@ -265,7 +268,7 @@ impl Signatures {
         self.0.is_empty()
     }
 
-    /// The function for `count` arguments, if it takes that many.
+    /// The function that takes `count` arguments, if there is one.
     pub(crate) fn function(&self, count: usize) -> Option<Function> {
         let exact = self.0.iter().find(|form| form.count == count);
         let form = exact.or_else(|| self.0.iter().find(|form| form.or_more && form.count < count));
@@ -289,15 +292,16 @@ impl std::fmt::Display for Signatures {
     }
 }
 
-/// Names of the n-th root; `root` needs a whole number and so is neither native nor composed.
+/// Names of the n-th root. It needs a whole number, so it is neither native nor composed.
 pub(crate) const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
 
-/// Whether an operation of two operands may be called with more, folding from the left.
+/// Whether an operation of two operands accepts more, applied from the left.
 pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
 }
 
-/// The ways to call the function of the language called `name`; none if there is no such function.
+/// The signatures of the language's function called `name`, empty if there is none. `internal`
+/// includes internal operations.
 pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
     let form = |function, count| Signature { function, count, or_more: false };
     let own = TABLE
@@ -323,7 +327,7 @@ pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
     Signatures(forms)
 }
 
-/// The coordinate that `name` spells.
+/// The canonical spelling of the coordinate called `name`.
 pub(crate) fn canonical(name: &str) -> Option<&'static str> {
     match name {
         "r" => Some("r"),
@@ -334,7 +338,7 @@ pub(crate) fn canonical(name: &str) -> Option<&'static str> {
     }
 }
 
-/// What the name of a constant stands for, where a reader may not know it.
+/// The meaning of a constant, if a reader may not know it.
 pub(crate) fn meaning(constant: NamedConstant) -> Option<&'static str> {
     match constant {
         NamedConstant::Pi | NamedConstant::E => None,

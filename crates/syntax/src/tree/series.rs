@@ -9,18 +9,18 @@ use crate::tree::builder::{Builder, number_only, numbers_only};
 use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::special_forms::{sole, tuple};
 
-/// The most terms of a sum, factors of a product and repetitions of a function.
+/// Most terms of a sum, factors of a product, and repetitions of a function.
 pub(crate) const MOST_TERMS: i64 = 1000;
 
 impl Builder<'_> {
-    /// A sum or a product in brackets.
+    /// Reads the parts of `sum(…)` or `product(…)`; `None` if they have another form.
     pub(crate) fn series_call(
         &mut self,
         is_product: bool,
         parts: &[Pair<'_>],
         place: Span,
     ) -> Fallible<Option<Expr>> {
-        // A list may stand around a generator.
+        // The generator may stand in brackets of its own, as in Python's `sum([…])`.
         if let [only] = parts
             && let Some(group) = sole(only, Rule::group)
         {
@@ -46,8 +46,8 @@ impl Builder<'_> {
         self.series_over(is_product, body, &index, ends, place)
     }
 
-    /// What counts, and the ends between which it does.
-    #[inline(never)] // not on the way of what nests in a sum, so not in its stack frames
+    /// Reads the index of a range and its ends.
+    #[inline(never)] // keeps its locals out of the stack frames of nested sums
     fn counted<'i>(&mut self, range: Pair<'i>, place: Span) -> Fallible<(Pair<'i>, Vec<Expr>)> {
         let is_generator = range.as_rule() == Rule::generator;
         let mut ends = range.into_inner();
@@ -62,7 +62,7 @@ impl Builder<'_> {
         if !is_generator {
             return Ok((index, built));
         }
-        // `range(n)` counts from 0, and the end is not reached.
+        // `range(n)` counts from 0 and excludes its end.
         if built.len() == 1 {
             built.insert(0, Expr::of_digits("0", place));
         }
@@ -75,7 +75,7 @@ impl Builder<'_> {
         Ok((index, built))
     }
 
-    /// A sum whose range is a list: index, first and last number, step.
+    /// Reads a series whose range is a list: index, first and last number, step.
     #[inline(never)]
     fn series_of(
         &mut self,
@@ -110,7 +110,7 @@ impl Builder<'_> {
         series(is_product, index, ends, built?, place)
     }
 
-    /// `\sum_{k=1}^{5}` and the term behind it.
+    /// Reads `\sum_{k=1}^{5}` and the term behind it.
     #[inline(never)]
     pub(crate) fn big_series(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let is_product = first_kind(&pair) == Some(BigProduct);
@@ -152,7 +152,8 @@ impl Builder<'_> {
     }
 }
 
-/// A sum or a product; nothing if it has too few ends or too many.
+/// Builds a sum or a product. `ends` are the first and last number and perhaps a step; else it is
+/// `None`.
 #[inline(never)]
 fn series(
     is_product: bool,

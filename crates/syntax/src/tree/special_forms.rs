@@ -1,4 +1,4 @@
-//! Forms: what looks like a function and takes more than numbers, in the spellings of several
+//! Special forms, which look like functions but take more than numbers, in the spellings of several
 //! languages.
 
 use crate::lex::lexer::OTHERWISE;
@@ -11,9 +11,9 @@ use crate::tree::ast::{Expr, ExprKind, Function, Relation};
 use crate::tree::builder::{Builder, condition_only, joined, product_of};
 use crate::tree::grammar::{Pair, Rule};
 use crate::tree::scope::{Callee, NameMeaning};
-use zeroset_ops::{Meaning as Stands, SpecialForm, VectorFunction};
+use zeroset_ops::{FormKind, SpecialForm, VectorFunction};
 
-/// A condition that is written as a function.
+/// A condition written as a function.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Logic {
     And,
@@ -22,7 +22,7 @@ pub(crate) enum Logic {
     Compare(Relation),
 }
 
-/// The condition that a function called `name` stands for in other languages.
+/// The condition that a function called `name` is in other languages.
 pub(crate) fn logic(name: &str) -> Option<Logic> {
     Some(match name {
         "And" | "AND" | "logical_and" => Logic::And,
@@ -38,7 +38,7 @@ pub(crate) fn logic(name: &str) -> Option<Logic> {
     })
 }
 
-/// The only part of `pair`, followed through parts that hold nothing else, if it is of that rule.
+/// Descends from `pair` through only children until one matches `rule`.
 pub(crate) fn sole<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
     let mut pair = pair.clone();
     loop {
@@ -53,7 +53,7 @@ pub(crate) fn sole<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
     }
 }
 
-/// The parts of a list or of brackets with more than one part.
+/// The parts of a list or of brackets, if there are several or one of them is a list.
 pub(crate) fn tuple<'i>(pair: &Pair<'i>) -> Option<Vec<Pair<'i>>> {
     let inner = sole(pair, Rule::list).or_else(|| sole(pair, Rule::group))?;
     let parts: Vec<Pair<'i>> = inner.into_inner().collect();
@@ -61,7 +61,7 @@ pub(crate) fn tuple<'i>(pair: &Pair<'i>) -> Option<Vec<Pair<'i>>> {
 }
 
 impl Builder<'_> {
-    /// A form with what stands in its brackets.
+    /// Reads a special form whose arguments are in `group`.
     pub(crate) fn form(
         &mut self,
         form: &'static SpecialForm,
@@ -71,29 +71,30 @@ impl Builder<'_> {
         let place = span.to(self.span(&group));
         let parts: Vec<Pair<'_>> = group.into_inner().collect();
         let built = match form.meaning {
-            Stands::Choose => self.choose(&parts, place),
-            Stands::Pieces => self.pieces(&parts, span, place),
-            Stands::Sum | Stands::Product => {
-                self.series_call(form.meaning == Stands::Product, &parts, place)
+            FormKind::Choose => self.choose(&parts, place),
+            FormKind::Pieces => self.pieces(&parts, span, place),
+            FormKind::Sum | FormKind::Product => {
+                self.series_call(form.meaning == FormKind::Product, &parts, place)
             }
-            Stands::Iterate => self.iterate(&parts, span, place),
-            Stands::Vector(size) => {
+            FormKind::Iterate => self.iterate(&parts, span, place),
+            FormKind::Vector(size) => {
                 let built = self.of_values(Function::Vector(size), None, parts, place);
-                // `np.array([[a, b], [c, d]])`
+                // `np.array([[a, b], [c, d]])` is a matrix.
                 built.map(|built| built.map(without_array))
             }
-            Stands::Matrix(size) => self.matrix(size, span, parts, place),
-            Stands::OfVectors(function) => {
+            FormKind::Matrix(size) => self.matrix(size, span, parts, place),
+            FormKind::OfVectors(function) => {
                 let count = Some(function.arity());
                 self.of_values(Function::OfVectors(function), count, parts, place)
             }
-            Stands::Multiply => self.multiply(&parts, place),
+            FormKind::Multiply => self.multiply(&parts, place),
         };
         let kind = || ErrorKind::FormUsage { name: form.name, usage: form.usage };
         built?.ok_or_else(|| Error::new(place, kind()))
     }
 
-    /// A function of values, of which there are `count` unless any number will do.
+    /// Reads a function of values. `None` if the number of parts is not `count`; without a `count`
+    /// any number above 0 is allowed.
     #[inline(never)]
     fn of_values(
         &mut self,
@@ -110,7 +111,7 @@ impl Builder<'_> {
         Ok(Some(Expr::new(ExprKind::Call(function, arguments?), place)))
     }
 
-    /// An argument: a value, or a vector in brackets of its own.
+    /// Reads an argument: a value, or a vector in brackets of its own.
     pub(crate) fn argument(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         if let Some(group) = sole(&pair, Rule::group)
             && matches!(group.clone().into_inner().count(), 2..=4)
@@ -121,7 +122,7 @@ impl Builder<'_> {
         self.value(pair)
     }
 
-    /// A matrix; elsewhere than in shaders of OpenGL its elements are given row by row.
+    /// Reads a matrix. OpenGL shaders give the elements column by column, other systems row by row.
     #[inline(never)]
     fn matrix(
         &mut self,
@@ -143,7 +144,7 @@ impl Builder<'_> {
         }))
     }
 
-    /// `mul(m, p)`, as shaders of Direct3D have it.
+    /// Reads `mul(m, p)` of Direct3D shaders as a product.
     #[inline(never)]
     fn multiply(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
         let [left, right] = parts else { return Ok(None) };
@@ -152,7 +153,7 @@ impl Builder<'_> {
         Ok(Some(Expr::new(product.kind, place)))
     }
 
-    /// The rows of a matrix that is written as a list of lists.
+    /// Reads a list of rows as a square matrix; `None` if it has another shape.
     fn rows(&mut self, parts: &[Pair<'_>], span: Span) -> Fallible<Option<Expr>> {
         let size = parts.len();
         let rows: Option<Vec<Vec<Pair<'_>>>> =
@@ -167,14 +168,14 @@ impl Builder<'_> {
         Ok(Some(Expr::new(ExprKind::Call(Function::Matrix(count), elements), span)))
     }
 
-    /// A list as a vector, one of lists as a matrix.
+    /// Reads a list as a vector, and a list of lists as a matrix.
     #[inline(never)]
     pub(crate) fn list(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let inner: Vec<Pair<'_>> = pair.clone().into_inner().collect();
         if let Some(matrix) = self.rows(&inner, span)? {
             return Ok(matrix);
         }
-        // A list of lists can be nothing else.
+        // A list of lists can only be a matrix.
         if inner.iter().any(|part| sole(part, Rule::list).is_some()) {
             return Err(Error::new(span, ErrorKind::MatrixShape));
         }
@@ -186,7 +187,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether a part is the word for what holds where nothing else does.
+    /// Whether a part is a word such as `otherwise`, which covers the remaining cases.
     fn is_otherwise(&self, pair: &Pair<'_>) -> bool {
         pair.as_rule() == Rule::otherwise || OTHERWISE.contains(&self.typed(pair))
     }
@@ -197,7 +198,7 @@ impl Builder<'_> {
         Ok(condition)
     }
 
-    /// Condition and value in turn, then a value.
+    /// Reads pairs of a condition and a value, then perhaps a last value.
     #[inline(never)]
     fn choose(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
         if parts.len() < 2 {
@@ -222,7 +223,7 @@ impl Builder<'_> {
         Ok(chosen(pieces, last, place))
     }
 
-    /// Pieces in brackets of their own, the value first.
+    /// Reads pieces that have brackets of their own, with the value first.
     #[inline(never)]
     fn pieces(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let Some(first) = parts.first() else {
@@ -251,7 +252,7 @@ impl Builder<'_> {
             let value = self.argument(value)?;
             pieces.push((self.condition_of(condition)?, value));
         }
-        // In Mathematica it is 0 where no condition holds.
+        // Mathematica's `Piecewise` is 0 where no condition holds.
         if is_list && otherwise.is_none() && self.text[span.range()].starts_with('P') {
             self.note(span, NoteKind::ZeroElsewhere);
             otherwise = Some(Expr::of_digits("0", span));
@@ -259,7 +260,7 @@ impl Builder<'_> {
         Ok(chosen(pieces, otherwise, place))
     }
 
-    /// A choice as the grammar knows it.
+    /// Reads a choice that the grammar has found.
     #[inline(never)]
     pub(crate) fn choice(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let mut pieces = Vec::new();
@@ -277,7 +278,7 @@ impl Builder<'_> {
                 None => {
                     let value = self.expression(first)?;
                     if value.is_condition() {
-                        // In Desmos it is 1 where such a condition holds.
+                        // In Desmos, a condition by itself has the value 1 where it holds.
                         let one = Expr::of_digits("1", value.span);
                         pieces.push((value, one));
                     } else {
@@ -299,7 +300,7 @@ impl Builder<'_> {
         chosen(pieces, last, span).ok_or_else(|| Error::new(span, ErrorKind::PieceWithoutCondition))
     }
 
-    /// A condition that is written as a function.
+    /// Reads a condition written as a function.
     #[inline(never)]
     pub(crate) fn logic(&mut self, logic: Logic, span: Span, group: Pair<'_>) -> Fallible<Expr> {
         let place = span.to(self.span(&group));
@@ -329,7 +330,8 @@ impl Builder<'_> {
         }
     }
 
-    /// A function applied again and again: its name, how often, to what, and what stays.
+    /// Reads a repeated function: its name, the count, the start value, and arguments that stay the
+    /// same.
     #[inline(never)]
     fn iterate(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let [name, rest @ ..] = parts else { return Ok(None) };
@@ -341,7 +343,7 @@ impl Builder<'_> {
         for part in rest {
             arguments.push(self.argument(part.clone())?);
         }
-        // Mathematica has what it starts from before the number.
+        // Mathematica puts the start value before the count.
         if self.text[span.range()].eq_ignore_ascii_case("nest") {
             arguments.swap(0, 1);
         }
@@ -363,7 +365,7 @@ impl Builder<'_> {
     }
 }
 
-/// What stands in an array by itself, if that is a matrix.
+/// The matrix in an array that holds nothing else, or the array itself.
 fn without_array(array: Expr) -> Expr {
     match array.kind {
         ExprKind::Call(Function::Vector(_) | Function::Matrix(_), mut only)
@@ -378,7 +380,7 @@ fn without_array(array: Expr) -> Expr {
     }
 }
 
-/// A choice; its last value alone if it has no conditions, nothing if it has neither.
+/// A choice, or its last value alone if it has no pieces. `None` if it has neither.
 fn chosen(pieces: Vec<(Expr, Expr)>, last: Option<Expr>, span: Span) -> Option<Expr> {
     match (pieces.is_empty(), last) {
         (true, last) => last,

@@ -1,4 +1,4 @@
-//! Statements: which kind each is, and its trees.
+//! Finds out what kind each statement is, and builds its trees.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{is_definable, plain_name};
@@ -17,20 +17,20 @@ use crate::tree::raw_statement::{Head, RawStatement, Wrap};
 use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
-use zeroset_ops::Meaning as Stands;
+use zeroset_ops::FormKind;
 
-/// Each use of a name looks through the parameters, so their number is bounded.
+/// Most parameters of a function. Each use of a name searches them, so their number is bounded.
 const MOST_PARAMETERS: usize = 64;
 
 /// A statement that the grammar has recognised.
 pub(crate) struct ParsedStatement<'i> {
     pub raw: &'i RawStatement,
-    /// Its rule tells what the statement is.
+    /// Result of the grammar. Its rule is the kind of the statement.
     pub pair: Pair<'i>,
     pub head: Option<Head>,
 }
 
-/// Recognises each statement of `text`.
+/// Parses each statement of `text`.
 pub(crate) fn lines<'i>(
     text: &str,
     statements: &'i [RawStatement],
@@ -57,7 +57,7 @@ pub(crate) fn lines<'i>(
     if errors.is_empty() { Ok(lines) } else { Err(Errors::new(errors)) }
 }
 
-/// What the first symbols of a statement make of it.
+/// The grammar's rule for a statement, chosen by its first tokens.
 fn rule(lexed: &LexedStatement) -> Rule {
     let mut kinds = lexed.tokens.iter().map(|token| token.kind);
     let rule = match kinds.next() {
@@ -72,7 +72,7 @@ fn rule(lexed: &LexedStatement) -> Rule {
     let in_point = |kind| matches!(kind, Number | Comma | Minus | Plus | CloseParen);
     // `view = 3` and `view(x) = …` are definitions like any other.
     match kinds.next() {
-        // A point is made of numbers only.
+        // A point consists of numbers only.
         Some(OpenParen) if rule == Rule::setting_line && kinds.all(in_point) => rule,
         Some(OpenParen) if rule != Rule::domain_line => Rule::line,
         Some(Plus | Minus | SquareRoot | CubeRoot | Not) => rule,
@@ -81,14 +81,14 @@ fn rule(lexed: &LexedStatement) -> Rule {
     }
 }
 
-/// The only child of `pair`, if it is one pair of the given rule.
+/// The only child of `pair`, if it has exactly one and that matches `rule`.
 fn only(pair: Pair<'_>, rule: Rule) -> Option<Pair<'_>> {
     let mut inner = pair.into_inner();
     let first = inner.next()?;
     (inner.next().is_none() && first.as_rule() == rule).then_some(first)
 }
 
-/// The left side of a statement, if it has the form of a definition; `==` states and never defines.
+/// The left side of a statement, if it has the form of a definition's. `==` never defines.
 fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
     let typed = |pair: &Pair<'_>| lexed.tokens[lexed.index(pair.as_span().start())].span;
     let name = |pair: Pair<'_>| {
@@ -120,7 +120,8 @@ fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
     left.next().is_none().then_some(Head { name: defined, parameters })
 }
 
-/// Decides for every line with a head whether it defines; those that do not lose their head.
+/// Decides for each line with a head whether it is a definition, and removes the heads of all
+/// others.
 pub(crate) fn settle_heads(
     text: &str,
     lines: &mut [ParsedStatement<'_>],
@@ -136,7 +137,8 @@ pub(crate) fn settle_heads(
         }
     }
     settle_levels(text, lines, notes);
-    // Whether `hypot(a, b) = 2` draws depends on whether a and b have values, so values come first.
+    // Whether `hypot(a, b) = 2` is drawn depends on whether a and b have values, so those come
+    // first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
         if line.raw.head.is_some() || !is_built_in(head) && head.name.text != "t" {
@@ -162,8 +164,8 @@ pub(crate) fn settle_heads(
     }
 }
 
-/// Makes `f(x, y, z) = 4` below `f(x, y, z) = x^2 + y^2 + z^2` one of its levels, and `f(x, y) = z`
-/// below `f(x, y) = x^2` an equation.
+/// Finds lines that look like definitions but are equations: `f(x, y, z) = 4` below `f(x, y, z) =
+/// x^2 + y^2 + z^2` is a level of f, and `f(x, y) = z` below `f(x, y) = x^2` its graph.
 fn settle_levels(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     let numbers = numbers(text, lines);
@@ -187,7 +189,7 @@ fn settle_levels(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<
     }
 }
 
-/// The names that are given a number, and nothing else.
+/// The names that are defined as plain numbers.
 fn numbers(text: &str, lines: &[ParsedStatement<'_>]) -> FxHashSet<String> {
     let named = lines.iter().filter(|line| {
         line.head.as_ref().is_some_and(|head| head.parameters.is_none())
@@ -198,14 +200,14 @@ fn numbers(text: &str, lines: &[ParsedStatement<'_>]) -> FxHashSet<String> {
     named.filter_map(name).collect()
 }
 
-/// What stands behind the sign, but for conditions and ranges.
+/// The tokens behind the equals sign, without conditions and ranges.
 fn right_side(lexed: &LexedStatement) -> impl Iterator<Item = &Token> {
     let right = lexed.tokens.iter().skip_while(|token| token.kind != Equals).skip(1);
     right.take_while(|token| !matches!(token.kind, OpenBrace | In))
 }
 
-/// Whether a right side is a number, or z where a function of x and y is given: no body of a
-/// function of coordinates, which takes the place of an earlier one.
+/// Whether a right side is a number, or z for a function of x and y. Such a line does not redefine
+/// the function.
 fn is_value(
     text: &str,
     lexed: &LexedStatement,
@@ -223,8 +225,8 @@ fn is_value(
     })
 }
 
-/// Whether the left side could define anything: coordinates, and names made of them only, are
-/// drawn.
+/// Whether a left side can define something. Coordinates, and names made of their letters only, are
+/// drawn instead.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {
@@ -233,30 +235,30 @@ fn may_define(head: &Head) -> bool {
     !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
 }
 
-/// Whether the left side is a call of a function of the language, with as many arguments as that
+/// Whether the left side calls a function of the language, with a number of arguments that it
 /// takes.
 fn is_built_in(head: &Head) -> bool {
     accepts(head) == Some(true)
 }
 
-/// Whether the left side is a call of a function of the language on coordinates, but not on as many
-/// as it takes: an equation with a slip rather than a definition, whose parameters would hide the
+/// Whether the left side calls a function of the language on coordinates, but with a wrong number
+/// of arguments. This is an equation with a mistake: as a definition, its parameters would hide the
 /// coordinates.
 fn is_miscounted(head: &Head) -> bool {
     let mut parameters = head.parameters.iter().flatten();
     parameters.all(|p| coordinate(&p.text).is_some()) && accepts(head) == Some(false)
 }
 
-/// Whether the function of the language called `head` takes that many arguments; `None` if there is
-/// none, or nothing is called.
+/// Whether the language's function called `head` takes that many arguments. `None` if there is no
+/// such function, or `head` has no parameters.
 fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
     if let Some(form) = zeroset_ops::form(&head.name.text) {
         return match form.meaning {
-            Stands::Vector(_) | Stands::Matrix(_) => Some(true),
-            Stands::OfVectors(function) => Some(count == function.arity()),
-            Stands::Multiply => Some(count == 2),
-            Stands::Choose | Stands::Pieces | Stands::Sum | Stands::Product | Stands::Iterate => {
+            FormKind::Vector(_) | FormKind::Matrix(_) => Some(true),
+            FormKind::OfVectors(function) => Some(count == function.arity()),
+            FormKind::Multiply => Some(count == 2),
+            FormKind::Choose | FormKind::Pieces | FormKind::Sum | FormKind::Product | FormKind::Iterate => {
                 None
             }
         };
@@ -335,7 +337,7 @@ pub(crate) fn build(
     Ok(BuiltStatement { statement, span: line.raw.lexed.span, notes, used })
 }
 
-/// The ends between which `0 < a < 3` in braces lets a value move.
+/// The ends of a slider, if a condition in braces such as `0 < a < 3` gives them.
 fn slider_bounds<'e>(name: &Name, braces: &'e [Expr]) -> Option<(&'e Expr, &'e Expr)> {
     let [Expr { kind: ExprKind::Compare(first, rest), .. }] = braces else { return None };
     let [(before, middle), (behind, last)] = rest.as_slice() else { return None };
@@ -351,7 +353,7 @@ fn slider_bounds<'e>(name: &Name, braces: &'e [Expr]) -> Option<(&'e Expr, &'e E
     }
 }
 
-/// The definition of what a program sets, of which `expression` is the right side.
+/// Builds the definition of a variable that a program sets. `expression` is the right side.
 fn set(
     builder: &mut Builder<'_>,
     head: &Head,
@@ -365,7 +367,7 @@ fn set(
     match wrap {
         Some(Wrap::Flag) => {
             if !is_condition {
-                // In C what is not 0 holds.
+                // In C, any value other than 0 is true.
                 body = body.compared(Relation::Unequal, Expr::of_digits("0", span), span);
             }
             body = body.flag(span);
@@ -390,8 +392,9 @@ fn set(
     Ok(Definition { name, parameters, body, range: None })
 }
 
-/// Fails on a left side with too many parameters, or two alike, or with a name that cannot be
-/// defined: its own is one if it is that of a function or a keyword of the language.
+/// Checks the left side of a definition. Fails on too many parameters, equal parameters, and names
+/// that cannot be defined. `is_function` and `is_keyword` tell what the defined name is in the
+/// language.
 fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MOST_PARAMETERS {
@@ -404,7 +407,7 @@ fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> 
             return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
         }
     }
-    // LaTeX can spell names that cannot be written otherwise.
+    // LaTeX can spell names that plain text cannot.
     let word = std::iter::once(&head.name).chain(parameters).find(|n| !is_definable(&n.text));
     if let Some(name) = (is_function || is_keyword).then_some(&head.name).or(word) {
         let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
@@ -413,7 +416,8 @@ fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> 
     Ok(())
 }
 
-/// The definition `head = …`, whose left side is not built, for it names what does not exist yet.
+/// Builds the definition `head = …`. Its left side is not built, because the name does not exist
+/// yet.
 fn define(
     builder: &mut Builder<'_>,
     head: &Head,
@@ -430,7 +434,7 @@ fn define(
     let mut sides = expression.into_inner().skip(2);
     let body = sides.next().expect("a definition has a right side");
     let second = sides.next().filter(|second| {
-        // `f(x, y, z) = x^2 + y^2 - z = 0`
+        // In `f(x, y, z) = x^2 + y^2 - z = 0` the second sign is ignored.
         let mut rest = sides.clone();
         let zero = rest.next().is_some_and(|side| builder.typed(&side) == "0");
         let is_zero = relation(second) == Relation::Equal && zero && rest.next().is_none();
@@ -452,7 +456,7 @@ fn define(
     Ok(Definition { name: name.clone(), parameters: head.parameters.clone(), body, range })
 }
 
-/// Whether an expression is a number with or without a sign: the right side of a slider.
+/// Whether an expression is a number, perhaps with a sign. This is the right side of a slider.
 pub(crate) fn is_plain_number(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Number(_) => true,

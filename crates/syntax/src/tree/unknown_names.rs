@@ -1,4 +1,4 @@
-//! Errors about names that stand for nothing, and what their writer may have meant.
+//! Errors about names without a meaning, with suggestions of what was meant.
 
 use crate::lex::spelling::{short_name, start, token_kind};
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -9,10 +9,10 @@ use crate::tree::ast::Name;
 use crate::tree::builder::Builder;
 use crate::tree::scope::{NameMeaning, Scope, nearest, read_as};
 
-/// Longest name, in bytes, whose parts are looked up: a bound keeps hostile names cheap.
+/// Longest name, in bytes, whose parts are looked up. The limit keeps hostile names cheap.
 const LONGEST: usize = 64;
 
-/// Solids by name, and how each is written.
+/// Names of solids, and how to write each as a formula.
 const SOLIDS: &[(&str, &str)] = &[
     ("sphere", "a sphere of radius 2 is `x^2 + y^2 + z^2 = 4`"),
     ("ball", "a ball of radius 2 is `x^2 + y^2 + z^2 <= 4`"),
@@ -26,7 +26,7 @@ const SOLIDS: &[(&str, &str)] = &[
     ("gyroid", "a gyroid is `sin x cos y + sin y cos z + sin z cos x = 0`"),
 ];
 
-/// Words for signs.
+/// Words that show that a formula is written in words.
 const IN_WORDS: &[&str] =
     &["squared", "cubed", "plus", "minus", "times", "equals", "divided", "squareroot", "the"];
 
@@ -43,16 +43,16 @@ impl Builder<'_> {
         Error::new(span, kind).suggest_any(span, self.scope.likely(name, &self.locals, true))
     }
 
-    /// The error where a statement is in words rather than in signs.
+    /// The error for a statement in words instead of signs, if it is one.
     fn in_words(&self) -> Option<Box<Error>> {
-        // `domain ball`
+        // `domain ball` names a solid but is a setting.
         if self.lexed.tokens.first().is_some_and(|first| first.kind.is_setting()) {
             return None;
         }
         let statement = self.lexed.span;
         let text = start(&self.text[statement.range()], LONGEST);
         let mut words = text.split(|c: char| !c.is_alphabetic());
-        // `cylinder(r = 1, h = 2)` has names of its arguments only.
+        // In `cylinder(r = 1, h = 2)` the equals signs only name arguments.
         let is_called = self.lexed.tokens.get(1).is_some_and(|next| next.kind == OpenParen);
         let has_signs = self.lexed.tokens.iter().any(|token| {
             token.kind.is_arithmetic()
@@ -69,8 +69,8 @@ impl Builder<'_> {
             .then(|| Error::new(statement, ErrorKind::InWords))
     }
 
-    /// The brackets around `place` if they end the statement and hold words only, as in
-    /// `x = 1 (a plane)`.
+    /// The brackets around `place`, if they end the statement and hold words only, as in `x = 1 (a
+    /// plane)`.
     fn remark(&self, place: Span) -> Option<Span> {
         let tokens = &self.lexed.tokens;
         let close = tokens.last().filter(|last| last.kind == CloseParen)?;
@@ -79,13 +79,13 @@ impl Builder<'_> {
             tokens[open - 1].kind.ends_operand() && tokens[open].span.end <= place.start;
         let words = &tokens[open + 1..tokens.len() - 1];
         let is_gap = tokens[open - 1].span.end < tokens[open].span.start;
-        // One word behind a value may be a factor.
+        // A single word behind a value may be a factor, except behind a number.
         let are_words = words.iter().all(|token| token.kind.is_name())
             && (words.len() > 1 || tokens[open - 1].kind == Number);
         (is_behind && is_gap && are_words).then(|| tokens[open].span.to(close.span))
     }
 
-    /// `f x y z` before an equals sign, which other languages write so.
+    /// The span of `f x y z` before an equals sign, which is a call in other languages.
     fn juxtaposed(&self, span: Span) -> Option<Span> {
         let is_first = self.lexed.span.start == span.start;
         let kinds = self.lexed.tokens.iter().map(|token| token.kind).take(5);
@@ -108,7 +108,7 @@ impl Builder<'_> {
             let meant = format!("{name}(x, y, z)");
             return Error::new(span, kind).suggest(left, meant);
         }
-        // `i` alone, or next to values as in `iy`.
+        // `i` alone or next to values, as in `iy`, is the imaginary unit.
         let rest = name.strip_prefix('i').or_else(|| name.strip_suffix('i'));
         let is_unit = |rest: &str| rest.is_empty() || scope.is_product(rest, locals);
         if name == "I" || rest.is_some_and(is_unit) {
@@ -157,17 +157,17 @@ impl Builder<'_> {
     }
 }
 
-/// What a part of a name is.
+/// Kind of a part of a name.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum NamePart {
     Function,
-    /// A value whose name is longer than a letter.
+    /// A value whose name is longer than one letter.
     Value,
     Letter,
     Number,
 }
 
-/// What functions are of which there is no like here.
+/// The kind of error for a function of other systems that has no equivalent here.
 fn elsewhere(name: &str) -> Option<ErrorKind> {
     Some(match name {
         "D" | "diff" | "Diff" | "Derivative" | "integrate" | "Integrate" | "Dt" | "limit"
@@ -182,7 +182,7 @@ fn elsewhere(name: &str) -> Option<ErrorKind> {
     })
 }
 
-/// Whether a line of `text` begins with `axis =`.
+/// Whether a line, or a part of one between commas or semicolons, begins with `axis =`.
 fn sets(text: &str, axis: &str) -> bool {
     text.split(['\n', ',', ';']).any(|line| {
         let rest = line.trim_start().strip_prefix(axis);
@@ -191,21 +191,21 @@ fn sets(text: &str, axis: &str) -> bool {
 }
 
 impl Scope {
-    /// What the writer of a left side that defines `name` for nothing may have meant by it.
+    /// A suggestion for the name of a definition that nothing uses.
     pub(crate) fn meant(&self, name: &str, is_function: bool) -> Option<String> {
         self.lost_superscripts(name, &[]).or_else(|| self.likely(name, &[], is_function))
     }
 
-    /// Two known names run together, or the nearest one.
+    /// The known names that `name` runs together, or else the nearest known name.
     fn likely(&self, name: &str, locals: &[Name], is_function: bool) -> Option<String> {
-        // As computer algebra systems write it.
+        // Computer algebra systems write `E` for e.
         if name == "E" && !is_function {
             return Some("e".to_owned());
         }
         self.run_together(name, locals).or_else(|| self.nearest(name, locals, is_function))
     }
 
-    /// `x2y` as `x^2*y`, if its letters are values: a superscript that was lost in copying.
+    /// Reads `x2y` as `x^2*y`, if its letters are values. Superscripts are often lost in copying.
     fn lost_superscripts(&self, name: &str, locals: &[Name]) -> Option<String> {
         if name.len() > LONGEST || !name.contains(|c: char| c.is_ascii_digit()) {
             return None;
@@ -231,7 +231,7 @@ impl Scope {
         Some(powers)
     }
 
-    /// The only letter of a short name like `mx` that has no value.
+    /// The only letter without a value in a short name such as `mx`.
     fn missing_letter(&self, name: &str, locals: &[Name]) -> Option<char> {
         // Longer names are words, not products.
         if !matches!(name.chars().take(4).count(), 2 | 3) || !name.contains(['x', 'y', 'z']) {
@@ -242,7 +242,8 @@ impl Scope {
         missing.all(|other| other == letter).then_some(letter)
     }
 
-    /// `xsin` as `x*sin`, `sin2x` as `sin(2x)` and `pix` as `pi*x`, if all parts have meanings.
+    /// Separates `xsin` as `x*sin`, `sin2x` as `sin(2x)` and `pix` as `pi*x`, if all parts have
+    /// meanings.
     fn run_together(&self, name: &str, locals: &[Name]) -> Option<String> {
         if name.len() > LONGEST {
             return None;
@@ -269,15 +270,15 @@ impl Scope {
         Some(text)
     }
 
-    /// The functions, values and numbers that a name is made of, the longest first, if it says more
-    /// than its letters do. A number follows a function.
+    /// Splits a name into functions, values and numbers, trying long parts first. `None` if the
+    /// parts are only letters. A number must follow a function.
     fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(NamePart, &'n str)>> {
-        // The parts of what begins at each place, from the last on.
+        // Parts of the text from each position on, filled in from the end.
         let mut found: Vec<Option<Vec<(NamePart, &str)>>> = vec![None; name.len() + 1];
         found[name.len()] = Some(Vec::new());
         for at in (0..name.len()).rev().filter(|at| name.is_char_boundary(*at)) {
             let ends = (at + 1..=name.len()).rev().filter(|end| name.is_char_boundary(*end));
-            // The whole name is no part, even where it is defined.
+            // The whole name is no part, even if it is defined.
             found[at] = ends.skip(usize::from(at == 0)).find_map(|end| {
                 let rest = found[end].as_ref()?;
                 let kind = self.part(&name[at..end], locals)?;
@@ -299,7 +300,7 @@ impl Scope {
         (says_more && begins && parts.len() > 1).then_some(parts)
     }
 
-    /// What a part of a name is by itself.
+    /// The kind of `part` by itself.
     fn part(&self, part: &str, locals: &[Name]) -> Option<NamePart> {
         if part.bytes().all(|byte| byte.is_ascii_digit()) {
             return Some(NamePart::Number);
@@ -315,7 +316,7 @@ impl Scope {
         }
     }
 
-    /// Whether `name` is a value, or several side by side.
+    /// Whether `name` is a value, or a product of values.
     fn is_product(&self, name: &str, locals: &[Name]) -> bool {
         matches!(self.meaning(name, locals), NameMeaning::Value(_) | NameMeaning::Product)
     }

@@ -1,5 +1,5 @@
-//! Whole numbers that must be known before a formula is written out: factorials, and what says how
-//! many terms there are.
+//! Whole numbers that must be known when a formula is expanded: factorials, and the numbers of
+//! terms of sums.
 
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
@@ -9,9 +9,9 @@ use crate::tree::built_statement::BuiltStatement;
 use rustc_hash::FxHashSet;
 
 impl Builder<'_> {
-    /// `n!` as `product(k = 1..n, k)`, which is exact, and refused where n is no constant whole
-    /// number.
-    #[inline(never)] // keeps its text out of the stack frames of nested factors
+    /// Builds `n!` as `product(k = 1..n, k)`, which is exact. Fails if n varies over space or time,
+    /// is negative, or contains a number that is not whole.
+    #[inline(never)] // keeps its locals out of the stack frames of nested factors
     pub(crate) fn factorial(&mut self, base: Expr, sign: Span) -> Fallible<Expr> {
         number_only(&base)?;
         self.room(base.span, 2)?;
@@ -40,8 +40,7 @@ impl Builder<'_> {
     }
 }
 
-/// The names that say how many terms or repetitions there are, by themselves or through
-/// definitions.
+/// The names that determine the number of terms or repetitions, directly or through definitions.
 pub(crate) fn counting<'d>(
     definitions: &[(&'d Definition, &'d BuiltStatement)],
     drawings: &[&'d BuiltStatement],

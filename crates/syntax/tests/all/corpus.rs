@@ -1,4 +1,4 @@
-//! Every row of the language corpus: a text, and how it is read or why it is refused.
+//! Checks every row of the language corpus: a text, and how it is read or why it is refused.
 //!
 //! `ZEROSET_BLESS=1 cargo test -p zeroset-syntax --test all corpus` rewrites what the rows expect;
 //! read the difference before committing it.
@@ -12,7 +12,7 @@ use zeroset_syntax::{
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/language.txt");
 
-/// A row: its input, its options, and what the file expects.
+/// A row: its input, its options, and the expected result.
 #[derive(Default)]
 struct Row {
     line: usize,
@@ -54,7 +54,7 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
     }
 }
 
-/// What is said of the picture beside where and from where to look.
+/// Describes the settings of the picture other than domain, view, look and background.
 fn describe_picture(out: &mut String, picture: &PictureLines) {
     let PictureLines { clip, light, shadows, axes, legend, contours } = picture;
     if let Some(plane) = clip {
@@ -184,7 +184,7 @@ fn actual(row: &Row) -> String {
     }
 }
 
-/// Splits the corpus into what is kept as it stands (comments, blank lines) and rows.
+/// Splits the corpus into rows and lines that are kept unchanged (comments, blank lines).
 fn rows(text: &str) -> Vec<Result<Row, String>> {
     let mut parts: Vec<Result<Row, String>> = Vec::new();
     let mut row: Option<Row> = None;

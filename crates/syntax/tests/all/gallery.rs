@@ -1,4 +1,4 @@
-//! Every example file reads without an error, draws one surface, and says what it is.
+//! Every example file is read without an error, draws one surface, and has a description.
 
 use zeroset_syntax::{Note, NoteKind, Options, read};
 

@@ -1,12 +1,12 @@
-//! Texts made to overflow, hang or panic: each is read, or refused with one clear error, on a small
-//! stack.
+//! Texts designed to overflow, hang or panic. Each is read, or refused with one clear error, on a
+//! small stack.
 
 use std::fmt::Write as _;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
 
-/// Less than a third of what threads usually have, so that what a compiler makes of a function
-/// elsewhere has room: brackets take up to 460 KiB of it, in tests and as released, and pest wants
-/// 64 more to be left.
+/// Stack of a test, in bytes: less than a third of the usual size, so that compilers with larger
+/// frames have room. Brackets take up to 460 KiB of it, in tests and as released, and pest requires
+/// 64 KiB more to be left.
 const STACK: usize = 5 << 17;
 
 fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {
@@ -14,7 +14,7 @@ fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static)
     thread.expect("a thread").join().expect("no panic")
 }
 
-/// The only error of `text`; rendering it must be short.
+/// The only error of `text`, which must have a short rendering.
 fn error(text: String) -> ErrorKind {
     on_a_small_stack(move || {
         let errors = read(&text, &Options::default()).expect_err("must be refused");

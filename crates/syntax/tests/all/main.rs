@@ -1,4 +1,4 @@
-//! The language as other crates see it.
+//! Tests of the language through its public interface.
 
 mod corpus;
 mod gallery;

@@ -1,5 +1,5 @@
-//! Properties over random trees and random text. The seed is fixed; a failing case is printed with
-//! its input.
+//! Properties of random trees and random text. The seed is fixed, and a failing case is printed
+//! with its input.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use zeroset_syntax::ast::{
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
-/// As many cases, or what `ZEROSET_CASES` and `ZEROSET_SEED` say.
+/// Runs `cases` cases with a fixed seed, unless `ZEROSET_CASES` and `ZEROSET_SEED` are set.
 fn config(cases: u32) -> ProptestConfig {
     let set = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
     ProptestConfig {
@@ -26,7 +26,7 @@ fn expr(kind: ExprKind) -> Expr {
     Expr::new(kind, Span::default())
 }
 
-/// A sum or a product as the parser makes it: one of its kind in the first place is opened.
+/// A sum or a product as the parser builds it: a first operand of the same kind is spliced in.
 fn chain(kind: Chain, first: Expr, mut rest: Vec<(Sign, Expr)>) -> Expr {
     match first.kind {
         ExprKind::Chain(of_first, inner, mut operands) if of_first == kind => {
@@ -57,7 +57,7 @@ fn leaf() -> impl Strategy<Value = Expr> {
 
 /// Every function that a user can call, with a number of arguments that it takes.
 fn functions() -> Vec<(Function, usize)> {
-    let callable = |row: &&zeroset_ops::Row| {
+    let callable = |row: &&zeroset_ops::OpRow| {
         matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
     };
     let mut all: Vec<(Function, usize)> = TABLE
@@ -183,7 +183,7 @@ proptest! {
     }
 }
 
-/// Reads and renders; only a panic or an error without a message is a failure.
+/// Reads and renders a text. Fails on an inconsistent result or an error without a message.
 fn survives(text: &str) -> Result<(), TestCaseError> {
     match read(text, &Options::default()) {
         Ok(document) => {
@@ -218,7 +218,7 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Pieces of the language, so that random rows of them get past the first stage.
+/// Fragments of the language. Random rows of them get past the lexer.
 const PIECES: &[&str] = &[
     "x",
     "y",
@@ -376,7 +376,7 @@ const PIECES: &[&str] = &[
     ";",
 ];
 
-/// The texts of both lists of what people paste.
+/// The pasted texts of both lists.
 fn pasted() -> Vec<String> {
     ["words.txt", "words_held_out.txt"]
         .iter()
@@ -392,7 +392,7 @@ fn pasted() -> Vec<String> {
         .collect()
 }
 
-/// The nearest place before `at` at which `text` can be cut.
+/// The last position at or before `at` where `text` can be cut; `at` wraps around at its end.
 fn cut(text: &str, at: usize) -> usize {
     let mut at = at % (text.len() + 1);
     while !text.is_char_boundary(at) {

@@ -1,16 +1,15 @@
-//! What people paste: every row of `tests/data/words.txt` is read as meant, or refused with a
+//! Texts that people paste: every row of `tests/data/words.txt` is read as meant, or refused with a
 //! message that names the way out.
 //!
-//! A reading is compared by value with the same in plain language, at seeded points, in exact
-//! arithmetic where that is possible and in enclosures elsewhere.
+//! The value of a reading is compared with that of an equivalent plain text, at seeded points: in
+//! exact arithmetic where possible, else with enclosures.
 
 use std::fmt::Write as _;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
 
-/// The corpus that the reading was made with, and two that were written down before anyone looked
-/// at how texts are read.
+/// The corpus used in developing the language, and two held-out ones.
 const CORPORA: [&str; 3] = ["words.txt", "words_held_out.txt", "words_third.txt"];
 
 /// Points at which readings are compared.
@@ -140,7 +139,7 @@ fn agree(left: Option<&Constant>, right: Option<&Constant>) -> bool {
     }
 }
 
-/// What is wrong with the domain that a text gives, if a row says what it must be.
+/// The mismatch between the domain of a text and the one required by its row, if any.
 fn wrong_domain(row: &Row, document: &Document) -> Option<String> {
     let wanted = row.domain.as_ref()?;
     let line: Vec<String> = ["x", "y", "z"]
@@ -154,7 +153,7 @@ fn wrong_domain(row: &Row, document: &Document) -> Option<String> {
     (document.domain != meant).then(|| format!("domain {:?}", document.domain))
 }
 
-/// What is wrong with how a row is read.
+/// The mismatch between how a row is read and what it requires, if any.
 fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     let document = read(&row.text, &Options::default());
     let document = match (document, &row.message) {
@@ -261,7 +260,7 @@ fn every_form_is_read_as_its_help_says() {
     for form in zeroset_ops::FORMS {
         for name in std::iter::once(&form.name).chain(form.aliases) {
             let usage = form.usage.replacen(form.name, name, 1);
-            // Mathematica has the number behind what is applied.
+            // Mathematica puts the count after the start value.
             let usage = usage.replace("nest(f, 3, x)", "nest(f, x, 3)");
             let text = format!("f(a) = a^2\np = vec3(x, y, z)\nq = p\nn = p\nz = {usage}");
             let read = parse(&text, &Limits::default());

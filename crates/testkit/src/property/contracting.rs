@@ -11,7 +11,7 @@ use zeroset_eval::{
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_jit::Native;
-use zeroset_jit::comparison::{Arithmetic, Compared};
+use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 use zeroset_ops::Op;
 
 /// Points checked in each tile.
@@ -62,7 +62,7 @@ pub enum Engine {
     /// Native code.
     Native,
     /// Native code in this arithmetic.
-    Compared(Arithmetic),
+    ComparisonKernel(Arithmetic),
 }
 
 impl Manner {
@@ -72,8 +72,8 @@ impl Manner {
         Some(match self.engine {
             Engine::Reference => Box::new(Reference::new(tape, binding)),
             Engine::Native => Box::new(Native::new(tape, binding).expect("compiles")),
-            Engine::Compared(arithmetic) => {
-                Box::new(Compared::new(tape, binding, arithmetic).expect("compiles"))
+            Engine::ComparisonKernel(arithmetic) => {
+                Box::new(ComparisonKernel::new(tape, binding, arithmetic).expect("compiles"))
             }
         })
     }
@@ -133,7 +133,7 @@ pub fn contract<T: Adversarial>(
         // Compiling is slow, and the reference gives the same bits.
         let manner = match manner.engine {
             Engine::Native => Manner { engine: Engine::Reference, ..manner },
-            Engine::Reference | Engine::Compared(_) => manner,
+            Engine::Reference | Engine::ComparisonKernel(_) => manner,
         };
         if let Some(lost) = lost_root::<T>(manner, case, &tiles, probe, *claim, &mut all) {
             return Err(explain_root::<T>(manner, case, &tiles[lost], probe, values));

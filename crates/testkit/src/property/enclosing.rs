@@ -5,7 +5,7 @@ use crate::{Adversarial, Case, Rng};
 use zeroset_eval::{Binding, Enclose, Kernel, Real, Tape};
 use zeroset_ir::{rewrite, simplify};
 use zeroset_jit::Native;
-use zeroset_jit::comparison::{Arithmetic, Compared};
+use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 
 /// Compiles a case to native code in the same steps as a document: simplified over its domain, with
 /// parameters bound. Returns `None` if the graph is too large.
@@ -26,7 +26,7 @@ pub fn compared_interval<T: Real>(
     arithmetic: Arithmetic,
 ) -> Option<Box<dyn Kernel<Enclose, T>>> {
     let (tape, binding) = (tape_of::<T>(case)?, Binding::new(&case.parameters));
-    Some(Box::new(Compared::new(tape, binding, arithmetic).expect("compiles")))
+    Some(Box::new(ComparisonKernel::new(tape, binding, arithmetic).expect("compiles")))
 }
 
 /// Returns the tape of a case, simplified over its domain.

@@ -3,7 +3,7 @@
 
 use super::Rng;
 use super::values::below;
-use zeroset_ops::{COMPOSED, FORMS, Meaning, VectorFunction};
+use zeroset_ops::{COMPOSED, FORMS, FormKind, VectorFunction};
 
 /// Vectors and a function that every text defines.
 const HEAD: &str = "p = vec3(x, y, z)\nq = vec3(y, 1 - z, x*y)\nf(a) = a^2 - x/2\n";
@@ -112,7 +112,7 @@ impl Text<'_> {
         let form = &FORMS[below(self.rng, FORMS.len())];
         let name = form.name;
         match form.meaning {
-            Meaning::Choose => {
+            FormKind::Choose => {
                 let (condition, yes) = (self.condition(depth), self.number(depth));
                 match self.rng.u32(0..3) {
                     0 => format!("{name}({condition}, {yes}, {})", self.number(depth)),
@@ -120,31 +120,31 @@ impl Text<'_> {
                     _ => format!("({condition} ? {yes} : {})", self.number(depth)),
                 }
             }
-            Meaning::Pieces => {
+            FormKind::Pieces => {
                 let (first, last) = (self.number(depth), self.number(depth));
                 format!("{name}([[{first}, {}], [{last}, x >= 0]])", self.condition(depth))
             }
-            Meaning::Sum | Meaning::Product => {
+            FormKind::Sum | FormKind::Product => {
                 let index = self.indices;
                 self.indices += 1;
                 let body = self.number(depth);
                 self.indices -= 1;
                 format!("{name}(k{index} = {}..3, {body})", self.rng.u32(0..3))
             }
-            Meaning::Iterate => {
+            FormKind::Iterate => {
                 format!("{name}(f, {}, {})", self.rng.u32(0..4), self.number(depth))
             }
-            Meaning::Vector(size) => {
+            FormKind::Vector(size) => {
                 let parts: Vec<String> = (0..size).map(|_| self.number(depth)).collect();
                 format!("{name}({}).{}", parts.join(", "), ["x", "y"][below(self.rng, 2)])
             }
-            Meaning::Matrix(size @ 2..=3) => {
+            FormKind::Matrix(size @ 2..=3) => {
                 let vector = if size == 2 { "p.xy" } else { "q" };
                 format!("({}*{vector}).x", self.matrix(size, depth.min(1)))
             }
-            Meaning::Matrix(_) => format!("(mat4({})*vec4(p, 1)).w", self.number(depth)),
-            Meaning::Multiply => format!("{name}({}, p.xz).x", self.matrix(2, depth)),
-            Meaning::OfVectors(function) => match function {
+            FormKind::Matrix(_) => format!("(mat4({})*vec4(p, 1)).w", self.number(depth)),
+            FormKind::Multiply => format!("{name}({}, p.xz).x", self.matrix(2, depth)),
+            FormKind::OfVectors(function) => match function {
                 VectorFunction::Transpose => format!("({name}({})*p.yz).y", self.matrix(2, depth)),
                 VectorFunction::Determinant => format!("{name}({})", self.matrix(2, depth)),
                 VectorFunction::Dot | VectorFunction::Distance => {

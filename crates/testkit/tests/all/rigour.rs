@@ -5,7 +5,7 @@
 use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Real, Tape};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph, NodeId};
-use zeroset_jit::comparison::{Arithmetic, Compared};
+use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 use zeroset_ops::Op;
 use zeroset_testkit::property::{Contracted, Engine, Manner, compared_interval, contract};
 use zeroset_testkit::suite::{Failure, Tally, check_interval_cases, check_interval_ops};
@@ -17,7 +17,7 @@ fn alone<T: Real>(
     arithmetic: Arithmetic,
 ) -> Box<dyn Kernel<Enclose, T>> {
     let tape = Tape::new(graph, &[root], &Assumptions::none(0));
-    Box::new(Compared::new(tape, Binding::empty(), arithmetic).expect("compiles"))
+    Box::new(ComparisonKernel::new(tape, Binding::empty(), arithmetic).expect("compiles"))
 }
 
 fn operations<T: Adversarial>(arithmetic: Arithmetic, seed: u64) -> Result<Tally, Failure> {
@@ -68,7 +68,7 @@ fn forms<T: Adversarial>(arithmetic: Arithmetic, seed: u64) -> Result<Contracted
         let size = rng.u32(1..=16);
         let options = GraphOptions { size, adversarial, parameters: 1, ..GraphOptions::default() };
         let case = Case::random(&mut rng, &options);
-        let manner = Manner { simple: rng.bool(), engine: Engine::Compared(arithmetic) };
+        let manner = Manner { simple: rng.bool(), engine: Engine::ComparisonKernel(arithmetic) };
         all.add(contract::<T>(manner, &case, &mut rng, 4)?);
     }
     Ok(all)

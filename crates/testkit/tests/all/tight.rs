@@ -7,7 +7,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 use zeroset_interval::{
-    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, evaluate_twins, fold,
+    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, evaluate_sincos, fold,
 };
 use zeroset_ops::Op;
 use zeroset_testkit::Rng;
@@ -121,7 +121,7 @@ fn waves_of_points_near_zero_are_as_tight_as_stated() {
                 if ulps > worst {
                     (worst, worst_at) = (ulps, x);
                 }
-                let both = evaluate_twins(&mut machine, Format::F64, op, lanes(x), range);
+                let both = evaluate_sincos(&mut machine, Format::F64, op, lanes(x), range);
                 let sampled = both.expect("twins")[0].f64()[0];
                 let off = (sampled - value).abs() / value.abs().max(f64::MIN_POSITIVE);
                 farthest = farthest.max(off);
@@ -151,7 +151,7 @@ fn values_of_waves_near_zero_are_off_by_what_forms_allow_for() {
             let lanes = Vector128::from_f32([x; 4]);
             let value = truth(f64::from(x));
             for mut machine in Software::BOTH {
-                let both = evaluate_twins(&mut machine, Format::F32, op, lanes, range);
+                let both = evaluate_sincos(&mut machine, Format::F32, op, lanes, range);
                 let sampled = f64::from(both.expect("twins")[0].f32()[0]);
                 let off = (sampled - value) / value.abs() / f64::from(f32::EPSILON);
                 (farthest, least) = (farthest.max(off), least.min(off));

@@ -111,7 +111,7 @@ impl<M: Machine> Rule<'_, M> {
         let (a_bounds, b_bounds) = (a.value.bounds, b.value.bounds);
         let bounds = match (a_bounds, b_bounds) {
             (Some(_), Some(_)) => {
-                let (a, b) = (self.operand_beside(a), self.operand_beside(b));
+                let (a, b) = (self.operand_from_bounds(a), self.operand_from_bounds(b));
                 let value = self.mul(&a, &b);
                 Some([value.neg_lo, value.hi])
             }
@@ -133,7 +133,7 @@ impl<M: Machine> Rule<'_, M> {
     ) -> Form<M::V, N> {
         let b = &factor.value;
         let exact = factor.range.singleton();
-        let a = if exact.is_some() { a.value } else { self.settled(a).value };
+        let a = if exact.is_some() { a.value } else { self.including_rounding(a).value };
         // The middle of [x, x] overflows if |x| exceeds half the largest float, so take x itself.
         let by = exact.map_or(b.centre, |number| self.number(number));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
@@ -145,7 +145,7 @@ impl<M: Machine> Rule<'_, M> {
         let magnitude = self.m.mul(a_magnitude, size);
         let mut error = self.tiny();
         if let Some(a_error) = a.error {
-            error = Some(self.product_and(a_error, size, error));
+            error = Some(self.product_plus(a_error, size, error));
         }
         if exact.is_none()
             && let Some(factor_error) = b.error
@@ -155,10 +155,10 @@ impl<M: Machine> Rule<'_, M> {
                 Some(error) => self.m.add(a_magnitude, error),
                 None => a_magnitude,
             };
-            error = Some(self.product_and(most, factor_error, error));
+            error = Some(self.product_plus(most, factor_error, error));
         }
         Form {
-            centre: self.m.nearly(|m| m.mul(a.centre, by)),
+            centre: self.m.unrounded(|m| m.mul(a.centre, by)),
             slopes,
             error,
             magnitude: Some(magnitude),
@@ -180,7 +180,7 @@ impl<M: Machine> Rule<'_, M> {
         // The last symbol is depth; its square is within [0, 1]. Half its coefficient goes to the
         // centre.
         let half = self.number(0.5);
-        let (depth, centre, slopes) = self.m.nearly(|m| {
+        let (depth, centre, slopes) = self.m.unrounded(|m| {
             let depth = m.mul(a_slopes[N - 1], b_slopes[N - 1]);
             let centre = m.mul(a.centre, b.centre);
             let centre = m.mul_add(depth, half, centre);
@@ -194,10 +194,10 @@ impl<M: Machine> Rule<'_, M> {
         let size = self.m.abs(depth);
         let tiny = self.tiny();
         let mut error = if N == 1 {
-            self.product_and(size, half, tiny)
+            self.product_plus(size, half, tiny)
         } else {
             // The order matters: if the depth is ∞, so are the spreads, and the result is NaN.
-            let spreads = self.product_and(a_spread, b_spread, tiny);
+            let spreads = self.product_plus(a_spread, b_spread, tiny);
             let share = self.number(-0.5 * (1.0 - 8.0 * self.unit()));
             self.m.mul_add(size, share, spreads)
         };
@@ -240,14 +240,14 @@ impl<M: Machine> Rule<'_, M> {
         let curved = self.m.mul(spread, spread);
         let curved = self.m.mul(curved, half);
         let [twice] = self.pairwise([a.centre], [a.centre], M::add);
-        let mut error = self.above_tiny(Some(curved)).expect("an error");
+        let mut error = self.plus_tiny(Some(curved)).expect("an error");
         let magnitude = self.m.mul_add(most, most, error);
         if let Some(a_error) = self.error_of(a) {
             let two = self.number(2.0);
             let both = self.m.mul_add(most, two, a_error);
             error = self.m.mul_add(both, a_error, error);
         }
-        let centre = self.m.nearly(|m| m.mul_add(a.centre, a.centre, curved));
+        let centre = self.m.unrounded(|m| m.mul_add(a.centre, a.centre, curved));
         let slopes = self.pairwise([twice; N], slopes, M::mul);
         let form = Form::total(centre, Some(slopes), Some(error));
         Form { magnitude: Some(magnitude), units: 3.0, facts: a.facts, ..form }
@@ -269,7 +269,7 @@ impl<M: Machine> Rule<'_, M> {
                 self.form_scaled(&FormOperand::new(reciprocal), &FormOperand::new(a.value))
             }
         };
-        self.beside(&form, &value)
+        self.with_bounds(&form, &value)
     }
 
     /// The form of 1/b. For b in [lo, hi] above 0, 1/x + βx is greatest at an end, and at least
@@ -325,8 +325,8 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(a_error, size, error);
         }
-        let error = self.above_tiny(Some(error));
-        let centre = self.m.nearly(|m| m.mul_add(a.centre, slope, middle));
+        let error = self.plus_tiny(Some(error));
+        let centre = self.m.unrounded(|m| m.mul_add(a.centre, slope, middle));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [slope; N], M::mul));
         let form = Form::total(centre, slopes, error);
         Form { magnitude: Some(magnitude), units: 2.5, facts: a.facts, ..form }
@@ -362,7 +362,7 @@ impl<M: Machine> Rule<'_, M> {
                 return self.form_between(&value);
             }
         };
-        self.beside(&form, &value)
+        self.with_bounds(&form, &value)
     }
 
     /// The form of exp(b·ln a). Bounds replace it where a may not be positive.

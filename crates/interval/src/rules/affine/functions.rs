@@ -13,7 +13,7 @@ use crate::rules::{Rule, enclose};
 use zeroset_ops::Op;
 
 /// Point and bounds at which the slope and the second derivative of a function are evaluated.
-pub(super) struct Curve<V> {
+pub(super) struct ExpansionPoint<V> {
     /// The middle of the bounds.
     x: V,
     /// The middle of the bounds, as an operand.
@@ -28,10 +28,10 @@ pub(super) struct Curve<V> {
 }
 
 /// Computes the slope of a function and the bounds of its second derivative.
-type ShapeOf<R, V> = fn(&mut R, &Curve<V>) -> Shape<V>;
+type DerivativesOf<R, V> = fn(&mut R, &ExpansionPoint<V>) -> Derivatives<V>;
 
 /// The slope of a function at the middle, and bounds of its second derivative, called the bend.
-pub(super) struct Shape<V> {
+pub(super) struct Derivatives<V> {
     /// α.
     slope: V,
     /// At least |f′(m) − α|.
@@ -66,7 +66,7 @@ impl<M: Machine> Rule<'_, M> {
         let neg_least = self.m.max(at_lo, at_hi);
         let (middle, half) = self.middle(neg_least, most);
         let form = self.form_line(&a.value, slope, middle, half);
-        self.beside(&form, &value)
+        self.with_bounds(&form, &value)
     }
 
     /// The form of a function with the slope and bend that `shape` returns. Where the function is
@@ -74,7 +74,7 @@ impl<M: Machine> Rule<'_, M> {
     pub(super) fn form_curve<const N: usize>(
         &mut self,
         op: Op,
-        shape: ShapeOf<Self, M::V>,
+        shape: DerivativesOf<Self, M::V>,
         a: &FormOperand<M::V, N>,
     ) -> Form<M::V, N> {
         let bounds = self.operand(a);
@@ -84,9 +84,9 @@ impl<M: Machine> Rule<'_, M> {
         let point = self.point(x, &bounds);
         let here = enclose(self.m, self.format, op, &[point]);
         let most = self.m.max(neg_lo, hi);
-        let shape = shape(self, &Curve { x, point, neg_lo, most, here, value });
+        let shape = shape(self, &ExpansionPoint { x, point, neg_lo, most, here, value });
         let form = self.form_taylor(&a.value, [x, reach], &here, &shape);
-        self.beside(&form, &value)
+        self.with_bounds(&form, &value)
     }
 
     /// The operand that is just the number `at`, which lies within `bounds`.
@@ -100,7 +100,7 @@ impl<M: Machine> Rule<'_, M> {
         a: &Form<M::V, N>,
         [middle, reach]: [M::V; 2],
         here: &Enclosure<M::V>,
-        shape: &Shape<M::V>,
+        shape: &Derivatives<M::V>,
     ) -> Form<M::V, N> {
         let off = self.m.mul(shape.off, reach);
         let half = self.number(0.5);
@@ -137,18 +137,18 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// f′ = f″ = f.
-    pub(super) fn shape_of_exp(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_exp(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let (slope, off) = self.middle(at.here.neg_lo, at.here.hi);
-        Shape { slope, off, bend: [self.zero(), at.value.hi] }
+        Derivatives { slope, off, bend: [self.zero(), at.value.hi] }
     }
 
     /// f′ = 1/x, f″ = −1/x².
-    pub(super) fn shape_of_ln(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_ln(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         self.shape_of_logarithm(1.0, at)
     }
 
     /// f′ = log_e/x, f″ = −log_e/x², where `log_e` is the logarithm of e.
-    pub(super) fn shape_of_logarithm(&mut self, log_e: f64, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_logarithm(&mut self, log_e: f64, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let zero = self.zero();
         let base = self.nearest(log_e);
         let slope = self.m.div(base, at.x);
@@ -157,12 +157,12 @@ impl<M: Machine> Rule<'_, M> {
         let bend = self.m.div(base, least);
         let bend = self.m.div(bend, least);
         let shape = self.algebraic(slope, bend);
-        Shape { bend: [shape.bend[0], zero], ..shape }
+        Derivatives { bend: [shape.bend[0], zero], ..shape }
     }
 
     /// f′ = 1/(3c²), f″ = −2/(9c⁵) for c = ∛x; |f″| is greatest nearest to 0.
-    pub(super) fn shape_of_cbrt(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
-        let Curve { here, value, .. } = at;
+    pub(super) fn shape_of_cbrt(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
+        let ExpansionPoint { here, value, .. } = at;
         let one = self.number(1.0);
         let zero = self.zero();
         let (near, _) = self.middle(here.neg_lo, here.hi);
@@ -191,11 +191,11 @@ impl<M: Machine> Rule<'_, M> {
         let infinity = self.infinity();
         let bend = self.m.select(positive, bend, infinity);
         let shape = self.algebraic(slope, bend);
-        Shape { off: self.m.add(shape.off, carried), ..shape }
+        Derivatives { off: self.m.add(shape.off, carried), ..shape }
     }
 
     /// f′ = 1 + tan², f″ = 2·tan·(1 + tan²).
-    pub(super) fn shape_of_tan(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_tan(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let [neg_lo, hi] = self.one_plus_square(&at.here);
         let (slope, off) = self.middle(neg_lo, hi);
@@ -204,11 +204,11 @@ impl<M: Machine> Rule<'_, M> {
         let power = self.m.add(power, one);
         let twice = self.m.add(most, most);
         let bend = self.m.mul(power, twice);
-        Shape { slope, off, bend: [bend, bend] }
+        Derivatives { slope, off, bend: [bend, bend] }
     }
 
     /// f′ = 1/√(1 − x²), f″ = x/(1 − x²)^1.5.
-    pub(super) fn shape_of_asin(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_asin(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let product = self.difference_of_squares(one, at.x);
         let root = self.m.sqrt(product);
@@ -221,13 +221,13 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// The negated derivatives of the arcsine.
-    pub(super) fn shape_of_acos(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_acos(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let shape = self.shape_of_asin(at);
-        Shape { slope: self.m.neg(shape.slope), ..shape }
+        Derivatives { slope: self.m.neg(shape.slope), ..shape }
     }
 
     /// f′ = 1/(1 + x²), f″ = −2x/(1 + x²)², |f″| ≤ 3√3/8.
-    pub(super) fn shape_of_atan(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_atan(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let square = self.m.mul(at.x, at.x);
         let divisor = self.m.add(square, one);
@@ -239,27 +239,27 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Hyperbolic sine or cosine: f′ is `slope`, the other of the two, and f″ = f.
-    pub(super) fn shape_of_hyperbolic(&mut self, slope: Op, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_hyperbolic(&mut self, slope: Op, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let zero = self.zero();
         let derivative = enclose(self.m, self.format, slope, &[at.point]);
         let (slope, off) = self.middle(derivative.neg_lo, derivative.hi);
         let bend = [at.value.neg_lo, at.value.hi].map(|end| self.m.max(end, zero));
-        Shape { slope, off, bend }
+        Derivatives { slope, off, bend }
     }
 
     /// f′ = 1 − tanh², f″ = −2·tanh·(1 − tanh²), |f″| ≤ 4/(3√3).
-    pub(super) fn shape_of_tanh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_tanh(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let [neg_lo, hi] = self.one_plus_square(&at.here);
         // 1 − t² = 2 − (1 + t²).
         let two = self.number(2.0);
         let (most, neg_least) = (self.m.add(two, neg_lo), self.m.sub(hi, two));
         let (slope, off) = self.middle(neg_least, most);
         let limit = self.number(0.781_25);
-        Shape { slope, off, bend: [limit, limit] }
+        Derivatives { slope, off, bend: [limit, limit] }
     }
 
     /// f′ = 1/√(x² + 1), f″ = −x/(x² + 1)^1.5, |f″| ≤ 2/(3√3).
-    pub(super) fn shape_of_asinh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_asinh(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let square = self.m.mul(at.x, at.x);
         let sum = self.m.add(square, one);
@@ -271,7 +271,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// f′ = 1/√(x² − 1), f″ = −x/(x² − 1)^1.5; |f″| is greatest at the lower end.
-    pub(super) fn shape_of_acosh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_acosh(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let product = self.difference_of_squares(at.x, one);
         let root = self.m.sqrt(product);
@@ -289,7 +289,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// f′ = 1/(1 − x²), f″ = 2x/(1 − x²)².
-    pub(super) fn shape_of_atanh(&mut self, at: &Curve<M::V>) -> Shape<M::V> {
+    pub(super) fn shape_of_atanh(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let zero = self.zero();
         let product = self.difference_of_squares(one, at.x);
@@ -318,12 +318,12 @@ impl<M: Machine> Rule<'_, M> {
 
     /// A slope and a symmetric bound on the bend, both computed in a few operations without
     /// cancellation.
-    fn algebraic(&mut self, slope: M::V, bend: M::V) -> Shape<M::V> {
+    fn algebraic(&mut self, slope: M::V, bend: M::V) -> Derivatives<M::V> {
         let share = self.number(UNITS * self.unit());
         let size = self.m.abs(slope);
         let (off, more) = (self.m.mul(size, share), self.m.mul(bend, share));
         let bend = self.m.add(bend, more);
-        let off = self.above_tiny(Some(off)).expect("a bound");
-        Shape { slope, off, bend: [bend, bend] }
+        let off = self.plus_tiny(Some(off)).expect("a bound");
+        Derivatives { slope, off, bend: [bend, bend] }
     }
 }

@@ -66,9 +66,9 @@ impl<V: Copy, const N: usize> Form<V, N> {
 
     /// The form of a value that is known to lie in `range`.
     #[must_use]
-    pub fn held<M: Machine<V = V>>(self, m: &mut M, format: Format, range: Interval) -> Self {
+    pub fn clamp_to<M: Machine<V = V>>(self, m: &mut M, format: Format, range: Interval) -> Self {
         let ends = [-range.lo, range.hi];
-        let bounds = self.bounds.map(|bounds| [0, 1].map(|k| m.held(format, bounds[k], ends[k])));
+        let bounds = self.bounds.map(|bounds| [0, 1].map(|k| m.clamp_to(format, bounds[k], ends[k])));
         Self { bounds, ..self }
     }
 
@@ -127,13 +127,13 @@ pub fn linearise<M: Machine, const N: usize>(
 ) -> Form<M::V, N> {
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
-    let settled: Vec<_>;
+    let including_rounding: Vec<_>;
     let operands = if matches!(op.row().class, Class::Negation | Class::Sum | Class::Product) {
         // These operations pass delayed rounding on.
         operands
     } else {
-        settled = operands.iter().map(|operand| rule.settled(operand)).collect();
-        &settled[..]
+        including_rounding = operands.iter().map(|operand| rule.including_rounding(operand)).collect();
+        &including_rounding[..]
     };
     let a = &operands[0];
     // If no operand depends on a symbol, bounds are as good as a form.
@@ -189,7 +189,7 @@ pub fn linearise<M: Machine, const N: usize>(
 }
 
 /// Returns the forms of `op` and its twin on the same operand, or `None` if they share no work.
-pub fn linearise_twins<M: Machine, const N: usize>(
+pub fn linearise_sincos<M: Machine, const N: usize>(
     m: &mut M,
     format: Format,
     op: Op,
@@ -199,7 +199,7 @@ pub fn linearise_twins<M: Machine, const N: usize>(
         return None;
     }
     let mut rule = Rule { m, format };
-    let a = rule.settled(a);
+    let a = rule.including_rounding(a);
     let [sin, cos] = rule.form_waves(&a);
     Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
 }
@@ -212,7 +212,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// `error` plus [`Self::tiny`].
-    fn above_tiny(&mut self, error: Option<M::V>) -> Option<M::V> {
+    fn plus_tiny(&mut self, error: Option<M::V>) -> Option<M::V> {
         let tiny = self.tiny();
         self.sum_of(error, tiny)
     }
@@ -224,7 +224,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// a · b + `more`, where `None` stands for 0.
-    fn product_and(&mut self, a: M::V, b: M::V, more: Option<M::V>) -> M::V {
+    fn product_plus(&mut self, a: M::V, b: M::V, more: Option<M::V>) -> M::V {
         match more {
             Some(more) => self.m.mul_add(a, b, more),
             None => self.m.mul(a, b),
@@ -256,7 +256,7 @@ impl<M: Machine> Rule<'_, M> {
     /// half.
     fn middle(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
         let half = self.number(0.5);
-        let middle = self.m.nearly(|m| {
+        let middle = self.m.unrounded(|m| {
             let sum = m.sub(hi, neg_lo);
             m.mul(sum, half)
         });
@@ -303,7 +303,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// The operand with delayed rounding included in its error, so that it is not computed again.
-    fn settled<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> FormOperand<M::V, N> {
+    fn including_rounding<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> FormOperand<M::V, N> {
         let value = Form { error: self.error_of(&a.value), units: 0.0, ..a.value };
         FormOperand { value, ..*a }
     }
@@ -315,7 +315,7 @@ impl<M: Machine> Rule<'_, M> {
         b: [M::V; N],
         op: impl Fn(&mut M, M::V, M::V) -> M::V,
     ) -> [M::V; N] {
-        self.m.nearly(|m| std::array::from_fn(|k| op(m, a[k], b[k])))
+        self.m.unrounded(|m| std::array::from_fn(|k| op(m, a[k], b[k])))
     }
 
     /// The operand's bounds for an interval rule: the intersection of the form's bounds, the bounds
@@ -344,7 +344,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// As [`Self::operand`], but without the form's own bounds if bounds are stored with it.
-    fn operand_beside<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
+    fn operand_from_bounds<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let (Some(_), Some(bounds)) = (a.value.slopes, a.value.bounds) else {
             return self.operand(a);
         };
@@ -367,7 +367,7 @@ impl<M: Machine> Rule<'_, M> {
 
     /// The form with bounds and facts by the interval rule. In lanes where its error is not below
     /// half the width of these bounds, they replace the form.
-    fn beside<const N: usize>(
+    fn with_bounds<const N: usize>(
         &mut self,
         form: &Form<M::V, N>,
         value: &Enclosure<M::V>,

@@ -29,7 +29,7 @@ impl<M: Machine> Rule<'_, M> {
         let at_hi = self.m.add(hi, at_hi);
         let most = self.m.max(at_lo, at_hi);
         let form = self.form_of_pieces(&a.value, &bounds, slope, most, [-1.0, 1.0]);
-        self.beside(&form, &value)
+        self.with_bounds(&form, &value)
     }
 
     /// The form of two linear pieces with slopes `pieces` that meet at 0. The value is between
@@ -83,7 +83,7 @@ impl<M: Machine> Rule<'_, M> {
         let second = self.m.le(hi, zero);
         let form = self.form_select(second, &b.value, &sum);
         let form = self.form_select(first, &a.value, &form);
-        self.beside(&form, &value)
+        self.with_bounds(&form, &value)
     }
 
     /// `a` in the lanes of the mask, else `b`; bounds and facts are those of `b`.
@@ -119,7 +119,7 @@ impl<M: Machine> Rule<'_, M> {
         let floor = self.floor(&bounds, Branch::Whole);
         let floor = self.form_between(&floor);
         let form = self.form_difference(&a.value, &floor);
-        self.beside(&form, &value)
+        self.with_bounds(&form, &value)
     }
 
     /// a − b·floor(a/b).
@@ -141,7 +141,7 @@ impl<M: Machine> Rule<'_, M> {
             self.form_between(&product)
         };
         let form = self.form_difference(&a.value, &multiple);
-        self.beside(&form, &value)
+        self.with_bounds(&form, &value)
     }
 
     /// b where a < 0, c where a ≥ 0.

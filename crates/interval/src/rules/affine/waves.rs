@@ -7,7 +7,7 @@ use crate::rules::{NEAR_UNITS, Rule};
 
 /// Sine or cosine at one number.
 #[derive(Clone, Copy)]
-struct Wave<V> {
+struct WaveValue<V> {
     value: V,
     /// |value|.
     size: V,
@@ -16,7 +16,7 @@ struct Wave<V> {
 }
 
 /// The operand, as the forms of both functions use it.
-struct Place<V, const N: usize> {
+struct CenteredOperand<V, const N: usize> {
     /// The operand's form minus the middle of its bounds.
     moved: Form<V, N>,
     /// Half the width of the bounds.
@@ -36,25 +36,25 @@ impl<M: Machine> Rule<'_, M> {
         let format = self.format;
         let [sin, cos] = if self.is_near(a.range) {
             let share = self.number(NEAR_UNITS * self.unit());
-            let values = self.m.nearly(|m| Rule { m, format }.near_waves_at(middle));
+            let values = self.m.unrounded(|m| Rule { m, format }.near_waves_at(middle));
             values.map(|value| {
                 let size = self.m.abs(value);
-                Wave { value, size, off: self.m.mul(size, share) }
+                WaveValue { value, size, off: self.m.mul(size, share) }
             })
         } else {
             let point = self.point(middle, &bounds);
-            let bounds = self.m.nearly(|m| Rule { m, format }.waves_of_point(&point));
+            let bounds = self.m.unrounded(|m| Rule { m, format }.waves_of_point(&point));
             bounds.map(|ends| {
                 let [neg_lo, hi] = ends.map(|end| self.m.outward(end));
                 let (value, off) = self.middle(neg_lo, hi);
-                Wave { value, size: self.m.abs(value), off }
+                WaveValue { value, size: self.m.abs(value), off }
             })
         };
         let moved = self.form_moved(&a.value, middle);
         let quarter = self.number(0.25);
         let square = self.m.mul(reach, reach);
-        let place = Place { moved, reach, square: self.m.mul(square, quarter) };
-        let opposite = Wave { value: self.m.neg(sin.value), ..sin };
+        let place = CenteredOperand { moved, reach, square: self.m.mul(square, quarter) };
+        let opposite = WaveValue { value: self.m.neg(sin.value), ..sin };
         [(sin, cos), (cos, opposite)].map(|(here, slope)| self.form_wave(&place, &here, &slope))
     }
 
@@ -66,9 +66,9 @@ impl<M: Machine> Rule<'_, M> {
     /// centre by one of v + (q − p). This sum itself errs by one of v and two of q + p.
     fn form_wave<const N: usize>(
         &mut self,
-        place: &Place<M::V, N>,
-        here: &Wave<M::V>,
-        slope: &Wave<M::V>,
+        place: &CenteredOperand<M::V, N>,
+        here: &WaveValue<M::V>,
+        slope: &WaveValue<M::V>,
     ) -> Form<M::V, N> {
         let (zero, one) = (self.zero(), self.number(1.0));
         let a = &place.moved;
@@ -81,7 +81,7 @@ impl<M: Machine> Rule<'_, M> {
             let bend = self.m.max(bend, zero);
             self.m.mul(bend, place.square)
         });
-        let offset = self.m.nearly(|m| {
+        let offset = self.m.unrounded(|m| {
             let shift = m.sub(q, p);
             m.add(here.value, shift)
         });
@@ -92,13 +92,13 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(a_error, slope.size, error);
         }
-        let error = self.above_tiny(Some(error));
+        let error = self.plus_tiny(Some(error));
         let magnitude = self.magnitude_of(a);
         let magnitude = self.m.mul_add(magnitude, slope.size, here.size);
         let error = self.rounded(error, 2.5, magnitude);
-        let centre = self.m.nearly(|m| m.mul_add(a.centre, slope.value, offset));
+        let centre = self.m.unrounded(|m| m.mul_add(a.centre, slope.value, offset));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [slope.value; N], M::mul));
         let value = a.facts.with(wide);
-        self.beside(&Form::total(centre, slopes, Some(error)), &value)
+        self.with_bounds(&Form::total(centre, slopes, Some(error)), &value)
     }
 }

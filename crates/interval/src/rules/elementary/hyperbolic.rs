@@ -12,7 +12,7 @@ use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::Machine;
 
 /// The terms of e^|x|, as at the top of this file.
-struct Parts<V> {
+struct ExponentialParts<V> {
     /// k.
     exponent: V,
     /// 4⁻ᵏ.
@@ -59,7 +59,7 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(quotient, self.pick(2f64.powi(-34), 2f64.powi(-53)))
     }
 
-    fn exponential_parts(&mut self, x: M::V) -> Parts<M::V> {
+    fn exponential_parts(&mut self, x: M::V) -> ExponentialParts<M::V> {
         // Beyond these limits, results overflow the target, and tanh is 1 to far below an ulp.
         let most = self.pick(128.0, 720.0);
         let most = self.number(most);
@@ -94,11 +94,11 @@ impl<M: Machine> Approximator<'_, M> {
         let z_half = self.scaled(z, half);
         let cosh = self.plus(z_half, cosh);
         let cosh = self.plus(one, cosh);
-        Parts { exponent, q, cosh, sinh }
+        ExponentialParts { exponent, q, cosh, sinh }
     }
 
     /// (1 + p) cosh r + (1 − p) sinh r.
-    fn half_sum(&mut self, parts: &Parts<M::V>, p: M::V) -> DoubleDouble<M::V> {
+    fn half_sum(&mut self, parts: &ExponentialParts<M::V>, p: M::V) -> DoubleDouble<M::V> {
         let (one, minus_p) = (self.number(1.0), self.m.neg(p));
         let (above, below) = (self.plus(one, p), self.plus(one, minus_p));
         let (cosh, sinh) = (self.times(above, parts.cosh), self.times(below, parts.sinh));

@@ -19,7 +19,7 @@ const BEYOND_F32: f64 = f64::from_bits((1023 + 200) << 52); // 2^200
 
 /// The lanes where x is above [`LARGE`].
 #[derive(Clone, Copy)]
-struct Large<V> {
+struct LargeLanes<V> {
     /// Their mask.
     lanes: V,
     /// x, clamped to finite numbers.
@@ -166,11 +166,11 @@ impl<M: Machine> Approximator<'_, M> {
     fn ln_one_plus(
         &mut self,
         u: DoubleDouble<M::V>,
-        large: Option<Large<M::V>>,
+        large: Option<LargeLanes<M::V>>,
     ) -> DoubleDouble<M::V> {
         let (one, zero) = (self.number(1.0), self.number(0.0));
         let mut whole = self.plus_nonneg(one.into(), u);
-        if let Some(Large { lanes, x }) = large {
+        if let Some(LargeLanes { lanes, x }) = large {
             whole = self.choose(lanes, x.into(), whole);
         }
         let (mut k, m) = self.significand(whole.head);
@@ -185,7 +185,7 @@ impl<M: Machine> Approximator<'_, M> {
         // 1 + u lost digits of a small u; there f is u itself.
         let near_one = self.m.eq(k, zero);
         let f = self.choose(near_one, u, f);
-        if let Some(Large { lanes, .. }) = large {
+        if let Some(LargeLanes { lanes, .. }) = large {
             let doubled = self.m.and(lanes, one);
             k = self.m.add(k, doubled);
         }
@@ -193,7 +193,7 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     /// Returns x clamped to [`LARGE`], and the lanes where x is above it.
-    fn large(&mut self, x: M::V) -> (M::V, Option<Large<M::V>>) {
+    fn large(&mut self, x: M::V) -> (M::V, Option<LargeLanes<M::V>>) {
         let limit = self.pick(BEYOND_F32, LARGE);
         let limit = self.number(limit);
         let limited = self.m.min(x, limit);
@@ -203,7 +203,7 @@ impl<M: Machine> Approximator<'_, M> {
         let finite = self.number(f64::MAX);
         let lanes = self.m.lt(limit, x);
         let x = self.m.min(x, finite);
-        (limited, Some(Large { lanes, x }))
+        (limited, Some(LargeLanes { lanes, x }))
     }
 
     /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Relative error

@@ -16,7 +16,7 @@ use crate::enclosure::{Enclosure, Operand};
 use crate::machine::Machine;
 
 /// The constants of one format.
-struct Constants {
+struct NearConstants {
     /// Largest magnitude of an operand that can be reduced.
     limit: f64,
     /// Operands whose range is narrower than this are almost constant. They are computed once, so
@@ -35,7 +35,7 @@ struct Constants {
 }
 
 /// k has 7 bits; the first parts of π/2 have 17 and 14. The polynomials err by 2⁻³¹ and 2⁻²⁸·⁵.
-static NEAR_F32: Constants = Constants {
+static NEAR_F32: NearConstants = NearConstants {
     limit: 192.0,
     narrow: 0.0,
     half_pi: [
@@ -50,7 +50,7 @@ static NEAR_F32: Constants = Constants {
 };
 
 /// k has 11 bits; the first parts of π/2 have 41 and 42. The polynomials err by 2⁻⁶³ and 2⁻⁵⁷·⁸.
-static NEAR_F64: Constants = Constants {
+static NEAR_F64: NearConstants = NearConstants {
     limit: 2048.0,
     narrow: 1.0 / (1 << 20) as f64,
     half_pi: [
@@ -79,7 +79,7 @@ static NEAR_F64: Constants = Constants {
 };
 
 /// A reduced angle: k quarter turns plus `rest` minus `correction`.
-struct Turned<V> {
+struct ReducedAngle<V> {
     /// k in the low bits.
     bits: V,
     /// s in the equation at the top of this file; `correction` is n.
@@ -88,13 +88,13 @@ struct Turned<V> {
 }
 
 /// A value as head + tail.
-struct Estimate<V> {
+struct HeadAndTail<V> {
     head: V,
     tail: V,
 }
 
 /// Bounds of both functions at one end, each as −lo and hi.
-struct End<V> {
+struct EndBounds<V> {
     sin: [V; 2],
     cos: [V; 2],
     /// Number of whole quarter turns below the angle, in the low bits.
@@ -104,11 +104,11 @@ struct End<V> {
 impl<M: Machine> Rule<'_, M> {
     /// Whether this routine computes sine and cosine of an operand within `range`.
     pub(crate) fn is_near(&self, range: Interval) -> bool {
-        let Constants { limit, narrow, .. } = *self.constants();
+        let NearConstants { limit, narrow, .. } = *self.constants();
         (Interval { lo: -limit, hi: limit }).encloses(range) && range.hi - range.lo >= narrow
     }
 
-    fn constants(&self) -> &'static Constants {
+    fn constants(&self) -> &'static NearConstants {
         self.format.pick(&NEAR_F32, &NEAR_F64)
     }
 
@@ -158,7 +158,7 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    fn near_end(&mut self, x: M::V) -> End<M::V> {
+    fn near_end(&mut self, x: M::V) -> EndBounds<M::V> {
         let turned = self.near_reduce(x);
         let [sin, cos] = self.near_sums(&turned);
         let half_ulp = self.constants().half_ulp;
@@ -166,7 +166,7 @@ impl<M: Machine> Rule<'_, M> {
         let sin_slack = self.m.mul(magnitude, share);
         let cos_slack = COS_SLACK.map(|slack| self.number(slack * half_ulp));
         let bounds = [(sin, [sin_slack; 2]), (cos, cos_slack)];
-        let bounds = bounds.map(|(Estimate { head, tail }, slack)| {
+        let bounds = bounds.map(|(HeadAndTail { head, tail }, slack)| {
             let above = self.m.add(tail, slack[1]);
             let below = self.m.sub(slack[0], tail);
             [self.m.sub(below, head), self.m.add(head, above)]
@@ -177,10 +177,10 @@ impl<M: Machine> Rule<'_, M> {
         // Lanes where the angle is below k quarters; a set mask is −1.
         let zero = self.zero();
         let before = self.m.lt(turned.rest, zero);
-        End { sin, cos, quarters: self.m.int_add(turned.bits, before) }
+        EndBounds { sin, cos, quarters: self.m.int_add(turned.bits, before) }
     }
 
-    fn near_reduce(&mut self, x: M::V) -> Turned<M::V> {
+    fn near_reduce(&mut self, x: M::V) -> ReducedAngle<M::V> {
         let two_over_pi = self.nearest(std::f64::consts::FRAC_2_PI);
         let quarters = self.m.mul(x, two_over_pi);
         let k = self.m.nearest(quarters);
@@ -195,33 +195,33 @@ impl<M: Machine> Rule<'_, M> {
         let added = self.m.add(second, moved);
         let correction = self.m.mul_add(k, third, added);
         let magic = self.number(constants.integer);
-        Turned { bits: self.m.add(k, magic), rest, correction }
+        ReducedAngle { bits: self.m.add(k, magic), rest, correction }
     }
 
     /// Sine and cosine of s − n, |s| ≤ 0.786.
-    fn near_sums(&mut self, turned: &Turned<M::V>) -> [Estimate<M::V>; 2] {
-        let Turned { rest: s, correction: n, .. } = *turned;
+    fn near_sums(&mut self, turned: &ReducedAngle<M::V>) -> [HeadAndTail<M::V>; 2] {
+        let ReducedAngle { rest: s, correction: n, .. } = *turned;
         let z = self.m.mul(s, s);
         // cos s = 1 − z/2 + z²(1/24 − …). n·sin s is approximated by n·s.
         let (one, minus_half) = (self.number(1.0), self.number(-0.5));
-        let nearly = self.m.mul_add(z, minus_half, one);
+        let one_minus_half_z = self.m.mul_add(z, minus_half, one);
         let constants = self.constants();
         let series = self.series(z, constants.cos);
         let fourth = self.m.mul(z, z);
         let moved = self.m.mul(n, s);
-        let cos = Estimate { head: nearly, tail: self.m.mul_add(fourth, series, moved) };
+        let cos = HeadAndTail { head: one_minus_half_z, tail: self.m.mul_add(fourth, series, moved) };
         // sin s = s − s·z(1/6 − …). n·cos s is approximated by n·(1 − z/2).
         let cube = self.m.mul(s, z);
         let series = self.series(z, constants.sin);
-        let moved = self.m.mul(n, nearly);
-        [Estimate { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
+        let moved = self.m.mul(n, one_minus_half_z);
+        [HeadAndTail { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
 
     /// Values or bounds of sine and cosine of the angle, from those of the rest. Each must be
     /// negated where the sign bit of the vector beside it is set.
     fn turn_back<const N: usize>(
         &mut self,
-        turned: &Turned<M::V>,
+        turned: &ReducedAngle<M::V>,
         [sin, cos]: [[M::V; N]; 2],
     ) -> [([M::V; N], M::V); 2] {
         // Bit 0 of k swaps sine and cosine. The signs are bit 1 of k and, for the cosine, bit 1 of

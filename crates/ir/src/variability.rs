@@ -14,17 +14,17 @@ pub enum Variability {
 }
 
 /// The variability of each node, by index, as it is written: `x - x` counts as varying.
-pub fn ranks(graph: &Graph) -> Vec<Variability> {
-    let mut ranks: Vec<Variability> = Vec::with_capacity(graph.len());
+pub fn variabilities(graph: &Graph) -> Vec<Variability> {
+    let mut variabilities: Vec<Variability> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
-        ranks.push(match node {
+        variabilities.push(match node {
             Node::Variable(_) => Variability::Varying,
             Node::Parameter(_) => Variability::Uniform,
             Node::Constant(_) => Variability::Constant,
             Node::Apply(_, operands) => {
-                operands.iter().fold(Variability::Constant, |rank, id| rank.max(ranks[id.index()]))
+                operands.iter().fold(Variability::Constant, |rank, id| rank.max(variabilities[id.index()]))
             }
         });
     }
-    ranks
+    variabilities
 }
