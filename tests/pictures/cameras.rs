@@ -9,7 +9,7 @@ use std::fmt::{Display, Formatter};
 use zeroset_scene::gallery::examples;
 use zeroset_scene::view::{DomainChoice, region};
 use zeroset_syntax::{Options, read};
-use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene, picture as hold};
+use zeroset_testkit::property::{RayClaim, Formula, Pixel, Scene, picture as hold};
 use zeroset_testkit::{Adversarial, Effort, Rng};
 use zeroset_trace::METHODS;
 
@@ -25,7 +25,7 @@ fn formulas() -> Vec<(&'static str, Formula)> {
         let document = read(example.text, &Options::default()).expect(example.slug);
         let (region, _) = region(&document, DomainChoice::Document, None).expect(example.slug);
         let bounds = [0, 1, 2].map(|axis| [region.low()[axis], region.high()[axis]]);
-        let formula = Formula::given(example.text, bounds).expect("shows all that it draws");
+        let formula = Formula::from_text(example.text, bounds).expect("shows all that it draws");
         formulas.push((example.slug, formula));
     }
     formulas
@@ -134,7 +134,7 @@ impl Survey {
             let Some((camera, picture)) = picture(scene, method) else { continue };
             let all = claims(scene, &camera, &picture);
             let undecided: Vec<&Pixel> =
-                all.iter().filter(|pixel| matches!(pixel.claimed, Claimed::Undecided(_))).collect();
+                all.iter().filter(|pixel| matches!(pixel.claimed, RayClaim::Undecided(_))).collect();
             for k in 0..RAYS {
                 let pixel = match &undecided[..] {
                     some if k % 2 == 0 && !some.is_empty() => {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use zeroset_scene::gallery::example;
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_testkit::certified::{BUDGET, Certificate, Function, Line, Reason};
+use zeroset_testkit::certified::{BUDGET, Certificate, Function, Line, UnresolvedReason};
 
 /// Tolerance of distances. The reference rounded its rays in another way, which moves the root of a
 /// grazing ray by more than the rounding error.
@@ -68,7 +68,7 @@ enum Outcome {
     /// Both have the same first root, or none.
     Agrees,
     /// The certificate leaves open whether there is an earlier root. This is its first reason.
-    CannotKnow(Reason),
+    CannotKnow(UnresolvedReason),
     /// The two contradict each other.
     Differs,
 }

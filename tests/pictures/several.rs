@@ -59,7 +59,7 @@ fn formula(rng: &mut Rng) -> Formula {
         .map(|function| format!("{function} {} 0", ["=", "=", "<=", ">="][rng.u32(0..4) as usize]))
         .collect();
     let text = texts.join("; ");
-    Formula::given(&text, [[-EXTENT, EXTENT]; 3]).expect(&text)
+    Formula::from_text(&text, [[-EXTENT, EXTENT]; 3]).expect(&text)
 }
 
 /// A random scene; `None` if its camera shows nothing.

@@ -92,7 +92,7 @@ fn proofs_are_true_and_little_is_undecided() {
 /// Compares claims of a picture with the certified tracer.
 fn hold_against_certified(case: &Case, camera: &Camera, picture: &Picture) {
     let [x0, x1, y0, y1, z0, z1] = case.domain;
-    let formula = Formula::given(&case.formula, [[x0, x1], [y0, y1], [z0, z1]]).expect("reads");
+    let formula = Formula::from_text(&case.formula, [[x0, x1], [y0, y1], [z0, z1]]).expect("reads");
     let Projection::Perspective { fov } = camera.projection() else { panic!("the default") };
     let scene = Scene {
         formula,

@@ -133,7 +133,7 @@ fn no_zero_behind_the_eye_is_hit() {
     // The eye is among sheets whose distance is near the resolution of `f32`.
     for text in ["sin(1e8*x)", "sin(3e7*x)-y/8", "tan(1e8*x)=y", "sin(1e8*x)<=0"] {
         for fov in [Ok(60.0), Err(1.0)] {
-            let formula = Formula::given(text, [[-2.0, 2.0]; 3]).expect(text);
+            let formula = Formula::from_text(text, [[-2.0, 2.0]; 3]).expect(text);
             let scene = Scene {
                 eye: [-0.8, -0.01, -0.88],
                 target: [0.1, 0.2, 0.05],

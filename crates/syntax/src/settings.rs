@@ -1,5 +1,4 @@
-//! The table of settings. A setting is a line about the picture, and begins with a word of this
-//! table.
+//! The table of settings. A setting is a line about the picture, which begins with a word of it.
 
 /// A word that begins a line about the picture.
 pub(crate) struct SettingRow {

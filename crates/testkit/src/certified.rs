@@ -9,7 +9,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-pub use line::{Along, Line};
+pub use line::{FunctionOnLine, Line};
 use search::Search;
 use zeroset_ir::{Constant, Graph, NodeId};
 
@@ -60,12 +60,12 @@ pub struct Unresolved {
     /// Distance at which it ends.
     pub far: f64,
     /// The reason why it is undecided.
-    pub reason: Reason,
+    pub reason: UnresolvedReason,
 }
 
 /// The place where a line enters a box from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Entry {
+pub struct BoxEntry {
     /// Bounds of the distance.
     pub distance: (f64, f64),
     /// Whether the function is below 0 there, if that is certain. A function is not below 0 where
@@ -75,7 +75,7 @@ pub struct Entry {
 
 /// The reason why a piece of a ray is undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Reason {
+pub enum UnresolvedReason {
     /// The sign is the same on both sides: the function touches zero, nearly so, or crosses it
     /// twice.
     Touching,
@@ -94,7 +94,7 @@ pub const BUDGET: u32 = 50_000;
 
 /// A function prepared for tracing.
 #[derive(Clone, Debug)]
-pub struct Function(Along);
+pub struct Function(FunctionOnLine);
 
 impl Function {
     /// Prepares the function `root` of `graph`, as typed, with these values of its parameters.
@@ -102,7 +102,7 @@ impl Function {
     /// # Panics
     /// If `root` does not belong to `graph`, or a parameter has no value.
     pub fn new(graph: &Graph, root: NodeId, parameters: &[Constant]) -> Self {
-        Self(Along::new(graph, root, parameters))
+        Self(FunctionOnLine::new(graph, root, parameters))
     }
 
     /// Returns what is proven on `line`, from its origin on and inside the box `region` (per axis,
@@ -113,13 +113,13 @@ impl Function {
 
     /// Returns the place where `line` certainly enters `region` from outside. `None` if the line
     /// starts inside the box, or certainly or possibly misses it.
-    pub fn entry(&self, line: &Line, region: &[[f64; 2]; 3]) -> Option<Entry> {
+    pub fn entry(&self, line: &Line, region: &[[f64; 2]; 3]) -> Option<BoxEntry> {
         let clip = line.clip(region)?;
         let [near, far] = [clip.outer[0], clip.inner[0]];
         let comes_in = near > 0.0 && far < clip.inner[1];
         comes_in.then(|| {
             let below = Search::new(&self.0, line, 1).is_below(near, far);
-            Entry { distance: (near, far), below }
+            BoxEntry { distance: (near, far), below }
         })
     }
 }

@@ -15,7 +15,7 @@ mod case;
 pub mod certified;
 mod effort;
 pub mod machine;
-mod minimise;
+mod minimize;
 pub mod npy;
 mod oracle;
 pub mod property;
@@ -27,7 +27,7 @@ pub mod suite;
 pub use attack::attack;
 pub use case::{Case, pack_boxes};
 pub use effort::Effort;
-pub use minimise::minimise;
+pub use minimize::minimise;
 pub use oracle::{BoxClaim, Claim, Defined, Oracle, enclose_at};
 pub use random::{
     Adversarial, Ends, GraphOptions, Ray, Rng, point_in_box, random_box, random_constant,

@@ -18,18 +18,18 @@ mod spelled;
 mod tile;
 mod vanishing;
 
-pub use agreement::{Subject, agree};
-pub use contracting::{Contracted, Engine, Manner, contract};
+pub use agreement::{KernelKind, agree};
+pub use contracting::{ContractionTally, Engine, KernelOptions, check_contraction};
 pub use enclosing::{compared_interval, enclose, native_interval};
-pub use linear::{Lines, linear};
-pub use narrowing::narrow;
-pub use picturing::{Claimed, Pixel, picture};
+pub use linear::{FormTally, linear};
+pub use narrowing::check_narrowing;
+pub use picturing::{RayClaim, Pixel, picture};
 pub use reading::read_and_print;
-pub use rewriting::keep;
+pub use rewriting::check_simplification;
 pub use scene::{Formula, Scene};
-pub use sloping::{bound, native_slopes, reference_slopes};
+pub use sloping::{check_gradient_bounds, native_slopes, reference_slopes};
 pub use spelled::spelled;
-pub use vanishing::{MakeZeros, vanish};
+pub use vanishing::{CompileZeros, check_zeros};
 
 use crate::suite::{Failure, Tally};
 use crate::{Case, GraphOptions, Rng};
@@ -59,14 +59,14 @@ pub fn parse(data: &[u8]) -> Result<Tally, Failure> {
     read_and_print(data)
 }
 
-/// Checks [`keep`] on a case drawn from bytes.
+/// Checks [`check_simplification`] on a case drawn from bytes.
 ///
 /// # Errors
 /// The contradiction, with a line that reproduces it.
 pub fn simplify(data: &[u8]) -> Result<Tally, Failure> {
     let mut rng = Rng::from_bytes(data);
     let case = any_case(&mut rng, LARGEST);
-    keep(&case, &mut rng)
+    check_simplification(&case, &mut rng)
 }
 
 /// Checks [`agree`] on a case, a kind of kernel and a precision drawn from bytes.
@@ -77,7 +77,7 @@ pub fn jit_vs_reference(data: &[u8]) -> Result<Tally, Failure> {
     /// Inputs per kernel.
     const INPUTS: usize = 32;
     let mut rng = Rng::from_bytes(data);
-    let subject = Subject::ALL[rng.u32(0..Subject::ALL.len() as u32) as usize];
+    let subject = KernelKind::ALL[rng.u32(0..KernelKind::ALL.len() as u32) as usize];
     let simple = rng.bool();
     let largest = if subject.is_differentiated() { LARGEST_DIFFERENTIATED } else { LARGEST };
     let case = any_case(&mut rng, largest);
@@ -104,7 +104,7 @@ pub fn jit_vs_oracle(data: &[u8]) -> Result<Tally, Failure> {
     }
 }
 
-/// Checks [`bound`] on a case, an evaluator and a precision drawn from bytes.
+/// Checks [`check_gradient_bounds`] on a case, an evaluator and a precision drawn from bytes.
 ///
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.
@@ -114,11 +114,11 @@ pub fn slopes(data: &[u8]) -> Result<Tally, Failure> {
     let mut rng = Rng::from_bytes(data);
     let (native, double) = (rng.bool(), rng.bool());
     let case = any_case(&mut rng, LARGEST_DIFFERENTIATED);
-    let ask = if double { bound::<f64> } else { bound::<f32> };
+    let ask = if double { check_gradient_bounds::<f64> } else { check_gradient_bounds::<f32> };
     ask(native, &case, &mut rng, BOXES)
 }
 
-/// Checks [`contract`] on a case or [`linear`] on an operation. Bytes choose it and the precision.
+/// Checks [`check_contraction`] on a case or [`linear`] on an operation. Bytes choose it and the precision.
 ///
 /// # Errors
 /// The first contradiction.
@@ -131,13 +131,13 @@ pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
     if alone {
         let op = TABLE[rng.u32(0..TABLE.len() as u32) as usize].op;
         let ask = if double { linear::<f64> } else { linear::<f32> };
-        let Lines { compared, lanes, .. } = ask(op, &mut rng, VECTORS)?;
+        let FormTally { compared, lanes, .. } = ask(op, &mut rng, VECTORS)?;
         return Ok(Tally { compared: lanes, defined: compared });
     }
-    let manner = Manner { simple: rng.bool(), engine: Engine::Reference };
+    let kernel_options = KernelOptions { simple: rng.bool(), engine: Engine::Reference };
     let case = any_case(&mut rng, LARGEST);
-    let ask = if double { contract::<f64> } else { contract::<f32> };
-    let Contracted { points, planes, .. } = ask(manner, &case, &mut rng, BATCHES)?;
+    let ask = if double { check_contraction::<f64> } else { check_contraction::<f32> };
+    let ContractionTally { points, planes, .. } = ask(kernel_options, &case, &mut rng, BATCHES)?;
     Ok(Tally { compared: points, defined: planes })
 }
 
@@ -150,19 +150,19 @@ pub fn render(data: &[u8], draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>) -> Resul
     Scene::random(&mut rng).map_or(Ok(Tally::default()), |scene| picture(&scene, draw))
 }
 
-/// Checks [`vanish`] on a formula and a precision drawn from bytes.
+/// Checks [`check_zeros`] on a formula and a precision drawn from bytes.
 ///
 /// # Errors
 /// The first zero that the kernel denies.
 pub fn zeros(
     data: &[u8],
-    single: MakeZeros<f32>,
-    double: MakeZeros<f64>,
+    single: CompileZeros<f32>,
+    double: CompileZeros<f64>,
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::from_bytes(data);
     match Formula::random(&mut rng, LARGEST) {
         None => Ok(Tally::default()),
-        Some(formula) if rng.bool() => vanish(&formula, &mut rng, double),
-        Some(formula) => vanish(&formula, &mut rng, single),
+        Some(formula) if rng.bool() => check_zeros(&formula, &mut rng, double),
+        Some(formula) => check_zeros(&formula, &mut rng, single),
     }
 }

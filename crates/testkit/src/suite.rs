@@ -15,7 +15,7 @@ use std::fmt;
 use zeroset_eval::Kernel;
 use zeroset_ir::{Graph, NodeId};
 
-pub use cases::{MakeCase, check_interval_case, check_interval_cases};
+pub use cases::{CompileCase, check_interval_case, check_interval_cases};
 pub use gradient::check_gradients;
 pub use interval::{check_interval_graphs, check_interval_ops};
 pub use point::check_points;
@@ -24,7 +24,7 @@ pub use rewrite::{Rewrite, check_rewrite};
 pub use slopes::{check_slopes, check_slopes_of_ops};
 
 /// Compiles a graph without parameters to a kernel.
-pub type Make<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, T>>;
+pub type CompileGraph<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, T>>;
 
 /// Amount of work behind a passing check. A test should require a minimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

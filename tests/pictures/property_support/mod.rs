@@ -11,7 +11,7 @@ use zeroset_render::picture::{Picture, Precision, Settings};
 use zeroset_scene::program::Program;
 use zeroset_space::Region;
 use zeroset_testkit::certified::Line;
-use zeroset_testkit::property::{Claimed, Formula, Pixel, Scene};
+use zeroset_testkit::property::{RayClaim, Formula, Pixel, Scene};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Method, Projection, Status};
 
@@ -82,9 +82,9 @@ pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
         let is_number = !buffer.is_drawn(index) || normal.iter().all(|part| part.is_finite());
         assert!(is_number, "{scene}: {normal:?}");
         let claimed = match buffer.status[index] {
-            Status::Miss => Claimed::Miss,
-            Status::Hit => Claimed::Hit(buffer.bracket[index].map(|end| ray.parameter(end))),
-            Status::Undecided => Claimed::Undecided(ray.parameter(distance)),
+            Status::Miss => RayClaim::Miss,
+            Status::Hit => RayClaim::Hit(buffer.bracket[index].map(|end| ray.parameter(end))),
+            Status::Undecided => RayClaim::Undecided(ray.parameter(distance)),
         };
         let hit = (buffer.status[index] == Status::Hit).then(|| {
             // At the limit of precision, brackets are wider than the tolerance.

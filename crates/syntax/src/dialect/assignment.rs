@@ -1,5 +1,4 @@
-//! Assignments of programs. Each one defines a new name, which stands for the variable in the
-//! statements below.
+//! Assignments of programs. Each one defines a new name, which replaces the variable below it.
 
 use crate::dialect::known_numbers::{number_of, written};
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -133,8 +132,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// The quotient of an integer variable and another integer, if there is one: programs truncate
-    /// it.
+    /// The quotient of an integer variable and another integer, which programs truncate.
     pub(crate) fn cut_quotient(&self, tokens: &[Token]) -> Option<Span> {
         if self.whole.is_empty() {
             return None;

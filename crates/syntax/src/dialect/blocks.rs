@@ -1,5 +1,4 @@
-//! Blocks of programs, in braces or indented, as trees of statements. The statements themselves are
-//! not looked into.
+//! Blocks of programs, in braces or indented, as trees of statements. Formulas are not looked into.
 
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::*;
@@ -86,7 +85,8 @@ impl Words<'_> {
         }
     }
 
-    /// Returns whether the last statement in `tokens` is complete: an `if`, `else` or loop needs a body.
+    /// Returns whether the last statement in `tokens` is complete: `if`, `else` and loops need a
+    /// body.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
         let mut is_whole = true;
         let mut rest = skip(tokens);
@@ -266,8 +266,7 @@ impl Words<'_> {
         Ok(next)
     }
 
-    /// The assignments in `a = 1, b = 2`, or the whole statement if one of its parts is something
-    /// else.
+    /// The assignments in `a = 1, b = 2`; the whole statement if a part is no assignment.
     pub(crate) fn each_setting(self, tokens: Vec<Token>) -> Vec<Vec<Token>> {
         if outside(&tokens, Comma).is_none() || self.types(&tokens) > 0 {
             return vec![tokens];

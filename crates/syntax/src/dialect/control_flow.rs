@@ -23,7 +23,7 @@ pub(crate) const LEFT: &str = "break";
 /// Name of the variable that holds the returned value.
 pub(crate) const RESULT: &str = "return";
 
-/// What an early exit leaves: the round, the loop or the function.
+/// Levels of an early exit: from the round, from the loop, from the function.
 const ROUND: f64 = 1.0;
 const LOOP: f64 = 2.0;
 const FUNCTION: f64 = 3.0;
@@ -140,8 +140,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs an `if`. Unless the condition is known, both sides run and each variable becomes a
-    /// choice.
+    /// Runs an `if`. Unless its condition is known, both sides run and are merged.
     fn branch(
         &mut self,
         condition: &[Token],

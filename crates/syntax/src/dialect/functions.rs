@@ -131,8 +131,7 @@ impl ProgramReader<'_> {
         }
         let tokens = self.expanded(tokens, 0)?;
         let mut steps = self.words.block(&tokens, 0)?;
-        // The function may return in a branch, so the statements that follow become a branch as
-        // well.
+        // The function may return early here, so all statements that follow are one more branch.
         if ProgramStep::has(&steps, self.words, "return") {
             for more in following.by_ref() {
                 steps.push(ProgramStep::Plain(more));

@@ -10,7 +10,8 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
-/// Returns whether a command plots its first argument as a height; `None` if it is not a plot command.
+/// True for a command that plots its first argument as a height; `None` for words that plot
+/// nothing.
 fn plots_height(command: &str) -> Option<bool> {
     match command {
         "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" => Some(true),

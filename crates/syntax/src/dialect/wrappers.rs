@@ -42,8 +42,8 @@ const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 const ASKS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
 impl Words<'_> {
-    /// The statements that a wrapped one contains, empty if it has no meaning here. `None` for
-    /// others.
+    /// The statements in a wrapped one; empty if it has no meaning here, `None` if it is not
+    /// wrapped.
     pub(crate) fn unwrapped(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let first = *tokens.first()?;
         let next = tokens.get(1);

@@ -9,8 +9,8 @@ use crate::tree::built_statement::BuiltStatement;
 use crate::tree::statement::is_plain_number;
 use zeroset_ir::Axis;
 
-/// The drawing of a document with definitions only: its last function of (x, y, z), or of (x, y) as
-/// a height.
+/// The drawing of a text with definitions only: its last function of (x, y, z), or of (x, y) as a
+/// height.
 pub(crate) fn implied_drawing(
     definitions: &[(&Definition, &BuiltStatement)],
 ) -> Fallible<(BuiltStatement, Note)> {

@@ -157,7 +157,8 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 ///
 /// # Errors
 /// The errors of the text, at least one and at most one for each statement. Lines about the picture
-/// are checked, too.
+/// At least one error, and at most one for each statement. Lines about the picture are checked,
+/// too.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
     let mut reader = DocumentReader::new(text, &options);

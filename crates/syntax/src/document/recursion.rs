@@ -29,8 +29,8 @@ pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fa
         if state[start] != NEW {
             continue;
         }
-        // A depth-first walk with its own stack of pairs: a definition, and the number of its uses
-        // followed.
+        // A depth-first walk with its own stack: (definition, number of its uses that were
+        // followed).
         let mut path: Vec<(usize, usize)> = vec![(start, 0)];
         state[start] = OPEN;
         while let Some((at, followed)) = path.last_mut() {

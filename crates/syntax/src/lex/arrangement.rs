@@ -192,7 +192,7 @@ impl Arranger<'_> {
                 segment.push(TokenTree::Leaf(merged));
                 continue;
             }
-            // In a row of pieces a comma before the condition or the end of the row separates
+            // In a row of pieces a comma may precede the condition or the end; it separates
             // nothing.
             let is_empty = segment.is_empty() && in_pieces;
             let ends_value = in_pieces
@@ -400,8 +400,8 @@ impl Arranger<'_> {
         }
     }
 
-    /// Sets the kind of words and signs that have a role only in brackets: ranges, generators, the
-    /// last piece.
+    /// Sets the kind of words and signs with a role in brackets only: ranges, generators, last
+    /// pieces.
     fn words(&self, nodes: &mut [TokenTree]) {
         if nodes.iter().any(|node| node.is(Dots))
             && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)
@@ -447,8 +447,7 @@ impl Arranger<'_> {
         out.push(Token::new(OpenChoice, Span::at(span.start)));
         let end = nodes.last().map_or(span.end, |node| node.span().end);
         let mut rest = VecDeque::from(nodes);
-        // Each round takes one piece: the nodes before the first sign and those between the two
-        // signs.
+        // Each round takes one piece: the nodes before the first sign, and between the two.
         while let Some((first, second)) = self.signs(rest.iter(), is_ternary) {
             let joint = rest[second].span();
             let sign = rest[first].span();

@@ -18,8 +18,7 @@ const BARRED: &[&str] = &["vmatrix", "Vmatrix"];
 /// Number of bytes in which the end of an environment is searched.
 const LONGEST: usize = 10_000;
 
-/// The token of `\begin{…}` or `\end{…}`, and its length. `last` is the token before it in its
-/// statement.
+/// The token of `\begin{…}` or `\end{…}`, and its length. `last` is the token before it.
 pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> (TokenKind, usize) {
     let open = if begins { r"\begin{".len() } else { r"\end{".len() };
     let Some(length) = start(rest, 60).get(open..).and_then(|name| name.find('}')) else {
@@ -47,9 +46,9 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
     (kind, end)
 }
 
-/// Returns whether each row of an environment is a formula of its own; `rest` is the text behind its
-/// `\begin{…}`. This requires that nothing follows it and that no row has columns, except an array
-/// aligned at its relations.
+/// Returns whether each row of an environment is a formula of its own; `rest` is the text behind
+/// its `\begin{…}`. Nothing may follow the environment. Rows have no columns, except in an array
+/// that is aligned at its relations.
 fn holds_lines(rest: &str, name: &str) -> bool {
     let close = format!(r"\end{{{name}}}");
     let Some((inner, behind)) = start(rest, LONGEST).split_once(&close) else { return false };

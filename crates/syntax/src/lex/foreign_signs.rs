@@ -84,8 +84,8 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)
     }
 }
 
-/// Returns whether `rest` begins with a divisor, perhaps behind a minus. That is a number, a bracket, or a
-/// name of one or two letters that is not a word of a comment.
+/// Returns whether `rest` begins with a divisor, perhaps behind a minus: a number, a bracket, or a
+/// name of one or two letters that does not begin a comment.
 fn divides(rest: &str) -> bool {
     let rest = rest.trim_start_matches(' ');
     let rest = rest.strip_prefix('-').unwrap_or(rest);
@@ -95,8 +95,7 @@ fn divides(rest: &str) -> bool {
         || matches!(name, 1 | 2) && !behind.starts_with(char::is_alphabetic)
 }
 
-/// The token of a markup tag and its length: a power for `<sup>`, a blank for tags around a
-/// formula.
+/// The token of a tag and its length: a power for `<sup>`, a blank for tags around a formula.
 fn tag(rest: &str) -> Option<(TokenKind, usize)> {
     let end = start(rest, 80).find('>')?;
     let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);

@@ -28,8 +28,7 @@ const LEADS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
 pub(crate) const OTHERWISE: &[&str] =
     &["otherwise", "else", "elsewhere", "True", "true", "default"];
 
-/// The token at the start of `rest` and its length in bytes. It is `Blank` for text without
-/// meaning.
+/// The token at the start of `rest`, and its length in bytes. Text to skip is a `Blank`.
 pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
     let Some(character) = rest.chars().next() else {
         return (Blank, 0);
@@ -95,8 +94,7 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
             let end = prefix(rest, in_name);
             let below = rest[..end].find(is_below);
             let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
-            // Behind an operand `AND` and `OR` join conditions. Elsewhere they may be functions, as
-            // in `AND(a, b)`.
+            // Behind an operand `AND` and `OR` join conditions. Elsewhere they may be functions.
             let is_joint = context.last.is_some_and(TokenKind::ends_operand);
             match &rest[..end] {
                 "AND" if is_joint => return (And, end),

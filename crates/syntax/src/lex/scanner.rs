@@ -184,8 +184,8 @@ fn goes_on(rest: &str) -> bool {
         || [r"\cdot", r"\times", r"\le", r"\ge"].iter().any(|sign| rest.starts_with(sign))
 }
 
-/// Returns whether `rest` begins with a line that can end the formula above it, not with a statement of its
-/// own.
+/// Returns whether `rest` begins with a line that may end the formula above it. A line that is a
+/// statement of its own does not.
 fn continues(rest: &str) -> bool {
     let line = rest.trim_start_matches([' ', '\t', '\r']);
     let line = start(&line[..line_length(line)], 300);
@@ -196,9 +196,9 @@ fn continues(rest: &str) -> bool {
     is_operand && !defines && !token_kind(&line[..name]).is_some_and(TokenKind::is_setting)
 }
 
-/// Returns whether `rest` begins with a line that can only continue the formula `above`. Such a line starts
-/// with a plus or a relation or, if it is indented, with a minus. Two lines that both contain a
-/// relation are separate statements.
+/// Returns whether `rest` begins with a line that can only continue the formula `above`. Such a
+/// line starts with a plus or a relation or, if it is indented, with a minus. Two lines that both
+/// contain a relation are separate statements.
 fn goes_back(rest: &str, above: &[Token]) -> bool {
     let is_relation = |c: char| "=≠<≤>≥≔".contains(c);
     let line = start(&rest[..line_length(rest)], 300);

@@ -4,7 +4,7 @@ use crate::lex::token_kind::TokenKind;
 use crate::settings::{SettingRow, setting};
 use zeroset_style::StandardView;
 
-/// The kind of a fixed spelling, such as `<=` or `\le`. A blank only separates; a line break ends a
+/// The kind of a fixed spelling, such as `<=` or `\le`. `Blank` separates; `LineEnd` ends a
 /// statement.
 ///
 /// This is the only list of the words, operators and LaTeX names of the language, apart from
@@ -173,8 +173,7 @@ pub(crate) fn plain(character: char) -> Option<char> {
     None
 }
 
-/// `text` with each character replaced by its [`plain`] form. Subscript digits become `_1`, as in
-/// `x_1`.
+/// `text` with each character replaced by its [`plain`] form, and with subscripts as in `x_1`.
 pub(crate) fn plain_text(text: &str) -> String {
     let mut all = String::with_capacity(text.len());
     let mut is_below = false;

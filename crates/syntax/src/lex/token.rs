@@ -24,8 +24,7 @@ impl Token {
 pub(crate) struct Context {
     /// True if a part of `\frac` is next: one digit or letter, or a group in braces.
     pub is_part: bool,
-    /// True if the preceding token was typed as a LaTeX command: behind `\sqrt` one digit is the
-    /// radicand.
+    /// True if the preceding token is a LaTeX command: `\sqrt` takes one digit without braces.
     pub is_radicand: bool,
     /// True if a color is next.
     pub is_color: bool,
@@ -37,8 +36,8 @@ pub(crate) struct Context {
     pub last: Option<TokenKind>,
 }
 
-/// Returns a function that counts the open brackets behind each token. It is called for one token
-/// after the other.
+/// Returns a function that counts open brackets. It is called with one token after the other, and
+/// returns the number of brackets open behind it.
 fn depth() -> impl FnMut(&Token) -> usize {
     let mut depth = 0_usize;
     move |token| {

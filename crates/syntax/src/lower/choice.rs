@@ -112,8 +112,8 @@ impl<'a> Lowering<'a> {
 
     /// `yes` where a margin is positive, else `no`. A margin of 0 gives `yes` unless `strict`.
     fn by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
-        // Whether a program has left a loop is itself a choice between numbers. If that choice were
-        // the margin, bounds would cover both values.
+        // The margin may be a choice between numbers, for example if it tells whether a program has
+        // left a loop. Its bounds would then cover both values.
         if let Some(node) = self.by_numbers(margin, strict, (yes, no), &mut MOST_LEAVES.clone()) {
             return node;
         }
@@ -125,8 +125,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// If a margin is a choice between numbers, the same choice between `values`. `None` for other
-    /// margins.
+    /// The choice between `values` by a margin that is itself a choice between numbers, else
+    /// `None`.
     fn by_numbers(
         &mut self,
         margin: NodeId,
@@ -205,8 +205,8 @@ impl<'a> Lowering<'a> {
         Ok(all.unwrap_or_else(|| Tensor::Number(self.graph.integer(empty))))
     }
 
-    /// Repeats a function. The first argument is the count, the second the start value; others stay
-    /// the same.
+    /// Repeats a function. The arguments are the count, the start value, and values that stay the
+    /// same.
     pub(crate) fn iterate(
         &mut self,
         function: &Function,
@@ -243,8 +243,7 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// The whole number that a node evaluates to, if it takes at most `steps` steps of integer
-/// arithmetic.
+/// The whole number that a node evaluates to, in at most `steps` steps of integer arithmetic.
 fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     *steps = steps.checked_sub(1)?;
     let (op, operands) = match graph.node(node) {

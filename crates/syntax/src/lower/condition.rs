@@ -10,17 +10,15 @@ use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
 impl<'a> Lowering<'a> {
-    /// The function of a solid: ≤ 0 where `condition` holds, above 0 elsewhere, and defined
-    /// everywhere.
+    /// The function of a solid: ≤ 0 inside, above 0 outside, and defined everywhere.
     pub(crate) fn solid(&mut self, condition: &'a Expr) -> Fallible<NodeId> {
         // The margin of the opposite is positive outside the solid.
         let (node, _) = self.margin(condition, true, Purpose::Face, &[])?;
         Ok(node)
     }
 
-    /// The margin of `condition`, or of its opposite if `negated`: it is positive exactly where
-    /// that holds. If it is not strict, it may also be 0 there. Returns the margin and whether it
-    /// is strict.
+    /// The margin of `condition`, or of its opposite if `negated`: positive exactly where that
+    /// holds, or also 0 if it is not strict. Returns the margin and whether it is strict.
     pub(crate) fn margin(
         &mut self,
         condition: &'a Expr,
@@ -71,8 +69,7 @@ impl<'a> Lowering<'a> {
         Ok((self.fold(if all == negated { Op::Max } else { Op::Min }, &nodes), strict))
     }
 
-    /// `node` where it is defined, else the number `outside`. Returns `node` itself if it is
-    /// defined everywhere.
+    /// `node` where it is defined, else the number `outside`. A total `node` is returned as it is.
     pub(crate) fn otherwise_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {
@@ -178,8 +175,7 @@ pub(crate) fn comparisons<'a>(
     left.zip(rest).map(|(left, (relation, right))| (left, *relation, right))
 }
 
-/// The lower and the higher side of an inequality, and whether it is strict. `None` for other
-/// relations.
+/// The lower and the higher side, and strictness, of an inequality. `None` for other relations.
 pub(crate) fn sides<'a>(
     left: &'a Expr,
     relation: Relation,

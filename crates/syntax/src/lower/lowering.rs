@@ -102,8 +102,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// `left − right`, or a single side (negated if it is the right one) if the other is the number
-    /// 0.
+    /// `left − right`. Nothing is subtracted if either side is the number 0.
     pub(crate) fn difference(
         &mut self,
         left: &'a Expr,
@@ -240,8 +239,7 @@ impl<'a> Lowering<'a> {
         Ok(all)
     }
 
-    /// The negation of a number. That of an exact constant is a constant, as in the exponent of
-    /// `x^-2`.
+    /// The negation of a number. An exact constant stays a constant, as in the exponent of `x^-2`.
     fn opposite(&mut self, inner: NodeId) -> NodeId {
         let exact = self.graph.number(inner).and_then(Constant::exact);
         match exact.map(|value| Constant::rational(-value)) {

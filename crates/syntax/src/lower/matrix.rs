@@ -67,8 +67,7 @@ impl Lowering<'_> {
         self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
-    /// The product of two matrices, or of a matrix and a vector. `None` for other values and other
-    /// sizes.
+    /// The product of two matrices or of a matrix and a vector, if their sizes fit; else `None`.
     fn product(&mut self, left: &Tensor, right: &Tensor) -> Option<Tensor> {
         let n = match (left, right) {
             (Tensor::Matrix(a), Tensor::Matrix(b)) if a.len() == b.len() => a.len().isqrt(),

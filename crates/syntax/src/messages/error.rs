@@ -1,15 +1,15 @@
-//! What can be wrong with a text, as data: what, where, why, and what to write instead.
+//! Errors as data: what is wrong, where, why, and what to write instead.
 //!
 //! Nothing here draws carets or knows lines; `render` does.
 
 use crate::span::Span;
 use std::fmt;
 
-/// The errors of a text: at least one, in the order of their places.
+/// The errors of a text: at least one, ordered by place.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Errors(Vec<Error>);
 
-/// The most errors that are reported at once; any beyond are not looked for.
+/// Most errors that are reported at once. The search ends there.
 pub(crate) const MOST: usize = 20;
 
 impl Errors {
@@ -59,11 +59,11 @@ impl std::error::Error for Errors {}
 pub struct Error {
     /// The place to point at.
     pub span: Span,
-    /// What is wrong.
+    /// Kind of the error.
     pub kind: ErrorKind,
-    /// What to write instead, if that is known.
+    /// Correction of the text, if one is known.
     pub suggestion: Option<Suggestion>,
-    /// Which text `span` is a place of.
+    /// Text that `span` is a place in.
     pub origin: Origin,
 }
 
@@ -73,20 +73,20 @@ pub enum Origin {
     /// The document itself.
     #[default]
     Document,
-    /// An override `name=value`, as one text.
+    /// An override: the whole text `name=value`.
     Override(String),
 }
 
-/// A change to the text that may be what was meant.
+/// A change to the text that may give what was meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Suggestion {
-    /// What to replace.
+    /// Place of the text to replace.
     pub span: Span,
-    /// What to put there.
+    /// Replacement text.
     pub replacement: String,
 }
 
-/// What is wrong.
+/// Kind of an error, with the message as its `Display`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs)] // each message says what its variant means and names its fields
 pub enum ErrorKind {
@@ -329,7 +329,7 @@ pub enum ErrorKind {
     BadSetting { word: &'static str, hint: &'static str },
 }
 
-/// A bracket as it is typed: an environment's has a name.
+/// A bracket as it is typed. The brackets of an environment are commands.
 fn bracket(symbol: char) -> String {
     match symbol {
         '⦃' | '⟦' => r"\begin{…}".to_owned(),
@@ -338,7 +338,7 @@ fn bracket(symbol: char) -> String {
     }
 }
 
-/// So many arguments.
+/// The phrase for a number of arguments.
 pub(crate) fn plural(count: usize) -> String {
     match count {
         1 => "an argument".to_owned(),
@@ -346,7 +346,7 @@ pub(crate) fn plural(count: usize) -> String {
     }
 }
 
-/// The most names of a cycle that are listed.
+/// Most names of a cycle that are listed.
 const LONGEST_CYCLE: usize = 6;
 
 fn recursion(cycle: &[String]) -> String {
@@ -368,7 +368,7 @@ fn recursion(cycle: &[String]) -> String {
     }
 }
 
-/// What most functions of this crate return; boxed because errors are rare and large.
+/// Result of most functions of this crate. The error is boxed, because errors are rare and large.
 pub(crate) type Fallible<T> = Result<T, Box<Error>>;
 
 impl Error {
@@ -376,7 +376,7 @@ impl Error {
         Box::new(Self { span, kind, suggestion: None, origin: Origin::Document })
     }
 
-    /// The same error with a replacement for `span`.
+    /// This error with the suggestion to replace `span` by `replacement`.
     pub(crate) fn suggest(
         mut self: Box<Self>,
         span: Span,
@@ -386,7 +386,7 @@ impl Error {
         self
     }
 
-    /// The same error with a replacement for `span`, if there is one.
+    /// This error with the suggestion to replace `span` by `meant`, if that is given.
     pub(crate) fn suggest_any(self: Box<Self>, span: Span, meant: Option<String>) -> Box<Self> {
         match meant {
             Some(meant) => self.suggest(span, meant),
@@ -394,7 +394,7 @@ impl Error {
         }
     }
 
-    /// One line that says what is wrong.
+    /// The message, in one line.
     pub fn message(&self) -> String {
         self.kind.to_string()
     }

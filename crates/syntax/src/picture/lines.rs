@@ -20,8 +20,7 @@ use crate::tree::statement::ParsedStatement;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Constant;
 
-/// Settings of the picture that have no field of their own in a document. A field is `None` if no
-/// line sets it.
+/// Settings of the picture that are not fields of a document. A field is `None` if no line sets it.
 #[derive(Clone, Debug, Default)]
 pub struct PictureLines {
     /// Coefficients a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is kept.
@@ -130,9 +129,8 @@ impl CollectedLines {
     }
 }
 
-/// The setting of a drawing at `place`, given by the last line above it. If the last line stands
-/// below the last drawing (at `last`), lines follow their drawings, and the first line below it
-/// counts.
+/// The setting of a drawing at `place`, given by the last line above it. If no drawing is below the
+/// last line (the last drawing is at `last`), it is given by the first line below the drawing.
 pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
     let follow = lines.last().is_some_and(|(at, _)| *at > last);
     let found = if follow {

@@ -1,6 +1,6 @@
-//! Colors of surfaces and lines on them: everywhere the same, or by a value at each point.
+//! Colors of surfaces and contour lines on them, which may depend on a value at each point.
 //!
-//! What a value is at a point is not computed here.
+//! Nothing here computes such values.
 
 use crate::tree::grammar::{Pair, Rule, parts};
 use zeroset_style::{COLOR_MAPS, ColorMap};
@@ -17,16 +17,16 @@ use crate::tree::scope::{NameMeaning, Scope};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 
-/// Names that a value at each point of a surface may depend on beside x, y and z: the unit normal,
-/// and the distance from the eye. Their numbers as parameters follow those of the document.
+/// Names that a value at a point of a surface may use, besides x, y and z: the unit normal and the
+/// distance from the eye. As parameters they are numbered after those of the document.
 pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 
-/// Lines on a surface along which a value stays the same.
+/// Contour lines on a surface, along which a value is constant.
 #[derive(Clone, Debug)]
 pub struct Contours<V = PointValue> {
-    /// The value; `None` for that of the surface's color, else z.
+    /// The value; `None` for the value of the surface's color, or else z.
     pub value: Option<V>,
-    /// How far the values of two lines are apart; `None` for a round number.
+    /// Difference in value between neighboring lines; `None` for a round number.
     pub step: Option<Constant>,
 }
 
@@ -34,39 +34,38 @@ pub struct Contours<V = PointValue> {
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant)] // a document has few
 pub enum SurfaceColor<V = PointValue> {
-    /// Everywhere the same.
+    /// One color everywhere.
     Plain(SrgbColor),
-    /// By a value.
+    /// A color by the value at each point.
     Mapped(MappedColor<V>),
 }
 
-/// Which value has which color.
+/// A color map with the value that it is applied to.
 #[derive(Clone, Debug)]
 pub struct MappedColor<V = PointValue> {
-    /// The row of the color map.
+    /// Row of the table of color maps.
     pub map: &'static ColorMap,
-    /// The value.
+    /// The value that chooses the color.
     pub value: V,
-    /// The values that have the first and the last color; `None` for the least and the greatest
-    /// that are seen.
+    /// Values with the first and the last color; `None` for the visible extremes.
     pub range: Option<[Constant; 2]>,
 }
 
 /// A number at each point of a surface.
 #[derive(Clone, Debug)]
 pub struct PointValue {
-    /// A graph of its own. Its parameters are those of the document, and then [`POINT_NAMES`].
+    /// Graph of its own. Its parameters are those of the document, followed by [`POINT_NAMES`].
     pub graph: Graph,
-    /// What is to be computed.
+    /// Node of the number.
     pub root: NodeId,
-    /// How it was read.
+    /// The expression as it was read.
     pub echo: String,
 }
 
-/// A color before names have values; `None` is the one that a surface has of itself.
+/// A color before names have values; `None` for the surface's default color.
 pub(crate) type TypedColor = Option<SurfaceColor<Expr>>;
 
-/// The same names, and those of a point's own.
+/// A copy of `scope` with [`POINT_NAMES`] added, except for names that have a meaning already.
 pub(crate) fn with_point_names(scope: &Scope) -> Scope {
     let mut scope = scope.clone();
     for name in POINT_NAMES {
@@ -77,7 +76,7 @@ pub(crate) fn with_point_names(scope: &Scope) -> Scope {
     scope
 }
 
-/// Brings values of points to graphs.
+/// Lowers values at points to graphs.
 pub(crate) struct PointValues<'a> {
     pub names: FxHashMap<&'a str, NameBinding<'a>>,
     pub time: Option<u32>,
@@ -85,7 +84,7 @@ pub(crate) struct PointValues<'a> {
 }
 
 impl<'a> PointValues<'a> {
-    /// With the point's own names as parameters from `first` on.
+    /// `first` is the number that the first of [`POINT_NAMES`] has as a parameter.
     pub fn new(
         mut names: FxHashMap<&'a str, NameBinding<'a>>,
         first: u32,
@@ -98,14 +97,14 @@ impl<'a> PointValues<'a> {
         Self { names, time, limits }
     }
 
-    /// The graph of one value.
+    /// Lowers one value to a graph.
     pub fn value(&self, expr: &'a Expr) -> Fallible<PointValue> {
         let mut lowering = Lowering::new(self.names.clone(), self.time, self.limits);
         let root = lowering.value(expr)?;
         Ok(PointValue { graph: lowering.graph, root, echo: expr.to_string() })
     }
 
-    /// A surface's color.
+    /// Lowers the value in a surface's color.
     pub fn color(&self, typed: &'a SurfaceColor<Expr>) -> Fallible<SurfaceColor> {
         Ok(match typed {
             SurfaceColor::Plain(color) => SurfaceColor::Plain(*color),
@@ -118,7 +117,7 @@ impl<'a> PointValues<'a> {
 }
 
 impl Builder<'_> {
-    /// A color, perhaps with an opacity, and where that stands.
+    /// Reads a color, and if there is one, an opacity with its place.
     pub(crate) fn color_line(
         &mut self,
         line: Pair<'_>,
@@ -142,7 +141,7 @@ impl Builder<'_> {
         Ok((color, opacity))
     }
 
-    /// `viridis(z)` or `viridis(z, -1, 1)`.
+    /// Reads `viridis(z)` or `viridis(z, -1, 1)`.
     fn mapped(&mut self, pair: Pair<'_>) -> Fallible<MappedColor<Expr>> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
@@ -183,7 +182,7 @@ impl Builder<'_> {
     }
 }
 
-/// How far the values of two contour lines are apart.
+/// Evaluates the step between contour lines, which must be positive.
 fn step(limits: &Limits, expr: &Expr) -> Fallible<Constant> {
     let step = evaluate(expr, limits)?;
     if step.bounds().lo > 0.0 { Ok(step) } else { Err(bad("contours", expr.span)) }

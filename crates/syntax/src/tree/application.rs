@@ -1,5 +1,5 @@
-//! Function application. A function takes its argument in brackets, or else the implicit product up
-//! to the next function.
+//! Function application: a function takes its argument in brackets, or the implicit product behind
+//! it.
 
 use crate::lex::spelling::short_formula;
 use crate::lex::token_kind::TokenKind::{Minus, Number};
@@ -17,8 +17,8 @@ use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
 impl Builder<'_> {
-    /// Reads what `callee` is applied to: arguments in brackets, or the implicit product up to the
-    /// next function.
+    /// Reads what `callee` is applied to: brackets, or the implicit product up to the next
+    /// function.
     pub(crate) fn application(
         &mut self,
         callee: &Callee,

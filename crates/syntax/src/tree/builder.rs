@@ -150,9 +150,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    // Recursion runs through the functions from here to those that read brackets. Work outside that
-    // path is done in functions of its own, so that it does not enlarge the stack frame of every
-    // level.
+    // Recursion runs through the functions from here to those that read brackets. Other work is
+    // done in separate functions, because it would enlarge the stack frame of every level.
 
     #[inline(never)]
     fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
@@ -258,8 +257,7 @@ impl<'a> Builder<'a> {
         negated(self.deeper(*first, minus.count(), build)?, signs)
     }
 
-    /// Reads a product. The signs in `before` precede it and belong to the left operand of its
-    /// first remainder.
+    /// Reads a product. The signs in `before` belong to the left operand of its first remainder.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let mut joint = Joint { sign: Sign::Direct, function: None };
@@ -269,8 +267,7 @@ impl<'a> Builder<'a> {
             let run = self.run(pairs)?;
             self.join(&mut factors, joint, &signs, run)?;
             if pairs.peek().is_some_and(|pair| is_remainder(&pair)) {
-                // A remainder is taken of everything to its left, as in other languages with this
-                // operator.
+                // In every language with this operator, its left operand is everything before it.
                 let signs = std::mem::take(&mut before);
                 let whole = self
                     .signed(&signs, |_| chain_of(Chain::Product, std::mem::take(&mut factors)))?;
@@ -446,8 +443,8 @@ fn is_remainder(pair: &Pair<'_>) -> bool {
     first_kind(pair) == Some(Remainder)
 }
 
-/// A sum or a product of one or more operands. If there are several, all must be numbers. The sign
-/// of the first is ignored.
+/// A sum or a product of one or more operands. Several must all be numbers. The sign of the first
+/// is ignored.
 #[inline(never)]
 pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(Sign, Expr)>) -> Fallible<Expr> {
     let (_, first) = operands.remove(0);

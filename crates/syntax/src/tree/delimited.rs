@@ -1,5 +1,4 @@
-//! Delimited factors, which are one factor in any context: brackets, bars, fractions, roots,
-//! choices.
+//! Delimited factors, which are one factor in any context, such as brackets, bars and fractions.
 
 use crate::lex::spelling::vulgar;
 use crate::lex::token_kind::TokenKind::{OpenBracket, OpenCeiling, OpenFloor};
@@ -42,8 +41,8 @@ impl Builder<'_> {
 
     /// Reads any other delimited factor, such as braces, bars, a fraction or a root.
     pub(crate) fn closed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        // Each kind has a function of its own, so that nesting one kind does not use the stack
-        // frames of all.
+        // Each kind has a function of its own, so that each level uses the stack frame of one kind
+        // only.
         match pair.as_rule() {
             Rule::enclosed => self.enclosed(pair, span),
             Rule::choice => self.choice(pair, span),

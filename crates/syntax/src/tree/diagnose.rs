@@ -31,8 +31,7 @@ pub(crate) fn recognise<'i>(
     Ok(pairs.next().expect("a statement is one pair"))
 }
 
-/// The error for a statement that the grammar refuses. `next` is the index of the token at which it
-/// stopped.
+/// The error for a statement that the grammar refuses; `next` is the token at which it stopped.
 fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<Error> {
     let found = lexed.tokens.get(next);
     let word = lexed.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
@@ -156,8 +155,7 @@ fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
     }
 }
 
-/// The statement that was probably meant by one with commas; `first` is the index of its first
-/// comma.
+/// The statement that was probably meant by one with commas; the first comma is at index `first`.
 fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
     let parts = split(&lexed.tokens, Comma);
     let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);

@@ -170,8 +170,7 @@ impl Builder<'_> {
                 let mut at = span.start;
                 for letter in &letters {
                     // LaTeX commands and subscripts are never split, so plain letters stand where
-                    // they were typed. Styled letters take more bytes, so they all get the span of
-                    // the name.
+                    // they were typed. Styled letters take more bytes and get the span of the name.
                     let is_plain = typed.len() == name.len();
                     let place = if is_plain { Span::new(at, at + letter.len()) } else { span };
                     at = place.end;
@@ -267,8 +266,7 @@ impl Builder<'_> {
                 let between = Span::new(before.span.end, next.span.start);
                 Err(Error::new(before.span.to(next.span), kind).suggest(between, sign))
             }
-            // Braces behind a factor look like a restriction. Reading them as a product would hide
-            // a mistake.
+            // Braces behind a factor look like a restriction; a product would hide the mistake.
             FactorItem::Closed(pair) if pair.as_rule() == Rule::braces => {
                 Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
             }
@@ -495,8 +493,8 @@ impl Builder<'_> {
         self.not_a_call(expr, items.front())
     }
 
-    /// The component that `p[0]` takes, with the span of the brackets. Nobody writes a product this
-    /// way.
+    /// The component that `p[0]` takes, with the span of the brackets. It is never meant as a
+    /// product.
     fn index(&self, expr: &Expr, next: Option<&FactorItem<'_>>) -> Option<(char, Span)> {
         let Some(FactorItem::Group(pair)) = next else { return None };
         let is_name = match &expr.kind {
@@ -522,8 +520,7 @@ impl Builder<'_> {
         Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
     }
 
-    /// Returns a number or a value. Brackets behind a value multiply, so they must hold one
-    /// expression.
+    /// Returns a number or a value. Brackets behind a value multiply, so they hold one expression.
     fn not_a_call(&mut self, expr: Expr, next: Option<&FactorItem<'_>>) -> Fallible<Expr> {
         if let (ExprKind::Name(value), Some(FactorItem::Group(pair))) = (&expr.kind, next)
             && pair.clone().into_inner().count() != 1

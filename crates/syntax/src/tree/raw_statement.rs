@@ -28,8 +28,7 @@ pub(crate) struct Head {
 
 /// How a program converts a value before naming it.
 pub(crate) enum Wrap {
-    /// The value replaces the components `letters` of the vector `before`, which has `size`
-    /// components.
+    /// The value replaces the components `letters` of the vector `before` of `size` components.
     Write { letters: String, before: ExprKind, size: usize },
     /// The value is a condition, converted to 1 where it holds, else 0.
     Flag,

@@ -9,7 +9,7 @@ use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, form, names, nativ
 /// The names that are visible to statements.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scope {
-    /// Names that the document or an override defines, with their number of parameters, or `None`
+    /// Number of parameters of each function that the document or an override defines, or `None`
     /// for a value.
     defined: FxHashMap<String, Option<usize>>,
     /// Coordinates that are used but not defined by the text, and so get a standard definition.
@@ -21,8 +21,7 @@ pub(crate) struct Scope {
 /// Longest name, in bytes, that is tried as a product of letters.
 const LONGEST_PRODUCT: usize = 64;
 
-/// Names in other languages, with their names here. A product of letters that have values takes
-/// precedence.
+/// Names in other languages, with their names here. Products of letters take precedence.
 const ELSEWHERE: &[(&str, &str)] = &[
     ("tg", "tan"),
     ("ctg", "cot"),
@@ -49,8 +48,7 @@ pub(crate) fn built_in(name: &str) -> NameMeaning {
     Scope::default().meaning(name, &[])
 }
 
-/// The equivalent here of a function's name in another language, to be shown in a note. Constants
-/// get no note.
+/// The name here of another language's function, to be shown in a note. Constants get no note.
 pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
     let found = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
     found.filter(|here| callee.name() == *here)
@@ -197,8 +195,7 @@ impl Scope {
         }
     }
 
-    /// The known name closest to `name`, if one is close. With `functions`, only functions are
-    /// considered.
+    /// The known name closest to `name`, if one is close; with `functions`, only among functions.
     pub(crate) fn nearest(&self, name: &str, locals: &[Name], functions: bool) -> Option<String> {
         let own = self.defined.iter();
         let mut candidates: Vec<&str> = own
@@ -225,8 +222,7 @@ pub(crate) fn coordinate(name: &str) -> Option<Axis> {
 /// The candidate closest to `name`, if it is few edits away for its length. Ties are broken by the
 /// closest length, so that a swap of two letters wins over a lost letter, and then by the alphabet.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    // A comparison costs the product of the lengths, so names too long to be close to any candidate
-    // are skipped.
+    // A comparison costs the product of the lengths. Names that are too long to match are skipped.
     const LONGEST: usize = 24;
     if name.len() > LONGEST {
         return None;
@@ -300,7 +296,7 @@ pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
 }
 
-/// The signatures of the language's function called `name`, empty if there is none. `internal`
+/// The signatures of the language's function called `name`; empty if it does not exist. `internal`
 /// includes internal operations.
 pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
     let form = |function, count| Signature { function, count, or_more: false };

@@ -152,8 +152,8 @@ impl Builder<'_> {
     }
 }
 
-/// Builds a sum or a product. `ends` are the first and last number and perhaps a step; else it is
-/// `None`.
+/// Builds a sum or a product; `None` unless `ends` are a first and a last number and at most a
+/// step.
 #[inline(never)]
 fn series(
     is_product: bool,

@@ -1,5 +1,4 @@
-//! Special forms, which look like functions but take more than numbers, in the spellings of several
-//! languages.
+//! Special forms, in the spellings of several languages. They take more than numbers as arguments.
 
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::spelling::plain_name;
@@ -330,8 +329,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Reads a repeated function: its name, the count, the start value, and arguments that stay the
-    /// same.
+    /// Reads a repeated function: its name, the count, the start value, and constant arguments.
     #[inline(never)]
     fn iterate(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let [name, rest @ ..] = parts else { return Ok(None) };

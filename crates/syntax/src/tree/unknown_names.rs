@@ -1,4 +1,4 @@
-//! Errors about names without a meaning, with suggestions of what was meant.
+//! Errors about names without a meaning, with suggestions.
 
 use crate::lex::spelling::{short_name, start, token_kind};
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -69,8 +69,7 @@ impl Builder<'_> {
             .then(|| Error::new(statement, ErrorKind::InWords))
     }
 
-    /// The brackets around `place`, if they end the statement and hold words only, as in `x = 1 (a
-    /// plane)`.
+    /// The brackets around `place`, if they end the statement with words, as in `x = 1 (a plane)`.
     fn remark(&self, place: Span) -> Option<Span> {
         let tokens = &self.lexed.tokens;
         let close = tokens.last().filter(|last| last.kind == CloseParen)?;
@@ -242,8 +241,7 @@ impl Scope {
         missing.all(|other| other == letter).then_some(letter)
     }
 
-    /// Separates `xsin` as `x*sin`, `sin2x` as `sin(2x)` and `pix` as `pi*x`, if all parts have
-    /// meanings.
+    /// Separates `xsin` as `x*sin`, `sin2x` as `sin(2x)`, `pix` as `pi*x`, if all parts are known.
     fn run_together(&self, name: &str, locals: &[Name]) -> Option<String> {
         if name.len() > LONGEST {
             return None;

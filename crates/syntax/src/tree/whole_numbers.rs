@@ -1,5 +1,4 @@
-//! Whole numbers that must be known when a formula is expanded: factorials, and the numbers of
-//! terms of sums.
+//! Whole numbers that must be known to expand a formula: factorials, and the lengths of sums.
 
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;

@@ -1,4 +1,4 @@
-//! Every example file is read without an error, draws one surface, and has a description.
+//! Checks the example files: each is read without an error, draws one surface, and has a title.
 
 use zeroset_syntax::{Note, NoteKind, Options, read};
 

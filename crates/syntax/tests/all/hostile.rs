@@ -1,5 +1,4 @@
-//! Texts designed to overflow, hang or panic. Each is read, or refused with one clear error, on a
-//! small stack.
+//! Texts designed to overflow, hang or panic: each is read or refused, on a small stack.
 
 use std::fmt::Write as _;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};

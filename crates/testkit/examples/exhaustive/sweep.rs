@@ -26,7 +26,7 @@ const NEAR_LIMIT: f32 = 192.0;
 pub struct Function {
     /// The operation.
     pub op: Op,
-    truth: fn(f32) -> Truth,
+    truth: fn(f32) -> ReferenceValue,
     /// Lower and upper bound of all its values.
     range: [f64; 2],
     limit: f32,
@@ -36,7 +36,7 @@ pub struct Function {
 
 /// Reference value of a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Truth {
+enum ReferenceValue {
     /// The function is undefined.
     Undefined,
     /// The value is this number.
@@ -124,11 +124,11 @@ pub fn functions() -> Vec<Function> {
     ]
 }
 
-fn where_defined(defined: bool, value: f64, exact: bool) -> Truth {
+fn where_defined(defined: bool, value: f64, exact: bool) -> ReferenceValue {
     match (defined, exact) {
-        (false, _) => Truth::Undefined,
-        (true, true) => Truth::Exactly(value),
-        (true, false) => Truth::Near(value),
+        (false, _) => ReferenceValue::Undefined,
+        (true, true) => ReferenceValue::Exactly(value),
+        (true, false) => ReferenceValue::Near(value),
     }
 }
 
@@ -265,15 +265,15 @@ impl Function {
     fn judge(&self, x: f32, lo: f32, hi: f32, facts: Facts, report: &mut Report) {
         report.tried += 1;
         let (value, exact) = match (self.truth)(x) {
-            Truth::Undefined => {
+            ReferenceValue::Undefined => {
                 // At a point outside its domain the function must be reported as undefined.
                 if facts != Facts::NOWHERE {
                     report.violate(x);
                 }
                 return;
             }
-            Truth::Exactly(value) => (value, true),
-            Truth::Near(value) => (value, false),
+            ReferenceValue::Exactly(value) => (value, true),
+            ReferenceValue::Near(value) => (value, false),
         };
         // The value, widened by an ulp of f64 within the range of the function.
         let claim = if exact {

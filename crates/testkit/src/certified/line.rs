@@ -56,7 +56,7 @@ impl Line {
         (range.lo, range.hi)
     }
 
-    /// Returns the values of the parameters of an [`Along`].
+    /// Returns the values of the parameters of an [`FunctionOnLine`].
     pub(super) fn parameters(&self) -> Vec<(f64, f64)> {
         self.eye.iter().chain(&self.direction).map(|value| (*value, *value)).collect()
     }
@@ -66,13 +66,13 @@ impl Line {
 ///
 /// t is the coordinate x. The numbers of the line are parameters, so one graph serves every line.
 #[derive(Clone, Debug)]
-pub struct Along {
+pub struct FunctionOnLine {
     pub(super) graph: Graph,
     pub(super) root: NodeId,
     pub(super) slope: NodeId,
 }
 
-impl Along {
+impl FunctionOnLine {
     pub(super) fn new(typed: &Graph, root: NodeId, parameters: &[Constant]) -> Self {
         let needed = typed.reachable(&[root]);
         let mut graph = Graph::new();

@@ -1,7 +1,7 @@
 //! Search for zeros on a ray: pieces are halved until each is proven empty or too small to decide.
 
-use super::line::{Along, Clip, Line};
-use super::{Certificate, Crossing, Reason, Unresolved};
+use super::line::{FunctionOnLine, Clip, Line};
+use super::{Certificate, Crossing, UnresolvedReason, Unresolved};
 use crate::oracle::{BoxClaim, Defined, Oracle, Span};
 
 /// Least length of a piece, as a share of the ray's path through the box. Where the function is
@@ -18,13 +18,13 @@ const NEWTON_LEAVES: f64 = 0.5;
 const NEWTON_MARGIN: f64 = 0.125;
 
 /// Result of evaluating the function on a piece.
-enum Verdict {
+enum PieceResult {
     /// The piece contains no zero. The sign is that of the values, if there are any.
     Empty(Option<Sign>),
     /// The piece has to be cut at these distances.
     Cut(Vec<f64>),
     /// The piece is too small to cut. If no reason is given, the signs on either side decide.
-    Leaf(Option<Reason>),
+    Leaf(Option<UnresolvedReason>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +39,7 @@ struct Cluster {
     near: f64,
     far: f64,
     before: Option<Sign>,
-    reason: Option<Reason>,
+    reason: Option<UnresolvedReason>,
 }
 
 /// The search for zeros on one line.
@@ -47,29 +47,29 @@ pub(super) struct Search<'a> {
     value: Oracle<'a>,
     both: Oracle<'a>,
     parameters: Vec<(f64, f64)>,
-    left: u32,
+    remaining: u32,
     budget: u32,
     smallest: f64,
-    found: Vec<Unresolved>,
+    unresolved: Vec<Unresolved>,
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(function: &'a Along, line: &Line, budget: u32) -> Self {
-        let Along { graph, root, slope } = function;
+    pub(super) fn new(function: &'a FunctionOnLine, line: &Line, budget: u32) -> Self {
+        let FunctionOnLine { graph, root, slope } = function;
         Self {
             value: Oracle::new(graph, &[*root]),
             both: Oracle::new(graph, &[*root, *slope]),
             parameters: line.parameters(),
-            left: budget,
+            remaining: budget,
             budget,
             smallest: 0.0,
-            found: Vec::new(),
+            unresolved: Vec::new(),
         }
     }
 
     pub(super) fn run(mut self, clip: Option<Clip>) -> Certificate {
         let crossing = clip.and_then(|clip| self.search(&clip));
-        Certificate { unresolved: self.found, crossing, evaluations: self.budget - self.left }
+        Certificate { unresolved: self.unresolved, crossing, evaluations: self.budget - self.remaining }
     }
 
     fn search(&mut self, clip: &Clip) -> Option<Crossing> {
@@ -83,81 +83,81 @@ impl<'a> Search<'a> {
         let mut cluster: Option<Cluster> = None;
         let mut before = None;
         while let Some((near, far)) = pieces.pop() {
-            if self.left == 0 || self.found.len() >= MOST_UNRESOLVED {
+            if self.remaining == 0 || self.unresolved.len() >= MOST_UNRESOLVED {
                 self.give_up(cluster.map_or(near, |cluster| cluster.near), end);
                 return None;
             }
-            match self.look(near, far) {
-                Verdict::Empty(sign) => {
-                    let crossing = cluster.take().and_then(|c| self.close(c, sign, clip));
+            match self.evaluate_piece(near, far) {
+                PieceResult::Empty(sign) => {
+                    let crossing = cluster.take().and_then(|c| self.decide(c, sign, clip));
                     if crossing.is_some() {
                         return crossing;
                     }
                     before = sign;
                 }
-                Verdict::Cut(at) => {
+                PieceResult::Cut(at) => {
                     let mut ends = vec![near];
                     ends.extend(at);
                     ends.push(far);
                     pieces.extend(ends.windows(2).rev().map(|ends| (ends[0], ends[1])));
                 }
-                Verdict::Leaf(reason) => {
+                PieceResult::Leaf(reason) => {
                     let open = cluster.get_or_insert(Cluster { near, far, before, reason });
                     open.far = far;
                     open.reason = open.reason.max(reason);
                 }
             }
         }
-        cluster.and_then(|cluster| self.close(cluster, None, clip))
+        cluster.and_then(|cluster| self.decide(cluster, None, clip))
     }
 
     fn give_up(&mut self, near: f64, far: f64) {
-        self.found.push(Unresolved { near, far, reason: Reason::Budget });
+        self.unresolved.push(Unresolved { near, far, reason: UnresolvedReason::Budget });
     }
 
     /// Decides on adjacent leaves by the signs on either side.
     ///
     /// A leaf in which the function is defined shares an end with an empty piece. The function has
     /// a value there, with the sign of the empty piece.
-    fn close(&mut self, cluster: Cluster, after: Option<Sign>, clip: &Clip) -> Option<Crossing> {
+    fn decide(&mut self, cluster: Cluster, after: Option<Sign>, clip: &Clip) -> Option<Crossing> {
         let Cluster { near, far, before, reason } = cluster;
         let inside = clip.inner[0] <= near && far <= clip.inner[1];
         let reason = match (reason, before, after) {
             (Some(reason), ..) => reason,
-            (None, Some(before), Some(after)) if before == after => Reason::Touching,
+            (None, Some(before), Some(after)) if before == after => UnresolvedReason::Touching,
             (None, Some(_), Some(_)) if inside => {
                 let [_, slope] = self.slope(near, far);
                 let simple = slope.values.defined == Defined::Yes && !span(&slope).has_zero();
                 return Some(Crossing { near, far, simple });
             }
-            (None, ..) => Reason::Edge,
+            (None, ..) => UnresolvedReason::Edge,
         };
-        self.found.push(Unresolved { near, far, reason });
+        self.unresolved.push(Unresolved { near, far, reason });
         None
     }
 
-    fn look(&mut self, near: f64, far: f64) -> Verdict {
+    fn evaluate_piece(&mut self, near: f64, far: f64) -> PieceResult {
         let natural = self.value(near, far);
         if natural.values.defined == Defined::No {
-            return Verdict::Empty(None);
+            return PieceResult::Empty(None);
         }
         if let Some(sign) = sign(span(&natural)) {
-            return Verdict::Empty(Some(sign));
+            return PieceResult::Empty(Some(sign));
         }
         let middle = near + (far - near) / 2.0;
         let small = far - near <= self.smallest || middle <= near || far <= middle;
         if !natural.continuous {
             let reason = if natural.values.defined == Defined::Yes {
-                Reason::Jump
+                UnresolvedReason::Jump
             } else {
-                Reason::Undefined
+                UnresolvedReason::Undefined
             };
-            return if small { Verdict::Leaf(Some(reason)) } else { Verdict::Cut(vec![middle]) };
+            return if small { PieceResult::Leaf(Some(reason)) } else { PieceResult::Cut(vec![middle]) };
         }
         let [_, slope] = self.slope(near, far);
         let usable = slope.values.defined == Defined::Yes && span(&slope).is_bounded();
         if !usable {
-            return if small { Verdict::Leaf(None) } else { Verdict::Cut(vec![middle]) };
+            return if small { PieceResult::Leaf(None) } else { PieceResult::Cut(vec![middle]) };
         }
         // The mean value theorem: f(t) lies in f(m) + F'·(t − m).
         let slope = span(&slope);
@@ -165,13 +165,13 @@ impl<'a> Search<'a> {
         let change = slope.mul(Span::new(near, far).sub(from));
         let mean = at_middle.add(change);
         if let Some(sign) = sign(mean) {
-            return Verdict::Empty(Some(sign));
+            return PieceResult::Empty(Some(sign));
         }
         let noise = at_middle.hi - at_middle.lo;
         if small || change.hi.max(-change.lo) <= noise {
-            return Verdict::Leaf(None);
+            return PieceResult::Leaf(None);
         }
-        Verdict::Cut(newton(near, far, middle, at_middle, slope).unwrap_or(vec![middle]))
+        PieceResult::Cut(newton(near, far, middle, at_middle, slope).unwrap_or(vec![middle]))
     }
 
     /// Whether the function is below 0 between two distances, if that is certain throughout.
@@ -186,12 +186,12 @@ impl<'a> Search<'a> {
     }
 
     fn value(&mut self, near: f64, far: f64) -> BoxClaim {
-        self.left = self.left.saturating_sub(1);
+        self.remaining = self.remaining.saturating_sub(1);
         self.value.over([(near, far), (0.0, 0.0), (0.0, 0.0)], &self.parameters)[0]
     }
 
     fn slope(&mut self, near: f64, far: f64) -> [BoxClaim; 2] {
-        self.left = self.left.saturating_sub(1);
+        self.remaining = self.remaining.saturating_sub(1);
         let claims = self.both.over([(near, far), (0.0, 0.0), (0.0, 0.0)], &self.parameters);
         [claims[0], claims[1]]
     }

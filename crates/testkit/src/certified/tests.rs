@@ -20,7 +20,7 @@ fn crosses_at(certificate: &Certificate, distance: f64) {
     assert!(crossing.far - crossing.near < 1e-10, "{certificate:?}");
 }
 
-fn reasons(certificate: &Certificate) -> Vec<Reason> {
+fn reasons(certificate: &Certificate) -> Vec<UnresolvedReason> {
     certificate.unresolved.iter().map(|piece| piece.reason).collect()
 }
 
@@ -76,26 +76,26 @@ fn a_ray_without_a_root_misses() {
 
 #[test]
 fn what_it_cannot_know_has_its_reason() {
-    assert_eq!(reasons(&along_x("(x-1/3)^2")), [Reason::Touching]);
-    assert_eq!(reasons(&along_x("abs(x)")), [Reason::Touching]);
-    assert_eq!(reasons(&along_x("1/(x-1/3)")), [Reason::Undefined]);
-    assert_eq!(reasons(&along_x("sqrt(x)")), [Reason::Undefined]);
-    assert_eq!(reasons(&along_x("floor(x)+1/2")), [Reason::Jump]);
-    assert_eq!(reasons(&along_x("x + 4")), [Reason::Edge]);
+    assert_eq!(reasons(&along_x("(x-1/3)^2")), [UnresolvedReason::Touching]);
+    assert_eq!(reasons(&along_x("abs(x)")), [UnresolvedReason::Touching]);
+    assert_eq!(reasons(&along_x("1/(x-1/3)")), [UnresolvedReason::Undefined]);
+    assert_eq!(reasons(&along_x("sqrt(x)")), [UnresolvedReason::Undefined]);
+    assert_eq!(reasons(&along_x("floor(x)+1/2")), [UnresolvedReason::Jump]);
+    assert_eq!(reasons(&along_x("x + 4")), [UnresolvedReason::Edge]);
     let document = read("x", &Options::default()).expect("reads");
     let function = Function::new(&document.graph, document.surfaces[0].root, &[]);
     let line = Line { eye: [-8.0, 0.0, 0.0], direction: [1.0, 0.0, 0.0] };
     let certificate = function.trace(&line, &[[-4.0, 4.0]; 3], 2);
-    assert_eq!(reasons(&certificate), [Reason::Budget]);
+    assert_eq!(reasons(&certificate), [UnresolvedReason::Budget]);
 }
 
 #[test]
 fn a_crossing_behind_what_it_cannot_know_is_found() {
     let certificate = along_x("x^2*(x-1)");
-    assert_eq!(reasons(&certificate), [Reason::Touching]);
+    assert_eq!(reasons(&certificate), [UnresolvedReason::Touching]);
     crosses_at(&certificate, 9.0);
     let certificate = along_x("1/(x-1/3) - 1/2");
-    assert_eq!(reasons(&certificate), [Reason::Undefined]);
+    assert_eq!(reasons(&certificate), [UnresolvedReason::Undefined]);
     crosses_at(&certificate, 31.0 / 3.0);
     // Pieces with no number between them are merged.
     let certificate = along_x("x^2*(x-1e-15)");

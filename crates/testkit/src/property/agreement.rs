@@ -18,7 +18,7 @@ const LONGEST: usize = 400;
 
 /// The query that a kernel answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
+pub enum KernelKind {
     /// Enclosures over boxes.
     Bounds,
     /// Values at points.
@@ -37,7 +37,7 @@ pub enum Subject {
     Tiles,
 }
 
-impl Subject {
+impl KernelKind {
     /// All kinds of kernels.
     pub const ALL: [Self; 8] = [
         Self::Bounds,
@@ -91,7 +91,7 @@ impl Subject {
 /// # Panics
 /// If the code of a function of moderate length does not compile.
 pub fn agree<T: Adversarial>(
-    subject: Subject,
+    subject: KernelKind,
     simple: bool,
     case: &Case,
     rng: &mut Rng,
@@ -104,28 +104,28 @@ pub fn agree<T: Adversarial>(
     let widths: Vec<usize> = vector_widths().collect();
     let width = widths[if rng.bool() { 0 } else { rng.u32(0..widths.len() as u32) as usize }];
     match subject {
-        Subject::Bounds => {
+        KernelKind::Bounds => {
             compare::<Enclose, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
-        Subject::Zeros | Subject::Branches => {
+        KernelKind::Zeros | KernelKind::Branches => {
             compare::<FindZeros, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
-        Subject::GradientBounds => {
+        KernelKind::GradientBounds => {
             compare::<EncloseGradient, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
-        Subject::Segments => compare::<ContractSegments, T>(
+        KernelKind::Segments => compare::<ContractSegments, T>(
             case,
             &tape,
             &batches(case, rng, inputs, segments),
             width,
         ),
-        Subject::Tiles => {
+        KernelKind::Tiles => {
             compare::<ContractTiles, T>(case, &tape, &batches(case, rng, inputs, tiles), width)
         }
-        Subject::Values => {
+        KernelKind::Values => {
             compare::<Sample, T>(case, &tape, &batches(case, rng, inputs, points), width)
         }
-        Subject::Gradients => {
+        KernelKind::Gradients => {
             compare::<SampleGradient, T>(case, &tape, &batches(case, rng, inputs, points), width)
         }
     }
@@ -159,7 +159,7 @@ fn random_points<T: Adversarial>(_: &Case, rng: &mut Rng, count: usize) -> Point
 }
 
 /// Puts arbitrary numbers into some lanes, since the comparison needs no valid rays.
-fn spoilt<T: Adversarial, B: Input<T>>(mut batch: B, rng: &mut Rng) -> B {
+fn with_arbitrary_numbers<T: Adversarial, B: Input<T>>(mut batch: B, rng: &mut Rng) -> B {
     if rng.u32(0..4) == 0 {
         for number in 0..B::QUANTITIES {
             for lane in &mut batch.quantity_mut(number).0 {
@@ -174,14 +174,14 @@ fn spoilt<T: Adversarial, B: Input<T>>(mut batch: B, rng: &mut Rng) -> B {
 
 fn random_tiles<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Tiles<T> {
     let tiles: Vec<_> = (0..count).map(|_| Tile::random::<T>(case, rng)).collect();
-    spoilt(pack_tiles(&tiles), rng)
+    with_arbitrary_numbers(pack_tiles(&tiles), rng)
 }
 
 fn random_segments<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Segments<T> {
     let mut tile = Tile::random::<T>(case, rng);
     let probe = tile.random_probes::<T>(case, rng, 4).first().copied().unwrap_or_default();
     let tiles: Vec<_> = (0..count).map(|_| tile.narrower::<T>(rng, &probe)).collect();
-    spoilt(pack_segments(&tiles, &probe), rng)
+    with_arbitrary_numbers(pack_segments(&tiles, &probe), rng)
 }
 
 /// Whether two results are equal in the first `count` lanes.

@@ -1,7 +1,7 @@
 //! Queries about segments and tiles of rays: a function has no zero where the kernel reports none,
 //! and the plane of a tile is as close to it as reported.
 
-use super::Subject;
+use super::KernelKind;
 use super::tile::{Probe, Tile, pack_segments, pack_tiles};
 use crate::suite::Failure;
 use crate::{Adversarial, Case, Claim, Defined, Oracle, Place, Rng, minimise};
@@ -19,9 +19,9 @@ const PROBES: usize = 8;
 /// Number of values of a case that are turned into roots.
 const ROOTS: usize = 2;
 
-/// Counts of the checks done by [`contract`].
+/// Counts of the checks done by [`check_contraction`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Contracted {
+pub struct ContractionTally {
     /// Number of points.
     pub points: u64,
     /// Number of points at which a value was compared with a plane.
@@ -34,7 +34,7 @@ pub struct Contracted {
     pub crossings: u64,
 }
 
-impl Contracted {
+impl ContractionTally {
     /// Adds the counts of `other`.
     pub fn add(&mut self, other: Self) {
         self.points += other.points;
@@ -47,7 +47,7 @@ impl Contracted {
 
 /// The way in which kernels are created.
 #[derive(Clone, Copy, Debug)]
-pub struct Manner {
+pub struct KernelOptions {
     /// Whether the function is simplified first.
     pub simple: bool,
     /// The evaluator of the kernel.
@@ -65,9 +65,9 @@ pub enum Engine {
     ComparisonKernel(Arithmetic),
 }
 
-impl Manner {
+impl KernelOptions {
     fn kernel<Q: Query, T: Adversarial>(self, case: &Case) -> Option<Box<dyn Kernel<Q, T>>> {
-        let tape: Tape<T> = Subject::Tiles.tape(self.simple, case)?;
+        let tape: Tape<T> = KernelKind::Tiles.tape(self.simple, case)?;
         let binding = Binding::new(&case.parameters);
         Some(match self.engine {
             Engine::Reference => Box::new(Reference::new(tape, binding)),
@@ -86,14 +86,14 @@ impl Manner {
 ///
 /// # Errors
 /// The first contradiction, shrunk.
-pub fn contract<T: Adversarial>(
-    manner: Manner,
+pub fn check_contraction<T: Adversarial>(
+    kernel_options: KernelOptions,
     case: &Case,
     rng: &mut Rng,
     batches: usize,
-) -> Result<Contracted, Failure> {
-    let mut all = Contracted::default();
-    let Some(kernel) = manner.kernel::<ContractTiles, T>(case) else { return Ok(all) };
+) -> Result<ContractionTally, Failure> {
+    let mut all = ContractionTally::default();
+    let Some(kernel) = kernel_options.kernel::<ContractTiles, T>(case) else { return Ok(all) };
     let oracle = Oracle::new(&case.graph, &[case.root]);
     let mut known = Vec::new();
     for _ in 0..batches {
@@ -115,7 +115,7 @@ pub fn contract<T: Adversarial>(
             all.planes += if plane.error.is_finite() { defined as u64 } else { 0 };
             all.crossings += u64::from(plane.crossing && defined > 0);
             if plane.contradiction(tile, probes, &claims).is_some() {
-                return Err(explain::<T>(manner, case, tile, probes, &values));
+                return Err(explain::<T>(kernel_options, case, tile, probes, &values));
             }
             for (probe, claim) in probes.iter().zip(claims) {
                 if is_narrow(claim) {
@@ -131,12 +131,12 @@ pub fn contract<T: Adversarial>(
         let (tile, probe, claim, values) = &known[rng.u32(0..known.len() as u32) as usize];
         let tiles: Vec<Tile> = (0..LANES).map(|_| tile.narrower::<T>(rng, probe)).collect();
         // Compiling is slow, and the reference gives the same bits.
-        let manner = match manner.engine {
-            Engine::Native => Manner { engine: Engine::Reference, ..manner },
-            Engine::Reference | Engine::ComparisonKernel(_) => manner,
+        let kernel_options = match kernel_options.engine {
+            Engine::Native => KernelOptions { engine: Engine::Reference, ..kernel_options },
+            Engine::Reference | Engine::ComparisonKernel(_) => kernel_options,
         };
-        if let Some(lost) = lost_root::<T>(manner, case, &tiles, probe, *claim, &mut all) {
-            return Err(explain_root::<T>(manner, case, &tiles[lost], probe, values));
+        if let Some(lost) = lost_root::<T>(kernel_options, case, &tiles, probe, *claim, &mut all) {
+            return Err(explain_root::<T>(kernel_options, case, &tiles[lost], probe, values));
         }
     }
     Ok(all)
@@ -152,17 +152,17 @@ fn with_root(case: &Case, claim: Claim) -> Case {
 
 /// Returns the index of a tile for which the root at a probe is denied or left out.
 fn lost_root<T: Adversarial>(
-    manner: Manner,
+    kernel_options: KernelOptions,
     case: &Case,
     tiles: &[Tile],
     probe: &Probe,
     claim: Claim,
-    all: &mut Contracted,
+    all: &mut ContractionTally,
 ) -> Option<usize> {
     let case = with_root(case, claim);
-    let planes = &manner.kernel::<ContractTiles, T>(&case)?.eval_all(&[pack_tiles(tiles)])[0];
+    let planes = &kernel_options.kernel::<ContractTiles, T>(&case)?.eval_all(&[pack_tiles(tiles)])[0];
     let segments = pack_segments::<T>(tiles, probe);
-    let ends = &manner.kernel::<ContractSegments, T>(&case)?.eval_all(&[segments])[0];
+    let ends = &kernel_options.kernel::<ContractSegments, T>(&case)?.eval_all(&[segments])[0];
     (0..tiles.len()).find(|&lane| {
         let [near, far] = tiles[lane].span;
         let mut lost = false;
@@ -179,7 +179,7 @@ fn lost_root<T: Adversarial>(
 }
 
 fn explain_root<T: Adversarial>(
-    manner: Manner,
+    kernel_options: KernelOptions,
     case: &Case,
     tile: &Tile,
     probe: &Probe,
@@ -189,13 +189,13 @@ fn explain_root<T: Adversarial>(
     let mut loses = |case: &Case| {
         let claim = value_of(case);
         is_narrow(claim)
-            && lost_root::<T>(manner, case, &[*tile], probe, claim, &mut Contracted::default())
+            && lost_root::<T>(kernel_options, case, &[*tile], probe, claim, &mut ContractionTally::default())
                 .is_some()
     };
     let least = minimise(case, &mut loses);
     let claim = value_of(&least);
     let case = with_root(&least, claim).describe::<T>(&Place::At(probe.at));
-    Failure::new(format!("{manner:?} loses the root at {probe:?} of {tile:?}\n{case}"))
+    Failure::new(format!("{kernel_options:?} loses the root at {probe:?} of {tile:?}\n{case}"))
 }
 
 /// Whether a value is known precisely enough to be subtracted.
@@ -286,14 +286,14 @@ fn claims_by_ray<'a>(probes: &[Probe], claims: &'a [Claim]) -> Vec<&'a [Claim]> 
 }
 
 fn explain<T: Adversarial>(
-    manner: Manner,
+    kernel_options: KernelOptions,
     case: &Case,
     tile: &Tile,
     probes: &[Probe],
     values: &[(f64, f64)],
 ) -> Failure {
     let ask = |case: &Case| {
-        let kernel = manner.kernel::<ContractTiles, T>(case)?;
+        let kernel = kernel_options.kernel::<ContractTiles, T>(case)?;
         let plane = Plane::of(&kernel.eval_all(&[pack_tiles::<T>(&[*tile])])[0], 0);
         let oracle = Oracle::new(&case.graph, &[case.root]);
         let within = |probe: &Probe| {
@@ -308,5 +308,5 @@ fn explain<T: Adversarial>(
     };
     let least = minimise(case, &mut |case| ask(case).is_some());
     let what = ask(&least).unwrap_or_else(|| "it depends on the other lanes".to_owned());
-    Failure::new(format!("{manner:?} {what}\n{}", least.describe::<T>(&Place::At(probes[0].at))))
+    Failure::new(format!("{kernel_options:?} {what}\n{}", least.describe::<T>(&Place::At(probes[0].at))))
 }

@@ -19,7 +19,7 @@ const POINTS: usize = 8;
 
 /// Counts of the checks done by [`linear`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Lines {
+pub struct FormTally {
     /// Number of points at which a value was compared: the operation is defined there, and the form
     /// has a finite error.
     pub compared: u64,
@@ -31,7 +31,7 @@ pub struct Lines {
     pub lanes: u64,
 }
 
-impl Lines {
+impl FormTally {
     /// Adds the counts of `other`.
     pub fn add(&mut self, other: Self) {
         self.compared += other.compared;
@@ -42,7 +42,7 @@ impl Lines {
 }
 
 /// The kind of an operand, for all lanes.
-enum Kind {
+enum OperandKind {
     /// An affine form c + Σ s·ε ± e.
     Varying,
     /// A value known only by bounds.
@@ -53,7 +53,7 @@ enum Kind {
 
 /// One operand in one lane.
 #[derive(Clone, Copy, Debug, Default)]
-struct Lane {
+struct OperandLane {
     centre: f64,
     slopes: [f64; SYMBOLS],
     error: f64,
@@ -61,10 +61,10 @@ struct Lane {
 }
 
 /// An operand: its lanes, its assumed range, and its values at the points of each lane.
-struct Drawn {
-    kind: Kind,
+struct RandomOperand {
+    kind: OperandKind,
     range: Interval,
-    lanes: Vec<Lane>,
+    lanes: Vec<OperandLane>,
     values: Vec<[f64; POINTS]>,
 }
 
@@ -76,29 +76,29 @@ type Symbols = [[f64; SYMBOLS]; POINTS];
 ///
 /// # Errors
 /// The first contradiction.
-pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Lines, Failure> {
-    let mut lines = Lines::default();
+pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<FormTally, Failure> {
+    let mut form_tally = FormTally::default();
     for _ in 0..rounds {
         let symbols: Vec<Symbols> = (0..T::VECTOR_LANES).map(|_| random_symbols(rng)).collect();
         let inner = random_inner(op, rng);
         let fixed = rng.u32(0..2 * op.arity() as u32) as usize;
         let made_of = inner.map_or(0, Op::arity);
-        let mut operands: Vec<Drawn> =
-            (0..made_of).map(|_| Drawn::random::<T>(rng, Kind::Varying, &symbols)).collect();
+        let mut operands: Vec<RandomOperand> =
+            (0..made_of).map(|_| RandomOperand::random::<T>(rng, OperandKind::Varying, &symbols)).collect();
         operands.extend((made_of.min(1)..op.arity()).map(|place| {
             let kind = match rng.u32(0..4) {
                 // The exponent of a power is mostly a constant.
-                _ if op == Op::Pow && place == 1 && fixed > 0 => Kind::Fixed(exponent(rng)),
-                0 if op.arity() > 1 && fixed == place => Kind::Fixed(random_constant(rng, true)),
-                1 if op.arity() > 1 && fixed == place => Kind::Between,
-                _ => Kind::Varying,
+                _ if op == Op::Pow && place == 1 && fixed > 0 => OperandKind::Fixed(exponent(rng)),
+                0 if op.arity() > 1 && fixed == place => OperandKind::Fixed(random_constant(rng, true)),
+                1 if op.arity() > 1 && fixed == place => OperandKind::Between,
+                _ => OperandKind::Varying,
             };
-            Drawn::random::<T>(rng, kind, &symbols)
+            RandomOperand::random::<T>(rng, kind, &symbols)
         }));
         let machine = Software::BOTH[usize::from(rng.bool())];
-        lines.add(compare::<T>(machine, op, inner, &symbols, &operands)?);
+        form_tally.add(compare::<T>(machine, op, inner, &symbols, &operands)?);
     }
-    Ok(lines)
+    Ok(form_tally)
 }
 
 /// Returns an operation that computes the first operand of `op`, or `None` if that is drawn
@@ -115,19 +115,19 @@ fn compare<T: Adversarial>(
     op: Op,
     inner: Option<Op>,
     symbols: &[Symbols],
-    operands: &[Drawn],
-) -> Result<Lines, Failure> {
-    let mut lines = Lines::default();
+    operands: &[RandomOperand],
+) -> Result<FormTally, Failure> {
+    let mut form_tally = FormTally::default();
     let mut graph = Graph::new();
     let mut nodes: Vec<_> = operands
         .iter()
         .zip(Axis::ALL)
         .map(|(operand, axis)| match &operand.kind {
-            Kind::Fixed(value) => graph.constant(value.clone()),
-            Kind::Varying | Kind::Between => graph.variable(axis),
+            OperandKind::Fixed(value) => graph.constant(value.clone()),
+            OperandKind::Varying | OperandKind::Between => graph.variable(axis),
         })
         .collect();
-    let mut forms: Vec<_> = operands.iter().map(Drawn::operand::<T>).collect();
+    let mut forms: Vec<_> = operands.iter().map(RandomOperand::operand::<T>).collect();
     if let Some(inner) = inner {
         let node = graph.apply(inner, &nodes[..inner.arity()]);
         nodes.splice(..inner.arity(), [node]);
@@ -153,12 +153,12 @@ fn compare<T: Adversarial>(
     for lane in 0..T::VECTOR_LANES {
         let slopes = slopes.map_or([0.0; SYMBOLS], |slopes| slopes.map(|slope| slope[lane]));
         let (centre, error) = (centre[lane], error[lane]);
-        lines.lanes += 1;
+        form_tally.lanes += 1;
         let fail = |what: String| {
             let operands = operands.iter().map(|operand| {
                 let constant = match &operand.kind {
-                    Kind::Fixed(value) => format!("{value:?}"),
-                    Kind::Varying | Kind::Between => String::new(),
+                    OperandKind::Fixed(value) => format!("{value:?}"),
+                    OperandKind::Varying | OperandKind::Between => String::new(),
                 };
                 format!("{constant} {:?} in {:?}", operand.lanes[lane], operand.range)
             });
@@ -175,19 +175,19 @@ fn compare<T: Adversarial>(
             continue;
         }
         let is_number = centre.is_finite() && slopes.iter().all(|slope| slope.is_finite());
-        let before = lines.compared;
+        let before = form_tally.compared;
         for (index, symbols) in symbols[lane].iter().enumerate() {
             let mut point = [0.0; 3];
             let values = operands.iter().map(|operand| operand.values[lane][index]);
             point.iter_mut().zip(values).for_each(|(coordinate, value)| *coordinate = value);
             let claims_nothing = point.iter().zip(operands).any(|(value, operand)| {
-                !matches!(operand.kind, Kind::Fixed(_)) && !operand.range.contains(*value)
+                !matches!(operand.kind, OperandKind::Fixed(_)) && !operand.range.contains(*value)
             });
             let claim = oracle.at(point, &[])[0];
             if claims_nothing || claim.defined != Defined::Yes {
                 continue;
             }
-            lines.compared += 1;
+            form_tally.compared += 1;
             if !is_number {
                 return fail("a form that is no number".into());
             }
@@ -200,12 +200,12 @@ fn compare<T: Adversarial>(
             }
         }
         // If nothing was compared, the operands have no values at these points.
-        if lines.compared > before {
-            lines.finite += 1;
-            lines.slanted += u64::from(slopes.iter().any(|slope| *slope != 0.0));
+        if form_tally.compared > before {
+            form_tally.finite += 1;
+            form_tally.slanted += u64::from(slopes.iter().any(|slope| *slope != 0.0));
         }
     }
-    Ok(lines)
+    Ok(form_tally)
 }
 
 /// Returns values of the symbols, mostly at corners of their range.
@@ -271,20 +271,20 @@ fn random_range<T: Adversarial>(rng: &mut Rng) -> Interval {
     Interval { lo, hi }
 }
 
-impl Drawn {
-    fn random<T: Adversarial>(rng: &mut Rng, kind: Kind, symbols: &[Symbols]) -> Self {
+impl RandomOperand {
+    fn random<T: Adversarial>(rng: &mut Rng, kind: OperandKind, symbols: &[Symbols]) -> Self {
         let range = match &kind {
-            Kind::Fixed(value) => {
+            OperandKind::Fixed(value) => {
                 let Interval { lo, hi } = value.bounds();
                 Interval { lo: -T::above(-lo).into(), hi: T::above(hi).into() }
             }
-            Kind::Varying | Kind::Between => random_range::<T>(rng),
+            OperandKind::Varying | OperandKind::Between => random_range::<T>(rng),
         };
         let (mut lanes, mut values) = (Vec::new(), Vec::new());
         for symbols in symbols {
             let (lane, at) = match &kind {
-                Kind::Varying => varying::<T>(rng, symbols),
-                Kind::Between => {
+                OperandKind::Varying => varying::<T>(rng, symbols),
+                OperandKind::Between => {
                     let mut end = || random_centre::<T>(rng).clamp(range.lo, range.hi);
                     let (a, b) = (end(), end());
                     let bounds = [a.min(b), a.max(b)];
@@ -292,10 +292,10 @@ impl Drawn {
                     let middle = bounds[0] * share + bounds[1] * (1.0 - share);
                     let at = [bounds[0], bounds[1], middle.clamp(bounds[0], bounds[1])];
                     let at = std::array::from_fn(|index| at[index % 3]);
-                    (Lane { bounds, ..Lane::default() }, at)
+                    (OperandLane { bounds, ..OperandLane::default() }, at)
                 }
-                Kind::Fixed(_) => {
-                    (Lane { bounds: [range.lo, range.hi], ..Lane::default() }, [0.0; POINTS])
+                OperandKind::Fixed(_) => {
+                    (OperandLane { bounds: [range.lo, range.hi], ..OperandLane::default() }, [0.0; POINTS])
                 }
             };
             lanes.push(lane);
@@ -305,7 +305,7 @@ impl Drawn {
     }
 
     fn operand<T: Adversarial>(&self) -> FormOperand<Vector, SYMBOLS> {
-        let lanes = |number: &dyn Fn(&Lane) -> f64| {
+        let lanes = |number: &dyn Fn(&OperandLane) -> f64| {
             let mut lanes = Lanes::<T>::default();
             for (to, lane) in lanes.iter_mut().zip(&self.lanes) {
                 *to = T::nearest(number(lane));
@@ -313,20 +313,20 @@ impl Drawn {
             T::load(&lanes, 0)
         };
         let value = match self.kind {
-            Kind::Varying => {
+            OperandKind::Varying => {
                 let slopes = [0, 1, 2].map(|k| lanes(&|lane| lane.slopes[k]));
                 let centre = lanes(&|lane| lane.centre);
                 Form::coordinate(centre, slopes, lanes(&|lane| lane.error))
             }
-            Kind::Fixed(_) => Form::constant(&mut Software::new(), T::FORMAT, self.range),
-            Kind::Between => {
+            OperandKind::Fixed(_) => Form::constant(&mut Software::new(), T::FORMAT, self.range),
+            OperandKind::Between => {
                 let (neg_lo, hi) = (lanes(&|lane| -lane.bounds[0]), lanes(&|lane| lane.bounds[1]));
                 Form::between(&mut Software::new(), T::FORMAT, &Enclosure::total(neg_lo, hi))
             }
         };
         let exponent = match &self.kind {
-            Kind::Fixed(value) => value.exponent(),
-            Kind::Varying | Kind::Between => Exponent::Real,
+            OperandKind::Fixed(value) => value.exponent(),
+            OperandKind::Varying | OperandKind::Between => Exponent::Real,
         };
         FormOperand { value, range: self.range, exponent }
     }
@@ -334,7 +334,7 @@ impl Drawn {
 
 /// Returns a lane, and values of its form: each the float nearest to the line, or an offset from
 /// it. The lane's error covers them all.
-fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (Lane, [f64; POINTS]) {
+fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (OperandLane, [f64; POINTS]) {
     let mut centre = random_centre::<T>(rng);
     let size = random_size::<T>(rng, centre);
     let slopes = [(); SYMBOLS].map(|()| match rng.u32(0..4) {
@@ -361,5 +361,5 @@ fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (Lane, [f64; POI
         value
     });
     let error = T::above(error).into();
-    (Lane { centre, slopes, error, bounds: [0.0; 2] }, values)
+    (OperandLane { centre, slopes, error, bounds: [0.0; 2] }, values)
 }

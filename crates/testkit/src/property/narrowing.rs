@@ -9,7 +9,7 @@ use zeroset_interval::{Form, Machine, Software, contract};
 
 /// One lane: c + Σ s·ε ± e. Its last symbol is ε for t = middle + half·ε from `near` to `far`.
 #[derive(Clone, Copy, Debug)]
-struct Lane<const N: usize> {
+struct LinearLane<const N: usize> {
     centre: f64,
     slopes: [f64; N],
     error: f64,
@@ -33,13 +33,13 @@ struct QueryResult {
 ///
 /// # Errors
 /// The first result that loses a zero, reports a false crossing, or narrows too little.
-pub fn narrow<T: Adversarial, const N: usize>(
+pub fn check_narrowing<T: Adversarial, const N: usize>(
     rng: &mut Rng,
     vectors: usize,
 ) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     for _ in 0..vectors {
-        let lanes: Vec<Lane<N>> = (0..T::VECTOR_LANES).map(|_| Lane::random::<T>(rng)).collect();
+        let lanes: Vec<LinearLane<N>> = (0..T::VECTOR_LANES).map(|_| LinearLane::random::<T>(rng)).collect();
         let mut machine = Software::BOTH[usize::from(rng.bool())];
         for (lane, answer) in lanes.iter().zip(answers::<T, N>(&mut machine, &lanes)) {
             tally.compared += 1;
@@ -59,9 +59,9 @@ pub fn narrow<T: Adversarial, const N: usize>(
 
 fn answers<T: Adversarial, const N: usize>(
     m: &mut Software,
-    lanes: &[Lane<N>],
+    lanes: &[LinearLane<N>],
 ) -> Vec<QueryResult> {
-    let load = |number: &dyn Fn(&Lane<N>) -> f64| {
+    let load = |number: &dyn Fn(&LinearLane<N>) -> f64| {
         let mut loaded = Lanes::<T>::default();
         for (to, lane) in loaded.iter_mut().zip(lanes) {
             *to = T::nearest(number(lane));
@@ -92,7 +92,7 @@ fn exact(x: f64) -> Option<BigRational> {
     BigRational::from_float(x)
 }
 
-impl<const N: usize> Lane<N> {
+impl<const N: usize> LinearLane<N> {
     fn random<T: Adversarial>(rng: &mut Rng) -> Self {
         let number = |x: f64| -> f64 { T::nearest(x).into() };
         let any = |rng: &mut Rng| -> f64 { T::adversarial(rng, Ends::Finite).into() };

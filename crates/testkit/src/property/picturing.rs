@@ -1,13 +1,13 @@
 //! Claims of a picture about its rays must be true according to the certified tracer.
 
 use super::scene::{Scene, describe};
-use crate::certified::{Certificate, Entry, Function, Line};
+use crate::certified::{Certificate, BoxEntry, Function, Line};
 use crate::suite::{Failure, Tally};
 
 /// The claim of a picture about one ray. Distances are multiples of the line's direction. A solid
 /// also has zeros where its inside meets the region's faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Claimed {
+pub enum RayClaim {
     /// There is no zero.
     Miss,
     /// The first zero lies between these distances.
@@ -24,7 +24,7 @@ pub struct Pixel {
     /// The ray.
     pub line: Line,
     /// The claim.
-    pub claimed: Claimed,
+    pub claimed: RayClaim,
     /// For a hit: the number of the painted surface, and the bracket of its distance.
     pub hit: Option<(usize, [f64; 2])>,
 }
@@ -40,16 +40,16 @@ fn rounding(scene: &Scene) -> f64 {
 
 /// Proven statements about a surface on a ray.
 #[derive(Debug)]
-struct Certain {
+struct SurfaceCertificate {
     /// The zeros of the function.
     zeros: Certificate,
     /// The face of the region, for a solid.
-    face: Option<Entry>,
+    face: Option<BoxEntry>,
     /// Whether it is known if the face belongs to the solid. True for other surfaces.
     known: bool,
 }
 
-impl Certain {
+impl SurfaceCertificate {
     fn of((function, solid): &(Function, bool), region: &[[f64; 2]; 3], line: &Line) -> Self {
         let face = solid.then(|| function.entry(line, region)).flatten();
         let known = !solid || face.is_some_and(|face| face.below.is_some());
@@ -88,8 +88,8 @@ pub fn picture(
     let Some(pixels) = draw(scene) else { return Ok(tally) };
     let (functions, region) = (scene.formula.functions(), &scene.formula.region);
     for pixel in &pixels {
-        let of = |function| Certain::of(function, region, &pixel.line);
-        let certain: Vec<Certain> = functions.iter().map(of).collect();
+        let of = |function| SurfaceCertificate::of(function, region, &pixel.line);
+        let certain: Vec<SurfaceCertificate> = functions.iter().map(of).collect();
         tally.compared += 1;
         tally.defined += u64::from(certain.iter().any(|one| one.zeros.crossing.is_some()));
         let Some(what) = contradiction(scene, pixel, &certain) else { continue };
@@ -103,22 +103,22 @@ pub fn picture(
     Ok(tally)
 }
 
-fn contradiction(scene: &Scene, pixel: &Pixel, certain: &[Certain]) -> Option<&'static str> {
+fn contradiction(scene: &Scene, pixel: &Pixel, certain: &[SurfaceCertificate]) -> Option<&'static str> {
     let Pixel { line, claimed, hit, .. } = *pixel;
     let unit = line.direction.iter().fold(0.0_f64, |length, part| length.hypot(*part)).recip();
-    let room = |distance: f64| rounding(scene) * (unit + distance);
-    let is_before = |near: f64, far: f64| near + room(near) < far;
-    let is_behind = |near: f64, far: f64| near > far + room(far);
-    let first = certain.iter().map(Certain::first).fold(f64::INFINITY, f64::min);
-    let last = certain.iter().map(Certain::last).fold(f64::INFINITY, f64::min);
+    let slack = |distance: f64| rounding(scene) * (unit + distance);
+    let is_before = |near: f64, far: f64| near + slack(near) < far;
+    let is_behind = |near: f64, far: f64| near > far + slack(far);
+    let first = certain.iter().map(SurfaceCertificate::first).fold(f64::INFINITY, f64::min);
+    let last = certain.iter().map(SurfaceCertificate::last).fold(f64::INFINITY, f64::min);
     match claimed {
-        Claimed::Miss if last < f64::INFINITY => return Some("a false miss"),
-        Claimed::Hit(_) if first == f64::INFINITY => return Some("a false hit"),
-        Claimed::Hit([_, at]) if is_before(at, first) => return Some("a hit before any zero"),
-        Claimed::Hit([at, _]) | Claimed::Undecided(at) if is_behind(at, last) => {
+        RayClaim::Miss if last < f64::INFINITY => return Some("a false miss"),
+        RayClaim::Hit(_) if first == f64::INFINITY => return Some("a false hit"),
+        RayClaim::Hit([_, at]) if is_before(at, first) => return Some("a hit before any zero"),
+        RayClaim::Hit([at, _]) | RayClaim::Undecided(at) if is_behind(at, last) => {
             return Some("a zero passed over");
         }
-        Claimed::Miss | Claimed::Hit(_) | Claimed::Undecided(_) => {}
+        RayClaim::Miss | RayClaim::Hit(_) | RayClaim::Undecided(_) => {}
     }
     let (surface, [near, far]) = hit?;
     let Some(painted) = certain.get(surface) else { return Some("no such surface") };

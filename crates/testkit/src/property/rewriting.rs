@@ -42,7 +42,7 @@ impl Versions {
 ///
 /// # Errors
 /// The first contradiction, with a smaller case that still shows it.
-pub fn keep(case: &Case, rng: &mut Rng) -> Result<Tally, Failure> {
+pub fn check_simplification(case: &Case, rng: &mut Rng) -> Result<Tally, Failure> {
     let Some(versions) = Versions::of(case) else { return Ok(Tally::default()) };
     let mut tally = Tally::default();
     let oracles = Oracles::new(&versions);

@@ -61,7 +61,7 @@ impl Formula {
     }
 
     /// Returns the formula of `text`. `None` if it does not read, draws nothing or hides surfaces.
-    pub fn given(text: &str, region: [[f64; 2]; 3]) -> Option<Self> {
+    pub fn from_text(text: &str, region: [[f64; 2]; 3]) -> Option<Self> {
         let document = read(text, &Options::default()).ok()?;
         let surfaces = &document.surfaces;
         if surfaces.is_empty() || surfaces.iter().any(|surface| surface.hidden) {
@@ -226,13 +226,13 @@ impl Scene {
         let tolerance = 0.5;
         let mut scene = Self { formula, eye, target, up, fov, size, depth, tolerance, precision };
         if rng.u32(0..4) == 1 {
-            scene.be_extreme(rng);
+            scene.make_extreme(rng);
         }
         Some(scene)
     }
 
     /// Moves the camera to where floats run out of digits or range. It mostly still sees the same.
-    fn be_extreme(&mut self, rng: &mut Rng) {
+    fn make_extreme(&mut self, rng: &mut Rng) {
         let way = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let power = |rng: &mut Rng, most: i32| 10_f64.powi(rng.i32(1..=most));
         let Self { eye, target, up, fov, .. } = self;

@@ -1,6 +1,6 @@
 //! Bounds of gradients must agree with the oracle's bounds of slopes and derivatives.
 
-use super::Subject;
+use super::KernelKind;
 use crate::suite::{Failure, Tally, check_slopes};
 use crate::{Adversarial, Case, Rng};
 use zeroset_eval::{Binding, EncloseGradient, Kernel, Real, Reference};
@@ -12,13 +12,13 @@ use zeroset_jit::Native;
 /// # Panics
 /// If the code does not compile.
 pub fn native_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGradient, T>>> {
-    let tape = Subject::GradientBounds.tape(true, case)?;
+    let tape = KernelKind::GradientBounds.tape(true, case)?;
     Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
 }
 
 /// Returns the reference evaluator of a case as typed; `None` if the graph is too large.
 pub fn reference_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGradient, T>>> {
-    let tape = Subject::GradientBounds.tape(false, case)?;
+    let tape = KernelKind::GradientBounds.tape(false, case)?;
     Some(Box::new(Reference::<EncloseGradient, T>::new(tape, Binding::new(&case.parameters))))
 }
 
@@ -26,7 +26,7 @@ pub fn reference_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGr
 ///
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.
-pub fn bound<T: Adversarial>(
+pub fn check_gradient_bounds<T: Adversarial>(
     native: bool,
     case: &Case,
     rng: &mut Rng,

@@ -1,6 +1,6 @@
 //! Properties must also hold for functions spelled with forms, vectors, choices and sums.
 
-use super::{Subject, agree, enclose, keep, read_and_print};
+use super::{KernelKind, agree, enclose, check_simplification, read_and_print};
 use crate::random::{random_domain, random_text};
 use crate::suite::{Failure, Tally};
 use crate::{Case, Rng};
@@ -28,12 +28,12 @@ pub fn spelled(data: &[u8]) -> Result<Tally, Failure> {
     let assumptions = Assumptions { parameters: Vec::new(), domain: random_domain(&mut rng) };
     let root = document.surfaces[0].root;
     let case = Case { graph: document.graph, root, assumptions, parameters: Vec::new() };
-    let held = match rng.u32(0..5) {
-        0 => keep(&case, &mut rng),
-        1 => agree::<f32>(Subject::ALL[0], rng.bool(), &case, &mut rng, 16),
-        2 => agree::<f64>(Subject::ALL[0], rng.bool(), &case, &mut rng, 16),
+    let checked = match rng.u32(0..5) {
+        0 => check_simplification(&case, &mut rng),
+        1 => agree::<f32>(KernelKind::ALL[0], rng.bool(), &case, &mut rng, 16),
+        2 => agree::<f64>(KernelKind::ALL[0], rng.bool(), &case, &mut rng, 16),
         3 => enclose::<f32>(&case, &mut rng, 8),
         _ => enclose::<f64>(&case, &mut rng, 8),
     };
-    held.map_err(|failure| Failure::new(format!("{failure}\nof\n{text}")))
+    checked.map_err(|failure| Failure::new(format!("{failure}\nof\n{text}")))
 }

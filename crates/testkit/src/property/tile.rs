@@ -74,7 +74,7 @@ impl Tile {
             0..=2 => Self::over(rng, finite),
             3..=6 => {
                 let point = case.random_point(rng, &region);
-                Self::seen(rng, point)
+                Self::around_point(rng, point)
             }
             _ => {
                 let mut any = || T::adversarial(rng, Ends::Finite).into();
@@ -109,7 +109,7 @@ impl Tile {
     }
 
     /// Returns a tile of rays through the neighborhood of a point, from an eye or parallel.
-    fn seen(rng: &mut Rng, point: [f64; 3]) -> Self {
+    fn around_point(rng: &mut Rng, point: [f64; 3]) -> Self {
         let distance = 2f64.powi(rng.i32(-2..=3));
         let way = vector(rng, distance);
         let t = 2f64.powi(rng.i32(-2..=4));
@@ -165,13 +165,13 @@ impl Tile {
         rng: &mut Rng,
         count: usize,
     ) -> Vec<Probe> {
-        const A_RAY: usize = 4;
+        const PROBES_PER_RAY: usize = 4;
         let off = match rng.u32(0..4) {
             0 => 2f64.powi(-rng.i32(4..=40)),
             _ => 0.0,
         };
         let mut probes = Vec::new();
-        for ray in 0..count / A_RAY {
+        for ray in 0..count / PROBES_PER_RAY {
             let screen = [0, 1].map(|k| {
                 let (centre, half) = (self.centre[k], self.half[k]);
                 // The ends are rounded inward.
@@ -189,7 +189,7 @@ impl Tile {
                 };
                 within(rng, [lo.min(centre), hi.max(centre)])
             });
-            for number in 0..A_RAY {
+            for number in 0..PROBES_PER_RAY {
                 let t = match number {
                     0 | 1 => self.span[number],
                     _ => within(rng, self.span),

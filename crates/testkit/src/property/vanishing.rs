@@ -14,17 +14,17 @@ const BOXES: usize = 4;
 const BUDGET: u32 = 2000;
 
 /// Compiles the kernel that finds the zeros of a formula; `None` if it has no surface.
-pub type MakeZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
+pub type CompileZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
 
 /// Checks the kernel of a formula on boxes around certain zeros: it must not report that there is
 /// none. `defined` counts the boxes.
 ///
 /// # Errors
 /// The first zero that the kernel denies.
-pub fn vanish<T: Adversarial>(
+pub fn check_zeros<T: Adversarial>(
     formula: &Formula,
     rng: &mut Rng,
-    make: MakeZeros<T>,
+    make: CompileZeros<T>,
 ) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     let (function, _) = formula.functions().swap_remove(0);

@@ -40,16 +40,16 @@ impl Default for GraphOptions {
 /// If `options.ops` is empty.
 pub fn random_graph(rng: &mut Rng, options: &GraphOptions) -> (Graph, NodeId) {
     let mut graph = Graph::new();
-    let mut made = vec![leaf(rng, options, &mut graph)];
+    let mut nodes = vec![leaf(rng, options, &mut graph)];
     for _ in 0..options.size {
         let op = options.ops[below(rng, options.ops.len())];
         let mut operands = Vec::with_capacity(3);
         for place in 0..op.arity() {
-            operands.push(operand(rng, options, &mut graph, &made, (op, place)));
+            operands.push(operand(rng, options, &mut graph, &nodes, (op, place)));
         }
-        made.push(graph.apply(op, &operands));
+        nodes.push(graph.apply(op, &operands));
     }
-    let root = made[made.len() - 1];
+    let root = nodes[nodes.len() - 1];
     (graph, root)
 }
 
@@ -57,7 +57,7 @@ fn operand(
     rng: &mut Rng,
     options: &GraphOptions,
     graph: &mut Graph,
-    made: &[NodeId],
+    nodes: &[NodeId],
     (op, place): (Op, usize),
 ) -> NodeId {
     let by_constant = matches!(op, Op::Pow | Op::Mod | Op::Div) && place == 1;
@@ -70,8 +70,8 @@ fn operand(
             };
             graph.constant(value)
         }
-        0..=3 => made[made.len() - 1 - below(rng, made.len().min(3))],
-        4 => made[below(rng, made.len())],
+        0..=3 => nodes[nodes.len() - 1 - below(rng, nodes.len().min(3))],
+        4 => nodes[below(rng, nodes.len())],
         _ => leaf(rng, options, graph),
     }
 }

@@ -9,7 +9,7 @@ use crate::{
 use zeroset_eval::{Enclose, Kernel, LANES};
 
 /// Compiles a case, with its parameters bound, to a kernel. `None` skips the case.
-pub type MakeCase<'a, Q, T = f32> = &'a dyn Fn(&Case) -> Option<Box<dyn Kernel<Q, T>>>;
+pub type CompileCase<'a, Q, T = f32> = &'a dyn Fn(&Case) -> Option<Box<dyn Kernel<Q, T>>>;
 
 /// Boxes per kernel and points per box: enough to make compiling a small part of the work.
 const BOXES: usize = 64;
@@ -25,7 +25,7 @@ const POINTS: usize = 6;
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_interval_cases<T: Adversarial>(
-    make: MakeCase<Enclose, T>,
+    make: CompileCase<Enclose, T>,
     effort: Effort,
     options: &GraphOptions,
 ) -> Result<Tally, Failure> {
@@ -50,7 +50,7 @@ pub fn check_interval_cases<T: Adversarial>(
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_interval_case<T: Adversarial>(
-    make: MakeCase<Enclose, T>,
+    make: CompileCase<Enclose, T>,
     case: &Case,
     rng: &mut Rng,
     boxes: usize,
@@ -59,7 +59,7 @@ pub fn check_interval_case<T: Adversarial>(
 }
 
 fn check<T: Adversarial>(
-    make: MakeCase<Enclose, T>,
+    make: CompileCase<Enclose, T>,
     case: &Case,
     kernel: &dyn Kernel<Enclose, T>,
     rng: &mut Rng,
@@ -91,7 +91,7 @@ fn contradicts(answer: &QueryResult, claim: Claim) -> Option<&'static str> {
 
 /// Returns the contradiction in the smallest case that still shows it.
 fn explain<T: Adversarial>(
-    make: MakeCase<Enclose, T>,
+    make: CompileCase<Enclose, T>,
     case: &Case,
     region: &[[T; 2]; 3],
     point: [f64; 3],

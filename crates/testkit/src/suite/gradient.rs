@@ -1,7 +1,7 @@
 //! Checks of gradient kernels: derivatives agree with slopes between values of the oracle.
 
-use super::subjects::{Subject, subjects};
-use super::{Failure, Make, Tally};
+use super::subjects::{OpGraph, subjects};
+use super::{Failure, CompileGraph, Tally};
 use crate::{Defined, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, SampleGradient};
 use zeroset_ops::Op;
@@ -18,14 +18,14 @@ const STEP: f64 = 1.0 / (1 << 17) as f64;
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
 pub fn check_gradients<T: Real>(
-    make: Make<SampleGradient, T>,
+    make: CompileGraph<SampleGradient, T>,
     seed: u64,
     points: u32,
     relative: f64,
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    for subject in subjects().into_iter().filter(Subject::fits::<T>) {
+    for subject in subjects().into_iter().filter(OpGraph::fits::<T>) {
         let places: Vec<[f64; 3]> = (0..points)
             .map(|_| [(); 3].map(|()| f64::from(rng.i32(-1 << 20..1 << 20)) / f64::from(1 << 18)))
             .collect();

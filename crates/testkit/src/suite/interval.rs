@@ -1,7 +1,7 @@
 //! Checks of interval kernels: bounds overlap the oracle's bounds, and facts are true.
 
 use super::subjects::subjects;
-use super::{Failure, Make, Tally};
+use super::{Failure, CompileGraph, Tally};
 use crate::{
     Adversarial, Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
     point_in_box, random_box, random_graph, reproduce_in,
@@ -18,7 +18,7 @@ const POINTS: u32 = 4;
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
 pub fn check_interval_ops<T: Adversarial>(
-    make: Make<Enclose, T>,
+    make: CompileGraph<Enclose, T>,
     seed: u64,
     boxes: u32,
 ) -> Result<Tally, Failure> {
@@ -36,7 +36,7 @@ pub fn check_interval_ops<T: Adversarial>(
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
 pub fn check_interval_graphs<T: Adversarial>(
-    make: Make<Enclose, T>,
+    make: CompileGraph<Enclose, T>,
     seed: u64,
     options: &GraphOptions,
     graphs: u32,
@@ -58,7 +58,7 @@ fn seeded(failure: &Failure, seed: u64) -> Failure {
 }
 
 fn check<T: Adversarial>(
-    make: Make<Enclose, T>,
+    make: CompileGraph<Enclose, T>,
     rng: &mut Rng,
     graph: &Graph,
     root: NodeId,

@@ -1,7 +1,7 @@
 //! Checks of point kernels: NaN exactly where an operation is undefined, else accurate values.
 
-use super::subjects::{Subject, subjects};
-use super::{Failure, Make, Tally};
+use super::subjects::{OpGraph, subjects};
+use super::{Failure, CompileGraph, Tally};
 use crate::{Adversarial, Claim, Defined, Ends, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, Sample};
 use zeroset_ops::Op;
@@ -15,14 +15,14 @@ use zeroset_ops::Op;
 /// # Errors
 /// The first contradiction, with a line that reproduces it.
 pub fn check_points<T: Adversarial>(
-    make: Make<Sample, T>,
+    make: CompileGraph<Sample, T>,
     seed: u64,
     points: u32,
     tolerance: &dyn Fn(Op, [f64; 3], Claim) -> Option<f64>,
 ) -> Result<Tally, Failure> {
     let mut rng = Rng::with_seed(seed);
     let mut tally = Tally::default();
-    for subject in subjects().into_iter().filter(Subject::fits::<T>) {
+    for subject in subjects().into_iter().filter(OpGraph::fits::<T>) {
         let mut draw = || T::adversarial(&mut rng, Ends::Finite).into();
         let places: Vec<[f64; 3]> = (0..points).map(|_| [(); 3].map(|()| draw())).collect();
         let values = make(&subject.graph, subject.root).eval_all(&Points::near(&places)); // exact

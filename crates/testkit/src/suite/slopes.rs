@@ -5,7 +5,7 @@
 //! does not depend on the table of derivatives.
 
 use super::subjects::subjects;
-use super::{Failure, MakeCase, Tally};
+use super::{Failure, CompileCase, Tally};
 use crate::oracle::Span;
 use crate::{
     Adversarial, Case, Claim, Defined, Oracle, Place, Rng, hexadecimal, minimise, pack_boxes,
@@ -156,7 +156,7 @@ fn derivatives(case: &Case) -> (Graph, Vec<NodeId>) {
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_slopes_of_ops<T: Adversarial>(
-    make: MakeCase<EncloseGradient, T>,
+    make: CompileCase<EncloseGradient, T>,
     seed: u64,
     boxes: usize,
 ) -> Result<Tally, Failure> {
@@ -178,7 +178,7 @@ pub fn check_slopes_of_ops<T: Adversarial>(
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_slopes<T: Adversarial>(
-    make: MakeCase<EncloseGradient, T>,
+    make: CompileCase<EncloseGradient, T>,
     case: &Case,
     rng: &mut Rng,
     boxes: usize,
@@ -206,7 +206,7 @@ pub fn check_slopes<T: Adversarial>(
 
 /// Returns the contradiction in the smallest case that still shows it.
 fn explain<T: Adversarial>(
-    make: MakeCase<EncloseGradient, T>,
+    make: CompileCase<EncloseGradient, T>,
     case: &Case,
     region: &[[T; 2]; 3],
     probe: &Probe,

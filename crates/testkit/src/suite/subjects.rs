@@ -5,13 +5,13 @@ use zeroset_ir::{Axis, Constant, Graph, NamedConstant, Node, NodeId};
 use zeroset_ops::{Op, TABLE};
 
 /// One operation as a graph.
-pub(super) struct Subject {
+pub(super) struct OpGraph {
     pub(super) op: Op,
     pub(super) graph: Graph,
     pub(super) root: NodeId,
 }
 
-impl Subject {
+impl OpGraph {
     /// Whether all constants are within the range of `T`. Samples of other graphs mean nothing.
     pub(super) fn fits<T: Real>(&self) -> bool {
         self.graph.iter().all(|(_, node)| match node {
@@ -23,7 +23,7 @@ impl Subject {
 
 /// Returns graphs of every operation over x, y, z. Binary operations are added with equal operands,
 /// and with a constant on either side. Powers have more constants.
-pub(super) fn subjects() -> Vec<Subject> {
+pub(super) fn subjects() -> Vec<OpGraph> {
     let mut all = Vec::new();
     for row in TABLE {
         all.push(subject(row.op, |graph, place| graph.variable(Axis::ALL[place])));
@@ -46,11 +46,11 @@ pub(super) fn subjects() -> Vec<Subject> {
     all
 }
 
-fn subject(op: Op, mut operand: impl FnMut(&mut Graph, usize) -> NodeId) -> Subject {
+fn subject(op: Op, mut operand: impl FnMut(&mut Graph, usize) -> NodeId) -> OpGraph {
     let mut graph = Graph::new();
     let operands: Vec<NodeId> = (0..op.arity()).map(|place| operand(&mut graph, place)).collect();
     let root = graph.apply(op, &operands);
-    Subject { op, graph, root }
+    OpGraph { op, graph, root }
 }
 
 fn constants(op: Op) -> Vec<Constant> {

@@ -12,13 +12,13 @@ use zeroset_ops::Op;
 const SEED: u64 = 0x5eed_0040;
 
 /// A kernel with the same result for every box.
-struct Same {
+struct ConstantKernel {
     lo: f32,
     hi: f32,
     facts: Facts,
 }
 
-impl Kernel<Enclose> for Same {
+impl Kernel<Enclose> for ConstantKernel {
     fn eval(&self, _: &Boxes, answers: &mut Enclosures) {
         let mask = |fact| if self.facts.has(fact) { u16::MAX } else { 0 };
         *answers = Enclosures {
@@ -33,7 +33,7 @@ impl Kernel<Enclose> for Same {
 
 fn verdict(lo: f32, hi: f32, facts: Facts) -> Result<Tally, Failure> {
     let make =
-        |_: &Graph, _: NodeId| -> Box<dyn Kernel<Enclose>> { Box::new(Same { lo, hi, facts }) };
+        |_: &Graph, _: NodeId| -> Box<dyn Kernel<Enclose>> { Box::new(ConstantKernel { lo, hi, facts }) };
     check_interval_ops(&make, SEED, 64)?;
     check_interval_graphs(&make, SEED, &GraphOptions::default(), 100, 16)
 }
@@ -134,19 +134,19 @@ fn wrong_values_are_caught() {
         let failure = points(spoil).expect_err(reason).to_string();
         assert!(failure.contains(reason), "{failure}");
     }
-    let make = |_: &Graph, _: NodeId| -> Box<dyn Kernel<Sample>> { Box::new(Zero) };
+    let make = |_: &Graph, _: NodeId| -> Box<dyn Kernel<Sample>> { Box::new(ZeroKernel) };
     let failure = check_points(&make, SEED, 100, &|_, _, _| None).expect_err("zero everywhere");
     assert!(failure.to_string().contains("a value where there is none"));
 }
 
 /// A kernel that returns 0 everywhere, with no slope.
-struct Zero;
+struct ZeroKernel;
 
-impl Kernel<Sample> for Zero {
+impl Kernel<Sample> for ZeroKernel {
     fn eval(&self, _: &Points, _: &mut Values) {}
 }
 
-impl Kernel<SampleGradient> for Zero {
+impl Kernel<SampleGradient> for ZeroKernel {
     fn eval(&self, _: &Points, _: &mut Gradients) {}
 }
 
@@ -159,20 +159,20 @@ fn wrong_gradients_are_caught() {
     };
     let tally = check_gradients(&make, SEED, 50, 1e-3).unwrap_or_else(|fail| panic!("{fail}"));
     assert!(tally.defined > 10_000, "{tally:?}");
-    let make = |_: &Graph, _: NodeId| -> Box<dyn Kernel<SampleGradient>> { Box::new(Zero) };
+    let make = |_: &Graph, _: NodeId| -> Box<dyn Kernel<SampleGradient>> { Box::new(ZeroKernel) };
     let failure = check_gradients(&make, SEED, 50, 1e-3).expect_err("no slope");
     assert!(failure.to_string().contains("derivative 0 is 0e0"), "{failure}");
 }
 
 /// A kernel that returns the same gradient bounds for every box.
 #[derive(Clone, Copy)]
-struct Slope {
+struct ConstantGradientKernel {
     range: [f32; 2],
     lipschitz: bool,
     differentiable: bool,
 }
 
-impl Kernel<EncloseGradient> for Slope {
+impl Kernel<EncloseGradient> for ConstantGradientKernel {
     fn eval(&self, _: &Boxes, answers: &mut GradientEnclosures) {
         let [lo, hi] = self.range;
         let mask = |claim| if claim { u16::MAX } else { 0 };
@@ -191,7 +191,7 @@ impl Kernel<EncloseGradient> for Slope {
 fn lies_about_slopes_are_caught() {
     const ANY: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
     let verdict = |range, lipschitz, differentiable| {
-        let slope = Slope { range, lipschitz, differentiable };
+        let slope = ConstantGradientKernel { range, lipschitz, differentiable };
         let make = |_: &Case| -> Option<Box<dyn Kernel<EncloseGradient>>> { Some(Box::new(slope)) };
         check_slopes_of_ops(&make, SEED, 32)
     };

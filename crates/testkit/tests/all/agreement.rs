@@ -4,7 +4,7 @@
 //! A long run:
 //! `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all agreement`.
 
-use zeroset_testkit::property::{Subject, agree};
+use zeroset_testkit::property::{KernelKind, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
 /// Inputs per kernel. A test has few, and so checks many formulas. A long run has so many that
@@ -14,9 +14,9 @@ fn inputs(cases: u64) -> usize {
 }
 
 /// Prints the seed of the current case if something panics.
-struct Told(u64);
+struct SeedReporter(u64);
 
-impl Drop for Told {
+impl Drop for SeedReporter {
     fn drop(&mut self) {
         if std::thread::panicking() {
             eprintln!("ZEROSET_SEED={:#x} ZEROSET_CASES=1", self.0);
@@ -25,16 +25,16 @@ impl Drop for Told {
 }
 
 /// Compares until `effort.cases` inputs agree. Panics at the first that does not, shrunk.
-fn check<T: Adversarial>(seed: u64, subject: Subject, simple: bool, options: &GraphOptions) {
+fn check<T: Adversarial>(seed: u64, subject: KernelKind, simple: bool, options: &GraphOptions) {
     // Code for affine forms is longer.
-    let is_long = matches!(subject, Subject::Segments | Subject::Tiles);
+    let is_long = matches!(subject, KernelKind::Segments | KernelKind::Tiles);
     let effort = Effort::from_environment(seed, if is_long { 25_000 } else { 100_000 });
     let mut compared = 0;
     for seed in effort.seed.. {
         if compared >= effort.cases {
             break;
         }
-        let _told = Told(seed);
+        let _reporter = SeedReporter(seed);
         let mut rng = Rng::with_seed(seed);
         let case = Case::random(&mut rng, options);
         match agree::<T>(subject, simple, &case, &mut rng, inputs(effort.cases)) {
@@ -57,7 +57,7 @@ fn short() -> GraphOptions {
 /// Checks adversarial formulas, then typical ones, each as typed and simplified.
 fn check_all<T: Adversarial>(
     seed: u64,
-    subject: Subject,
+    subject: KernelKind,
     [adversarial, typical]: [&GraphOptions; 2],
 ) {
     let typical = GraphOptions { adversarial: false, ..typical.clone() };
@@ -73,48 +73,48 @@ fn long() -> GraphOptions {
 
 #[test]
 fn bounds_agree() {
-    check_all::<f32>(0x5eed_0400_0000, Subject::Bounds, [&options(), &long()]);
-    check_all::<f64>(0x5eed_0440_0000, Subject::Bounds, [&options(), &long()]);
+    check_all::<f32>(0x5eed_0400_0000, KernelKind::Bounds, [&options(), &long()]);
+    check_all::<f64>(0x5eed_0440_0000, KernelKind::Bounds, [&options(), &long()]);
 }
 
 #[test]
 fn zeros_agree() {
-    check_all::<f32>(0x5eed_0480_0000, Subject::Zeros, [&options(), &long()]);
-    check_all::<f64>(0x5eed_04c0_0000, Subject::Zeros, [&options(), &long()]);
+    check_all::<f32>(0x5eed_0480_0000, KernelKind::Zeros, [&options(), &long()]);
+    check_all::<f64>(0x5eed_04c0_0000, KernelKind::Zeros, [&options(), &long()]);
 }
 
 #[test]
 fn zeros_by_branches_agree() {
-    check_all::<f32>(0x5eed_0680_0000, Subject::Branches, [&options(), &long()]);
-    check_all::<f64>(0x5eed_06c0_0000, Subject::Branches, [&options(), &long()]);
+    check_all::<f32>(0x5eed_0680_0000, KernelKind::Branches, [&options(), &long()]);
+    check_all::<f64>(0x5eed_06c0_0000, KernelKind::Branches, [&options(), &long()]);
 }
 
 #[test]
 fn values_agree() {
-    check_all::<f32>(0x5eed_0500_0000, Subject::Values, [&options(), &long()]);
-    check_all::<f64>(0x5eed_0540_0000, Subject::Values, [&options(), &long()]);
+    check_all::<f32>(0x5eed_0500_0000, KernelKind::Values, [&options(), &long()]);
+    check_all::<f64>(0x5eed_0540_0000, KernelKind::Values, [&options(), &long()]);
 }
 
 #[test]
 fn gradients_agree() {
-    check_all::<f32>(0x5eed_0600_0000, Subject::Gradients, [&short(), &options()]);
-    check_all::<f64>(0x5eed_0640_0000, Subject::Gradients, [&short(), &options()]);
+    check_all::<f32>(0x5eed_0600_0000, KernelKind::Gradients, [&short(), &options()]);
+    check_all::<f64>(0x5eed_0640_0000, KernelKind::Gradients, [&short(), &options()]);
 }
 
 #[test]
 fn gradient_bounds_agree() {
-    check_all::<f32>(0x5eed_0580_0000, Subject::GradientBounds, [&short(), &options()]);
-    check_all::<f64>(0x5eed_05c0_0000, Subject::GradientBounds, [&short(), &options()]);
+    check_all::<f32>(0x5eed_0580_0000, KernelKind::GradientBounds, [&short(), &options()]);
+    check_all::<f64>(0x5eed_05c0_0000, KernelKind::GradientBounds, [&short(), &options()]);
 }
 
 #[test]
 fn segments_agree() {
-    check_all::<f32>(0x5eed_0700_0000, Subject::Segments, [&options(), &long()]);
-    check_all::<f64>(0x5eed_0740_0000, Subject::Segments, [&options(), &long()]);
+    check_all::<f32>(0x5eed_0700_0000, KernelKind::Segments, [&options(), &long()]);
+    check_all::<f64>(0x5eed_0740_0000, KernelKind::Segments, [&options(), &long()]);
 }
 
 #[test]
 fn tiles_agree() {
-    check_all::<f32>(0x5eed_0780_0000, Subject::Tiles, [&short(), &options()]);
-    check_all::<f64>(0x5eed_07c0_0000, Subject::Tiles, [&short(), &options()]);
+    check_all::<f32>(0x5eed_0780_0000, KernelKind::Tiles, [&short(), &options()]);
+    check_all::<f64>(0x5eed_07c0_0000, KernelKind::Tiles, [&short(), &options()]);
 }

@@ -13,7 +13,7 @@ use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{clear, rewrite, simplify};
 use zeroset_jit::{Compiled, Native};
 use zeroset_ops::{Class, Continuity, Op, TABLE};
-use zeroset_testkit::property::Subject;
+use zeroset_testkit::property::KernelKind;
 use zeroset_testkit::{
     Adversarial, Case, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
 };
@@ -152,7 +152,7 @@ fn zeros_and_bounds<T: Adversarial>(seed: u64) {
         let mut rng = Rng::with_seed(seed);
         let options = GraphOptions { adversarial: rng.bool(), ..options(&mut rng) };
         let case = Case::random(&mut rng, &options);
-        let Some(tape) = Subject::Zeros.tape::<T>(rng.bool(), &case) else { continue };
+        let Some(tape) = KernelKind::Zeros.tape::<T>(rng.bool(), &case) else { continue };
         let regions: Vec<_> = (0..BOXES).map(|_| case.random_box(&mut rng)).collect();
         let inputs = pack_boxes::<T>(&regions);
         let binding = Binding::new(&case.parameters);
@@ -174,10 +174,10 @@ fn zeros_and_bounds<T: Adversarial>(seed: u64) {
             let found =
                 [zeros.possible, zeros.unbounded, zeros.jumping].map(|mask| mask >> lane & 1 == 1);
             // If there is no zero, the other two masks mean nothing.
-            let told = if expected[0] { 3 } else { 1 };
+            let compared = if expected[0] { 3 } else { 1 };
             assert_eq!(
-                found[..told],
-                expected[..told],
+                found[..compared],
+                expected[..compared],
                 "{ends:?} {facts:?}\n{}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1",
                 case.describe::<T>(&Place::over(region))
             );

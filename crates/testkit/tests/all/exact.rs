@@ -91,7 +91,7 @@ fn tan(x: &BigInt) -> BigInt {
 
 /// A way to compute the reference value of a function.
 #[derive(Clone, Copy)]
-enum Truth {
+enum ReferenceMethod {
     /// By the function itself.
     Of(fn(&BigInt) -> BigInt),
     /// By its inverse, which increases.
@@ -119,8 +119,8 @@ fn around(random: &mut Rng, places: &[f64]) -> f64 {
 
 type Draw = fn(&mut Rng) -> f64;
 
-fn cases() -> Vec<(Op, Truth, Draw)> {
-    use Truth::{FallingInverse, Inverse, Of};
+fn cases() -> Vec<(Op, ReferenceMethod, Draw)> {
+    use ReferenceMethod::{FallingInverse, Inverse, Of};
     let turn: Draw = |random| odd_multiple(random, FRAC_PI_4, 4);
     let power: Draw = |random| odd_multiple(random, LN_2 / 2.0, 8);
     let ratio: Draw = |random| {
@@ -166,9 +166,9 @@ fn enclosures_of_points_hold_the_exact_value() {
             let x_exact = exact(x);
             // These are in order if the bounds are correct.
             let [low, middle, high] = match truth {
-                Truth::Of(f) => [lo, f(&x_exact), hi],
-                Truth::Inverse(f) => [f(&lo), x_exact, f(&hi)],
-                Truth::FallingInverse(minus_f) => [minus_f(&lo), -x_exact, minus_f(&hi)],
+                ReferenceMethod::Of(f) => [lo, f(&x_exact), hi],
+                ReferenceMethod::Inverse(f) => [f(&lo), x_exact, f(&hi)],
+                ReferenceMethod::FallingInverse(minus_f) => [minus_f(&lo), -x_exact, minus_f(&hi)],
             };
             assert!(
                 low <= &middle + &error && middle <= high + &error,

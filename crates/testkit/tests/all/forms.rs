@@ -9,7 +9,7 @@ use zeroset_interval::{
     Exponent, Form, FormOperand, Format, Interval, Machine, Software, Vector128, linearise,
 };
 use zeroset_ops::{Domain, Op, TABLE};
-use zeroset_testkit::property::{Contracted, Engine, Lines, Manner, contract, linear, narrow};
+use zeroset_testkit::property::{ContractionTally, Engine, FormTally, KernelOptions, check_contraction, linear, check_narrowing};
 use zeroset_testkit::suite::Tally;
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
@@ -17,14 +17,14 @@ use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 const ROUNDS: usize = 64;
 
 /// Operations whose forms are always plain bounds.
-const STEPS: [Op; 6] = [Op::Sign, Op::Floor, Op::Ceil, Op::Round, Op::Trunc, Op::Atan2];
+const BOUNDS_ONLY: [Op; 6] = [Op::Sign, Op::Floor, Op::Ceil, Op::Round, Op::Trunc, Op::Atan2];
 
 fn operations<T: Adversarial>(seed: u64) {
     let effort = Effort::from_environment(seed, 100_000);
     let cases = effort.cases.div_ceil(TABLE.len() as u64);
-    let mut all = Lines::default();
+    let mut all = FormTally::default();
     for row in TABLE {
-        let mut lines = Lines::default();
+        let mut lines = FormTally::default();
         for seed in effort.seed.. {
             if lines.lanes >= cases {
                 break;
@@ -37,7 +37,7 @@ fn operations<T: Adversarial>(seed: u64) {
         // Some domains are small, and random operands often lie outside.
         assert!(lines.finite * 8 > lines.lanes, "{}: {lines:?}", row.name);
         let slanted = lines.slanted * 16 > lines.lanes;
-        assert_eq!(slanted, !STEPS.contains(&row.op), "{}: {lines:?}", row.name);
+        assert_eq!(slanted, !BOUNDS_ONLY.contains(&row.op), "{}: {lines:?}", row.name);
         all.add(lines);
     }
     println!("{:?}: {all:?}", T::FORMAT);
@@ -56,7 +56,7 @@ fn contractions<T: Adversarial, const N: usize>(seed: u64) {
         if tally.compared >= effort.cases {
             break;
         }
-        let drawn = narrow::<T, N>(&mut Rng::with_seed(seed), ROUNDS);
+        let drawn = check_narrowing::<T, N>(&mut Rng::with_seed(seed), ROUNDS);
         tally.add(
             drawn.unwrap_or_else(|failure| {
                 panic!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
@@ -79,7 +79,7 @@ fn contractions_keep_the_zeros_of_lines() {
 fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
     let effort = Effort::from_environment(seed, 100_000);
     let is_long = effort.cases > 1_000_000;
-    let mut all = Contracted::default();
+    let mut all = ContractionTally::default();
     for seed in effort.seed.. {
         if all.planes >= effort.cases {
             break;
@@ -89,9 +89,9 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         let case = Case::random(&mut rng, &options);
         // Compiling is slow.
         let engine = if is_long { Engine::Native } else { Engine::Reference };
-        let manner = Manner { simple: rng.bool(), engine };
+        let kernel_options = KernelOptions { simple: rng.bool(), engine };
         let batches = if is_long { 32 } else { 2 };
-        let drawn = contract::<T>(manner, &case, &mut rng, batches);
+        let drawn = check_contraction::<T>(kernel_options, &case, &mut rng, batches);
         all.add(
             drawn.unwrap_or_else(|failure| {
                 panic!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
@@ -202,7 +202,7 @@ fn products_beyond_all_floats_claim_nothing() {
 /// Except at kinks, an error shrinks like the square of the spread, down to rounding errors.
 #[test]
 fn errors_of_smooth_operations_shrink_quadratically() {
-    for row in TABLE.iter().filter(|row| !STEPS.contains(&row.op)) {
+    for row in TABLE.iter().filter(|row| !BOUNDS_ONLY.contains(&row.op)) {
         let centres = match row.domain {
             Domain::Unit | Domain::UnitInside | Domain::CosineNonzero => [0.6, 0.0, 0.0],
             // Away from the jumps of the remainder.

@@ -7,7 +7,7 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph, NodeId};
 use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 use zeroset_ops::Op;
-use zeroset_testkit::property::{Contracted, Engine, Manner, compared_interval, contract};
+use zeroset_testkit::property::{ContractionTally, Engine, KernelOptions, compared_interval, check_contraction};
 use zeroset_testkit::suite::{Failure, Tally, check_interval_cases, check_interval_ops};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
@@ -56,9 +56,9 @@ fn moved_results_of_formulas_are_bounds() {
     }
 }
 
-fn forms<T: Adversarial>(arithmetic: Arithmetic, seed: u64) -> Result<Contracted, Failure> {
+fn forms<T: Adversarial>(arithmetic: Arithmetic, seed: u64) -> Result<ContractionTally, Failure> {
     let effort = Effort::from_environment(seed, 20_000);
-    let mut all = Contracted::default();
+    let mut all = ContractionTally::default();
     for seed in effort.seed.. {
         if all.planes >= effort.cases {
             break;
@@ -68,8 +68,8 @@ fn forms<T: Adversarial>(arithmetic: Arithmetic, seed: u64) -> Result<Contracted
         let size = rng.u32(1..=16);
         let options = GraphOptions { size, adversarial, parameters: 1, ..GraphOptions::default() };
         let case = Case::random(&mut rng, &options);
-        let manner = Manner { simple: rng.bool(), engine: Engine::ComparisonKernel(arithmetic) };
-        all.add(contract::<T>(manner, &case, &mut rng, 4)?);
+        let kernel_options = KernelOptions { simple: rng.bool(), engine: Engine::ComparisonKernel(arithmetic) };
+        all.add(check_contraction::<T>(kernel_options, &case, &mut rng, 4)?);
     }
     Ok(all)
 }

@@ -10,7 +10,7 @@ use zeroset_ir::{Constant, Graph, NodeId, gradient};
 use zeroset_jit::Native;
 use zeroset_ops::Op;
 use zeroset_syntax::{Options, read};
-use zeroset_testkit::property::{bound, reference_slopes};
+use zeroset_testkit::property::{check_gradient_bounds, reference_slopes};
 use zeroset_testkit::suite::check_slopes_of_ops;
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
@@ -42,7 +42,7 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         let options = GraphOptions { size: rng.u32(1..=options.size), ..options.clone() };
         let case = Case::random(&mut rng, &options);
         let simple = rng.bool();
-        let tally = bound::<T>(simple, &case, &mut rng, BOXES).unwrap_or_else(|failure| {
+        let tally = check_gradient_bounds::<T>(simple, &case, &mut rng, BOXES).unwrap_or_else(|failure| {
             panic!("{failure}\nsimplified: {simple}, ZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
         });
         compared += tally.compared;

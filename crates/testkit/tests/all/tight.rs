@@ -16,14 +16,14 @@ const SEED: u64 = 0x0071_9475;
 const POINTS: usize = 100_000;
 
 /// A function, its correctly rounded value, and numbers close to which operands are drawn.
-struct Case {
+struct TestFunction {
     op: Op,
     truth: fn(f64) -> f64,
     hard: &'static [f64],
 }
 
-type Known = (Op, fn(f64) -> f64);
-const WAVES: [Known; 2] = [(Op::Sin, core_math::sin), (Op::Cos, core_math::cos)];
+type ReferenceFunction = (Op, fn(f64) -> f64);
+const WAVES: [ReferenceFunction; 2] = [(Op::Sin, core_math::sin), (Op::Cos, core_math::cos)];
 
 /// Number of ulps by which an enclosure may be wider than the tightest, from the table's row.
 fn most(op: Op) -> [u64; 2] {
@@ -44,8 +44,8 @@ const QUARTERS: [f64; 9] = [
 ];
 const ANGLE_LIMIT: f64 = 8_589_934_592.0; // 2^33
 
-fn cases() -> Vec<Case> {
-    let case = |op, truth, hard| Case { op, truth, hard };
+fn cases() -> Vec<TestFunction> {
+    let case = |op, truth, hard| TestFunction { op, truth, hard };
     vec![
         case(Op::Cbrt, core_math::cbrt, &[1.0, 8.0, 27.0, 1e-310]),
         case(Op::Exp, core_math::exp, &[0.0, 709.78, -708.4, -745.1, 0.3466, 1.0397]),
@@ -326,7 +326,7 @@ fn powers_of_f32_points_are_as_tight_as_stated() {
 #[test]
 fn enclosures_of_points_are_as_tight_as_stated() {
     let mut wide = Vec::new();
-    for Case { op, truth, hard } in cases() {
+    for TestFunction { op, truth, hard } in cases() {
         let (name, [_, most]) = (op.row().name, most(op));
         let (mut worst, mut worst_at, mut sum, mut count) = (0, 0.0, 0, 0);
         let mut random = Rng::with_seed(SEED);

@@ -136,7 +136,7 @@ impl Function {
 
 /// Assumptions of native code about its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Told {
+pub enum KnownDomain {
     /// Nothing, so that the code contains every guard.
     Nothing,
     /// The box itself, like a picture's domain, so that guards and cases are left out.
@@ -145,13 +145,13 @@ pub enum Told {
 
 /// Native code in one precision, cached by function and empty operands.
 pub struct Native<T: Real> {
-    told: Told,
+    known_domain: KnownDomain,
     kernels: HashMap<String, zeroset_jit::Native<Enclose, T>>,
 }
 
 impl<T: Real> Native<T> {
-    pub fn new(told: Told) -> Self {
-        Self { told, kernels: HashMap::new() }
+    pub fn new(known_domain: KnownDomain) -> Self {
+        Self { known_domain, kernels: HashMap::new() }
     }
 
     /// Encloses `function`, whose name in the cache is `key`. The ends of the operands must be
@@ -171,18 +171,18 @@ impl<T: Real> Native<T> {
         let compile = || {
             let restricted = function.restricted(&empty);
             let mut assumptions = Assumptions::none(0);
-            if self.told == Told::TheBox {
+            if self.known_domain == KnownDomain::TheBox {
                 assumptions.domain = domain;
             }
             let tape = Tape::new(&restricted.graph, &[restricted.root], &assumptions);
             zeroset_jit::Native::new(tape, Binding::empty()).expect("compiles")
         };
-        let answers = match self.told {
-            Told::Nothing => {
+        let answers = match self.known_domain {
+            KnownDomain::Nothing => {
                 let kernel = self.kernels.entry(format!("{key} {empty:?}")).or_insert_with(compile);
                 kernel.eval_all(&boxes)
             }
-            Told::TheBox => compile().eval_all(&boxes),
+            KnownDomain::TheBox => compile().eval_all(&boxes),
         };
         let (neg_lo, hi): (f64, f64) = (answers[0].neg_lo[0].into(), answers[0].hi[0].into());
         let (lo, facts) = (-neg_lo, answers[0].facts(0));

@@ -7,7 +7,7 @@ use zeroset_interval::{Facts, Interval};
 
 /// One line of a test: an operation, its operands and its tightest result.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct TestCase {
     /// Name of the operation.
     pub name: String,
     /// The operands in order.
@@ -67,7 +67,7 @@ impl Decoration {
 ///
 /// # Panics
 /// If the file contains other notation, so that no case is skipped unnoticed.
-pub fn parse(file: &str) -> Vec<Case> {
+pub fn parse(file: &str) -> Vec<TestCase> {
     let mut text = file.to_owned();
     while let Some(start) = text.find("/*") {
         let end = start + text[start..].find("*/").expect("a closed comment") + 2;
@@ -86,13 +86,13 @@ pub fn parse(file: &str) -> Vec<Case> {
     cases
 }
 
-fn case(line: &str) -> Case {
+fn case(line: &str) -> TestCase {
     let text = line.split_whitespace().collect::<Vec<_>>().join(" ");
     let (left, right) = text.split_once('=').unwrap_or_else(|| panic!("no result: {text}"));
     let (name, operands) = left.trim().split_once(' ').unwrap_or_else(|| panic!("{text}"));
     let results = terms(right);
     assert_eq!(results.len(), 1, "one result: {text}");
-    Case {
+    TestCase {
         name: name.to_owned(),
         operands: terms(operands),
         result: results[0],

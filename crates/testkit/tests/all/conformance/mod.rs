@@ -9,11 +9,11 @@ mod function;
 mod itl;
 mod tally;
 
-use function::{Function, Native, QueryResult, Told, function, outward, value_of};
-use itl::{Case, Decoration, Term, parse};
+use function::{Function, Native, QueryResult, KnownDomain, function, outward, value_of};
+use itl::{TestCase, Decoration, Term, parse};
 use std::fmt::Write;
 use std::path::PathBuf;
-use tally::{Tally, Ulp, Verdict, judge};
+use tally::{EvaluatorTally, Ulp, Verdict, judge};
 use zeroset_eval::Real;
 use zeroset_interval::{Facts, Interval};
 
@@ -37,16 +37,16 @@ fn data() -> PathBuf {
 }
 
 /// A case that can be run: its function, and those of its operands that are sets.
-struct Query<'a> {
-    case: &'a Case,
+struct RunnableCase<'a> {
+    case: &'a TestCase,
     function: Function,
     operands: Vec<(Option<Interval>, Option<Decoration>)>,
     result: Option<Interval>,
     decoration: Option<Decoration>,
 }
 
-impl<'a> Query<'a> {
-    fn new(case: &'a Case) -> Result<Self, &'static str> {
+impl<'a> RunnableCase<'a> {
+    fn new(case: &'a TestCase) -> Result<Self, &'static str> {
         let function = function(&case.name, &case.operands)?;
         let mut operands = Vec::new();
         for operand in &case.operands {
@@ -67,7 +67,7 @@ impl<'a> Query<'a> {
     }
 
     /// Counts a result, lists it if it is remarkable, and checks its facts.
-    fn record(&self, answer: QueryResult, tightest: Option<Interval>, ulp: Ulp, tally: &mut Tally) {
+    fn record(&self, answer: QueryResult, tightest: Option<Interval>, ulp: Ulp, tally: &mut EvaluatorTally) {
         let name = &self.case.name;
         let verdict = judge(answer, tightest, ulp)
             .unwrap_or_else(|violation| panic!("{}: {violation}", self.case.text));
@@ -99,28 +99,28 @@ impl<'a> Query<'a> {
     }
 }
 
-fn in_software(cases: &[Case]) -> Tally {
-    let mut tally = Tally::default();
+fn in_software(cases: &[TestCase]) -> EvaluatorTally {
+    let mut tally = EvaluatorTally::default();
     for case in cases {
-        match Query::new(case) {
+        match RunnableCase::new(case) {
             Err(reason) => tally.skip(&case.name, reason),
-            Ok(question) => {
+            Ok(runnable) => {
                 let operands: Vec<_> =
-                    question.operands.iter().map(|(set, dec)| value_of(*set, *dec)).collect();
-                let answer = question.function.fold(&operands);
-                question.record(answer, question.result, Ulp::F64, &mut tally);
+                    runnable.operands.iter().map(|(set, dec)| value_of(*set, *dec)).collect();
+                let answer = runnable.function.fold(&operands);
+                runnable.record(answer, runnable.result, Ulp::F64, &mut tally);
             }
         }
     }
     tally
 }
 
-fn natively<T: Real>(cases: &[Case], told: Told, ulp: Ulp) -> Tally {
-    let mut native = Native::<T>::new(told);
-    let mut tally = Tally::default();
+fn natively<T: Real>(cases: &[TestCase], known_domain: KnownDomain, ulp: Ulp) -> EvaluatorTally {
+    let mut native = Native::<T>::new(known_domain);
+    let mut tally = EvaluatorTally::default();
     for case in cases {
-        let question = match Query::new(case) {
-            Ok(question) => question,
+        let runnable = match RunnableCase::new(case) {
+            Ok(runnable) => runnable,
             Err(reason) => {
                 tally.skip(&case.name, reason);
                 continue;
@@ -129,28 +129,28 @@ fn natively<T: Real>(cases: &[Case], told: Told, ulp: Ulp) -> Tally {
         let is_total = |(set, dec): &(Option<Interval>, Option<Decoration>)| {
             set.is_none() || dec.is_none_or(|dec| dec == Decoration::Dac)
         };
-        if !question.operands.iter().all(is_total) {
+        if !runnable.operands.iter().all(is_total) {
             tally.skip(&case.name, "operands of a kernel are defined and continuous");
             continue;
         }
-        let exact = question.bounds();
+        let exact = runnable.bounds();
         let widened: Vec<_> = exact.iter().map(|set| set.map(outward::<T>)).collect();
         let exponent = case.operands.iter().find(|operand| matches!(operand, Term::Integer(_)));
         let key = format!("{} {exponent:?}", case.name);
-        let answer = native.enclose(&key, &question.function, &widened);
+        let answer = native.enclose(&key, &runnable.function, &widened);
         if exact == widened {
-            question.record(answer, question.result.map(outward::<T>), ulp, &mut tally);
+            runnable.record(answer, runnable.result.map(outward::<T>), ulp, &mut tally);
             continue;
         }
         // Over widened operands the tightest result is known only if software is tightest.
-        if let Err(violation) = judge(answer, question.result, ulp) {
+        if let Err(violation) = judge(answer, runnable.result, ulp) {
             panic!("{} natively: {violation}", case.text);
         }
         if is_tightest(&case.name) {
             let operands: Vec<_> = widened.iter().map(|set| value_of(*set, None)).collect();
-            let QueryResult { bounds, facts } = question.function.fold(&operands);
+            let QueryResult { bounds, facts } = runnable.function.fold(&operands);
             let tightest = (!facts.has(Facts::NOWHERE)).then(|| outward::<T>(bounds));
-            let wider = Query { decoration: None, ..question };
+            let wider = RunnableCase { decoration: None, ..runnable };
             wider.record(answer, tightest, ulp, &mut tally);
         } else {
             tally.contain(&case.name);
@@ -162,17 +162,17 @@ fn natively<T: Real>(cases: &[Case], told: Told, ulp: Ulp) -> Tally {
 #[test]
 fn every_enclosure_holds_and_is_as_wide_as_reported() {
     let files = ["libieeep1788_elem.itl", "atan2.itl"];
-    let cases: Vec<Case> = files
+    let cases: Vec<TestCase> = files
         .iter()
         .flat_map(|name| parse(&std::fs::read_to_string(data().join(name)).expect(name)))
         .collect();
     assert!(cases.len() > 3500, "only {} cases", cases.len());
     let software = in_software(&cases);
     let natives = [
-        ("f32, nothing known of the operands", natively::<f32>(&cases, Told::Nothing, Ulp::F32)),
-        ("f32, compiled for the very box", natively::<f32>(&cases, Told::TheBox, Ulp::F32)),
-        ("f64, nothing known of the operands", natively::<f64>(&cases, Told::Nothing, Ulp::F64)),
-        ("f64, compiled for the very box", natively::<f64>(&cases, Told::TheBox, Ulp::F64)),
+        ("f32, nothing known of the operands", natively::<f32>(&cases, KnownDomain::Nothing, Ulp::F32)),
+        ("f32, compiled for the very box", natively::<f32>(&cases, KnownDomain::TheBox, Ulp::F32)),
+        ("f64, nothing known of the operands", natively::<f64>(&cases, KnownDomain::Nothing, Ulp::F64)),
+        ("f64, compiled for the very box", natively::<f64>(&cases, KnownDomain::TheBox, Ulp::F64)),
     ];
     let mut report = String::new();
     let _ = writeln!(

@@ -68,7 +68,7 @@ const WIDTHS: [(u64, &str); 5] =
 
 /// Counts for one operation.
 #[derive(Default)]
-struct Row {
+struct OperationTally {
     cases: u64,
     tight: u64,
     wider: [u64; WIDTHS.len()],
@@ -81,16 +81,16 @@ struct Row {
 
 /// Counts for one evaluator.
 #[derive(Default)]
-pub struct Tally {
-    rows: BTreeMap<String, Row>,
+pub struct EvaluatorTally {
+    rows: BTreeMap<String, OperationTally>,
     skipped: BTreeMap<String, u64>,
     listed: Vec<String>,
     /// Number of results that should be tightest, for finite operands, but are not.
     pub loose: u64,
 }
 
-impl Tally {
-    fn row(&mut self, name: &str) -> &mut Row {
+impl EvaluatorTally {
+    fn row(&mut self, name: &str) -> &mut OperationTally {
         let row = self.rows.entry(name.to_owned()).or_default();
         row.cases += 1;
         row
@@ -137,7 +137,7 @@ impl Tally {
     /// Number of cases of these operations whose enclosure is not the tightest.
     pub fn wider(&self, names: &[&str]) -> u64 {
         let rows = self.rows.iter().filter(|(name, _)| names.contains(&name.as_str()));
-        let sum = |row: &Row| row.wider.iter().sum::<u64>() + row.unbounded + row.unproven;
+        let sum = |row: &OperationTally| row.wider.iter().sum::<u64>() + row.unbounded + row.unproven;
         rows.map(|(_, row)| sum(row)).sum()
     }
 

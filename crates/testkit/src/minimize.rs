@@ -33,9 +33,9 @@ fn smaller(case: &Case) -> Vec<Case> {
         .collect();
     for (id, node) in nodes() {
         let Node::Apply(_, operands) = node else { continue };
-        found.extend(operands.iter().map(|operand| case.replaced(id, Part::Node(*operand))));
-        found.push(case.replaced(id, Part::Variable));
-        found.push(case.replaced(id, Part::One));
+        found.extend(operands.iter().map(|operand| case.replaced(id, Replacement::Node(*operand))));
+        found.push(case.replaced(id, Replacement::Variable));
+        found.push(case.replaced(id, Replacement::One));
     }
     let size = case.size();
     found.retain(|candidate| candidate.size() < size);
@@ -44,7 +44,7 @@ fn smaller(case: &Case) -> Vec<Case> {
 
 /// Replacement of a part that is cut out.
 #[derive(Clone, Copy)]
-enum Part {
+enum Replacement {
     Node(NodeId),
     Variable,
     One,
@@ -57,14 +57,14 @@ impl Case {
         Self { graph, root: roots[0], ..self.clone() }
     }
 
-    fn replaced(&self, at: NodeId, part: Part) -> Self {
+    fn replaced(&self, at: NodeId, part: Replacement) -> Self {
         let mut graph = Graph::new();
         let mut copies: Vec<NodeId> = Vec::with_capacity(self.graph.len());
         for (id, node) in self.graph.iter() {
             let copy = match (node, part) {
-                (_, Part::Node(other)) if id == at => copies[other.index()],
-                (_, Part::Variable) if id == at => graph.variable(Axis::X),
-                (_, Part::One) if id == at => graph.constant(Constant::integer(1)),
+                (_, Replacement::Node(other)) if id == at => copies[other.index()],
+                (_, Replacement::Variable) if id == at => graph.variable(Axis::X),
+                (_, Replacement::One) if id == at => graph.constant(Constant::integer(1)),
                 (Node::Variable(axis), _) => graph.variable(*axis),
                 (Node::Parameter(number), _) => graph.parameter(*number),
                 (Node::Constant(value), _) => graph.constant(value.clone()),
