@@ -146,7 +146,7 @@ fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     let (buffer, _) = driver.new_picture(0, Kept::default(), &[], None, parts, |rows, bytes| {
         let canvas = shader.map(|shader| shader.canvas(bytes));
         canvas
-            .map_or_else(KernelStats::default, |canvas| source.face(rows, rays, 1e-3, Some(canvas)))
+            .map_or_else(KernelStats::default, |canvas| source.compute_normals(rows, rays, 1e-3, Some(canvas)))
     });
     black_box(&buffer);
     buffer.hand_back();

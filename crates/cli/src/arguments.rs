@@ -10,7 +10,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset_render::names::Named;
 use zeroset_render::picture::{Normals, Precision};
-use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipTo, Cut, DomainChoice};
+use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
 use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOptions};
@@ -159,8 +159,8 @@ pub struct RenderArgs {
     pub camera: CameraArgs,
 
     /// Choose the shape that the domain is clipped to
-    #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipTo>(), default_value = "auto")]
-    pub clip_to: ClipTo,
+    #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipShape>(), default_value = "auto")]
+    pub clip_to: ClipShape,
 
     #[command(flatten)]
     pub tracing: TracingArgs,
@@ -186,8 +186,8 @@ pub struct RenderArgs {
 
 impl RenderArgs {
     /// Returns how the domain is clipped.
-    pub fn cut(&self) -> Cut {
-        Cut { plane: self.camera.clip(), to: self.clip_to }
+    pub fn cut(&self) -> Clipping {
+        Clipping { plane: self.camera.clip(), to: self.clip_to }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Names of settings: one table for each, for the command line, the prompt and their output.
 
 use crate::picture::{Normals, Precision};
-use zeroset_scene::view::ClipTo;
+use zeroset_scene::view::ClipShape;
 use zeroset_shade::UndecidedStyle;
 
 /// A setting chosen by name.
@@ -40,7 +40,7 @@ impl Named for UndecidedStyle {
     ];
 }
 
-impl Named for ClipTo {
+impl Named for ClipShape {
     const NAMES: &'static [(Self, &'static str, &'static str)] = &[
         (
             Self::Auto,

@@ -4,7 +4,7 @@ use crate::overlay::Legend;
 use glam::DVec3;
 use std::ops::AddAssign;
 use std::time::{Duration, Instant};
-use zeroset_scene::kernels::Made;
+use zeroset_scene::kernels::CompiledKernel;
 use zeroset_shade::{LinearRgb, Pattern, UndecidedStyle, hand_back_colors};
 use zeroset_style::Look;
 use zeroset_trace::{
@@ -261,7 +261,7 @@ pub struct Statistics {
     /// Total size of machine code, in bytes.
     pub code_bytes: usize,
     /// Kernels compiled for this picture or earlier.
-    pub kernels: Vec<Made>,
+    pub kernels: Vec<CompiledKernel>,
     /// Number of nodes in the graph, as typed and simplified.
     pub nodes: (usize, usize),
 }

@@ -11,7 +11,7 @@ use glam::{DQuat, DVec3};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_scene::domain::AutoDomain;
-use zeroset_scene::view::{self, CameraChoice, Cut, DomainChoice, SceneError};
+use zeroset_scene::view::{self, CameraChoice, Clipping, DomainChoice, SceneError};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Errors, Options};
 use zeroset_trace::{Camera, CameraError};
@@ -132,7 +132,7 @@ impl Sequence {
         &self,
         text: &str,
         options: &Options<'_>,
-        (domain, cut): (DomainChoice, Cut),
+        (domain, cut): (DomainChoice, Clipping),
         choice: &CameraChoice,
         shows_domain: bool,
         settings: &Settings,

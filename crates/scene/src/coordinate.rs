@@ -7,13 +7,13 @@ use std::f64::consts::FRAC_PI_4;
 pub fn coordinate(value: f64) -> String {
     let times = value / FRAC_PI_4;
     let is_near = times.abs() < 1e6 && (times - times.round()).abs() < 1e-9;
-    let text = of_pi(times / 4.0);
+    let text = multiple_of_pi(times / 4.0);
     // A float next to the nearest one is not a multiple.
     if is_near && number(&text) == Some(value) { text } else { value.to_string() }
 }
 
 /// The text of `times` π, where `times` is a multiple of 1/4.
-pub fn of_pi(times: f64) -> String {
+pub fn multiple_of_pi(times: f64) -> String {
     let quarters = (4.0 * times).round() as i64;
     let (sign, quarters) = (if quarters < 0 { "-" } else { "" }, quarters.unsigned_abs());
     // Whole multiples have no divisor.

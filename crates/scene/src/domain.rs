@@ -22,12 +22,12 @@ use homogeneous::Homogeneous;
 use shape::Shape;
 use std::cell::Cell as Counter;
 use waves::Wave;
-use window::Sight;
+use window::WindowChooser;
 use zeroset_eval::Assumptions;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
-use zeroset_space::{BOX_DEPTH, Cell, FINE_DEPTH, PLAIN, Search, places_about};
+use zeroset_space::{BOX_DEPTH, Cell, FINE_DEPTH, DEFAULT_HALF, Search, places_about};
 
 /// Half the extent of the largest cube that is searched for a surface that cannot be proven bounded
 /// everywhere.
@@ -123,22 +123,22 @@ pub fn find_while(
     let near =
         || everything_near(&search).map(|whole| (whole, Finding::BoundedNear, Finding::EmptyNear));
     let (found, finding) = if let Some((whole, bounded, empty)) = whole.or_else(near) {
-        match snug(program, &mut search, whole)? {
+        match tighten(program, &mut search, whole)? {
             Some(hull) => (around(program, &hull), bounded),
-            None => (Cell::cube(PLAIN), empty),
+            None => (Cell::cube(DEFAULT_HALF), empty),
         }
     } else {
         let (window, is_round) = windows(program, &search)?;
         (window, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
     };
     let work = WORK - search.work.get() + WORK_AT_INFINITY - at_infinity;
-    let Cell { low, high } = proper(found);
+    let Cell { low, high } = valid_box(found);
     // A search that was cut short knows too little.
     Ok(wanted().then_some(AutoDomain { low, high, finding, work }))
 }
 
 /// A box around all surfaces in `whole`: first by intervals, then by affine forms too.
-fn snug<'a>(
+fn tighten<'a>(
     program: &'a Program,
     search: &mut Search<'a>,
     whole: Cell,
@@ -166,7 +166,7 @@ fn around(program: &Program, hull: &Cell) -> Cell {
         let place = hull.centre().map(|along| rounded(along, POINT / 100.0));
         return cube_about(place, POINT).around(hull);
     }
-    thick(roomy(hull), THIN)
+    thickened(with_margin(hull), THIN)
 }
 
 /// Returns whether the box is this small only because floats resolve no less: the surface is a
@@ -287,7 +287,7 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
             }
         };
         let waves: Vec<_> = shape.waves.iter().copied().map(value).collect();
-        let sight = Sight {
+        let sight = WindowChooser {
             search: &alone,
             shape,
             values: program.kernels::<f64>(surface).values()?,
@@ -299,7 +299,7 @@ fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), Progr
         search.work.set(alone.work.get());
         whole = Some(whole.map_or(window, |whole| whole.around(&window)));
     }
-    Ok((whole.unwrap_or(Cell::cube(PLAIN)), all_round))
+    Ok((whole.unwrap_or(Cell::cube(DEFAULT_HALF)), all_round))
 }
 
 /// A side of a window shorter than this share of the longest is too thin. `THIN` is the share for
@@ -310,7 +310,7 @@ const THIN: f64 = 1e-4;
 const THICK: f64 = 0.5;
 
 /// The box, thickened on every axis on which it is shorter than `share` of the longest side.
-fn thick(mut cell: Cell, share: f64) -> Cell {
+fn thickened(mut cell: Cell, share: f64) -> Cell {
     let largest = cell.largest();
     for (axis, middle) in cell.centre().into_iter().enumerate() {
         if cell.extent(axis) < share * largest {
@@ -324,7 +324,7 @@ fn thick(mut cell: Cell, share: f64) -> Cell {
 
 /// A valid box: axes without finite, increasing bounds are replaced by a range around the same
 /// place.
-fn proper(mut cell: Cell) -> Cell {
+fn valid_box(mut cell: Cell) -> Cell {
     let largest = cell.largest();
     for axis in 0..3 {
         let (low, high) = (cell.low[axis], cell.high[axis]);
@@ -334,7 +334,7 @@ fn proper(mut cell: Cell) -> Cell {
         let middle = low.midpoint(high);
         let middle = if middle.abs() <= REACH { middle } else { 0.0 };
         let half = if largest.is_finite() { largest.max(middle.abs() * 1e-6) } else { 0.0 };
-        let half = if half > 0.0 { half } else { PLAIN };
+        let half = if half > 0.0 { half } else { DEFAULT_HALF };
         (cell.low[axis], cell.high[axis]) = (middle - half, middle + half);
     }
     cell
@@ -365,8 +365,8 @@ fn cube_about(place: [f64; 3], half: f64) -> Cell {
 }
 
 /// The box with some space on each side, its bounds rounded outward to few digits.
-fn roomy(cell: &Cell) -> Cell {
-    let mut roomy = *cell;
+fn with_margin(cell: &Cell) -> Cell {
+    let mut with_margin = *cell;
     // An axis without extent gets a millionth of the largest extent.
     let least = cell.largest() * 1e-6;
     for axis in 0..3 {
@@ -383,11 +383,11 @@ fn roomy(cell: &Cell) -> Cell {
         let low = neat(cell.low[axis] - space, f64::floor);
         let high = neat(cell.high[axis] + space, f64::ceil);
         // Far from the origin, floats may not have such digits.
-        roomy.low[axis] = if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
-        roomy.high[axis] =
+        with_margin.low[axis] = if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
+        with_margin.high[axis] =
             if high.is_finite() { high.max(cell.high[axis]) } else { cell.high[axis] };
     }
-    roomy
+    with_margin
 }
 
 #[cfg(test)]

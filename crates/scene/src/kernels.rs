@@ -32,7 +32,7 @@ pub enum Evaluator {
 
 /// A kernel that was compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Made {
+pub struct CompiledKernel {
     /// Index of its surface.
     pub surface: usize,
     /// Name of the query that it answers.
@@ -47,7 +47,7 @@ pub struct Made {
     pub vector_bytes: usize,
 }
 
-impl Made {
+impl CompiledKernel {
     /// The name of the format that it computes in.
     pub fn floats(&self) -> &'static str {
         match self.format {
@@ -81,7 +81,7 @@ impl Made {
     }
 }
 
-impl fmt::Display for Made {
+impl fmt::Display for CompiledKernel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { question, form, bytes, .. } = self;
         write!(f, "{question} of {form}, {}, {bytes} bytes, {}", self.floats(), self.reason())
@@ -90,17 +90,17 @@ impl fmt::Display for Made {
 
 /// All kernels of a program that were compiled so far. Their total size is limited.
 #[derive(Debug, Default)]
-pub(crate) struct Ledger(Mutex<Vec<Made>>);
+pub(crate) struct KernelList(Mutex<Vec<CompiledKernel>>);
 
-impl Ledger {
+impl KernelList {
     /// All kernels compiled so far, sorted by surface.
-    pub fn made(&self) -> Vec<Made> {
+    pub fn made(&self) -> Vec<CompiledKernel> {
         let mut made = self.list().clone();
         made.sort_by_key(|made| (made.surface, made.form, made.question, made.format as u8));
         made
     }
 
-    fn add(&self, made: Made) -> Result<(), ProgramError> {
+    fn add(&self, made: CompiledKernel) -> Result<(), ProgramError> {
         let mut list = self.list();
         list.push(made);
         within_limit(&list)
@@ -111,12 +111,12 @@ impl Ledger {
         within_limit(&self.list())
     }
 
-    fn list(&self) -> MutexGuard<'_, Vec<Made>> {
+    fn list(&self) -> MutexGuard<'_, Vec<CompiledKernel>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn within_limit(made: &[Made]) -> Result<(), ProgramError> {
+fn within_limit(made: &[CompiledKernel]) -> Result<(), ProgramError> {
     if made.iter().map(|made| made.bytes).sum::<usize>() > CODE_BYTES {
         return Err(ProgramError::TooMuchCode { limit: CODE_BYTES });
     }
@@ -143,7 +143,7 @@ type Slot<Q, T> = [Once<Option<Code<Q, T>>>; 2];
 
 /// The code of one surface in one precision.
 #[derive(Default)]
-struct Codes<T: Real> {
+struct SurfaceCode<T: Real> {
     zeros: Slot<FindZeros, T>,
     numerator_zeros: Slot<FindZeros, T>,
     branches: Slot<FindZeros, T>,
@@ -159,24 +159,24 @@ struct Codes<T: Real> {
 
 /// The code of one surface.
 #[derive(Default)]
-struct BothCodes {
-    single: Arc<Codes<f32>>,
-    double: Arc<Codes<f64>>,
+struct SurfaceCodes {
+    single: Arc<SurfaceCode<f32>>,
+    double: Arc<SurfaceCode<f64>>,
 }
 
 /// The code of all surfaces of a program, compiled on request, and its source.
-pub(crate) struct Store {
+pub(crate) struct CodeStore {
     pub simplified: Arc<Simplified>,
-    pub ledger: Ledger,
+    pub ledger: KernelList,
     evaluator: Evaluator,
     /// By surface.
-    codes: Vec<BothCodes>,
+    codes: Vec<SurfaceCodes>,
 }
 
-impl Store {
+impl CodeStore {
     pub fn new(simplified: Arc<Simplified>, evaluator: Evaluator) -> Self {
-        let codes = simplified.roots.iter().map(|_| BothCodes::default()).collect();
-        Self { simplified, ledger: Ledger::default(), evaluator, codes }
+        let codes = simplified.roots.iter().map(|_| SurfaceCodes::default()).collect();
+        Self { simplified, ledger: KernelList::default(), evaluator, codes }
     }
 
     fn make<Q: Query, T: Real>(
@@ -189,7 +189,7 @@ impl Store {
         // Other kernels may have used up the limit.
         self.ledger.is_open()?;
         let (question, format) = (Q::NAME, T::FORMAT);
-        let mut made = Made { surface, question, form, format, bytes: 0, vector_bytes: 0 };
+        let mut made = CompiledKernel { surface, question, form, format, bytes: 0, vector_bytes: 0 };
         let steps = match self.evaluator {
             Evaluator::Native => {
                 let compiled = Compiled::new(tape)?;
@@ -225,10 +225,10 @@ struct BoundKernels<T: Real> {
 
 /// The data that binds the kernels of one surface in one precision.
 struct Bindings<T: Real> {
-    store: Arc<Store>,
+    store: Arc<CodeStore>,
     surface: usize,
     values: Arc<[Interval]>,
-    codes: Arc<Codes<T>>,
+    codes: Arc<SurfaceCode<T>>,
     bound: BoundKernels<T>,
 }
 
@@ -239,8 +239,8 @@ pub(crate) struct BoundSurface {
 }
 
 impl BoundSurface {
-    pub fn new(store: &Arc<Store>, surface: usize, values: &Arc<[Interval]>) -> Self {
-        let BothCodes { single, double } = &store.codes[surface];
+    pub fn new(store: &Arc<CodeStore>, surface: usize, values: &Arc<[Interval]>) -> Self {
+        let SurfaceCodes { single, double } = &store.codes[surface];
         Self {
             single: Bindings::new(store, surface, values, single),
             double: Bindings::new(store, surface, values, double),
@@ -260,10 +260,10 @@ impl SurfaceKernels for BoundSurface {
 
 impl<T: Real> Bindings<T> {
     fn new(
-        store: &Arc<Store>,
+        store: &Arc<CodeStore>,
         surface: usize,
         values: &Arc<[Interval]>,
-        codes: &Arc<Codes<T>>,
+        codes: &Arc<SurfaceCode<T>>,
     ) -> Self {
         let (store, values, codes) = (Arc::clone(store), Arc::clone(values), Arc::clone(codes));
         Self { store, surface, values, codes, bound: BoundKernels::default() }

@@ -1,7 +1,7 @@
 //! A document prepared for evaluation: simplified over a domain, with parameters bound, its kernels
 //! compiled on request.
 
-use crate::kernels::{BoundSurface, Evaluator, Made, Store};
+use crate::kernels::{BoundSurface, Evaluator, CompiledKernel, CodeStore};
 use crate::simplified::Simplified;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
@@ -15,7 +15,7 @@ pub use crate::simplified::{ClearedGraph, KernelSource, ProgramError};
 
 /// The surfaces of a document over one domain.
 pub struct Program {
-    store: Arc<Store>,
+    store: Arc<CodeStore>,
     /// The parameters' values, within their assumed ranges.
     values: Arc<[Interval]>,
     surfaces: Vec<BoundSurface>,
@@ -42,7 +42,7 @@ impl Program {
     /// # Errors
     /// If a formula is too large.
     pub fn drawn(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        Self::made_of(document, domain, true)
+        Self::build(document, domain, true)
     }
 
     /// As [`Program::drawn`], but with the functions as typed, so that their values can be queried.
@@ -51,10 +51,10 @@ impl Program {
     /// # Errors
     /// If a formula is too large.
     pub fn unchecked(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        Self::made_of(document, domain, false)
+        Self::build(document, domain, false)
     }
 
-    fn made_of(
+    fn build(
         document: &Document,
         domain: [Interval; 3],
         is_drawn: bool,
@@ -84,14 +84,14 @@ impl Program {
             solid,
             reduced,
         };
-        let store = Store::new(Arc::new(simplified), Evaluator::Native);
+        let store = CodeStore::new(Arc::new(simplified), Evaluator::Native);
         Ok(Self::of(Arc::new(store), values(document)))
     }
 
     /// The same program, evaluated by `evaluator`, with its kernels counted anew.
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
-        let store = Store::new(Arc::clone(&self.store.simplified), evaluator);
+        let store = CodeStore::new(Arc::clone(&self.store.simplified), evaluator);
         Self::of(Arc::new(store), self.values.to_vec())
     }
 
@@ -140,7 +140,7 @@ impl Program {
         Self::of(Arc::clone(&self.store), values)
     }
 
-    fn of(store: Arc<Store>, values: Vec<Interval>) -> Self {
+    fn of(store: Arc<CodeStore>, values: Vec<Interval>) -> Self {
         let Simplified { graph, roots, assumptions, .. } = &*store.simplified;
         let values: Arc<[Interval]> = values.into();
         let assumptions = Assumptions { parameters: values.to_vec(), ..assumptions.clone() };
@@ -243,7 +243,7 @@ impl Program {
     }
 
     /// All kernels that were compiled so far, for any values of the parameters.
-    pub fn made(&self) -> Vec<Made> {
+    pub fn made(&self) -> Vec<CompiledKernel> {
         self.store.ledger.made()
     }
 

@@ -40,7 +40,7 @@ impl Uniforms {
         let hoisted = hoist(graph, roots, assumptions.parameters.len() as u32);
         let nodes: Vec<NodeId> = hoisted.uniforms.iter().map(|(_, node)| *node).collect();
         let (needed, nodes) = compact(graph, &nodes);
-        let all = known(&needed, &nodes, &assumptions.parameters);
+        let all = enclose_inputs(&needed, &nodes, &assumptions.parameters);
         let assumed = all.iter().map(|(bounds, _)| *bounds).collect();
         (Self { graph: needed, nodes, assumed }, hoisted.graph, hoisted.roots)
     }
@@ -61,13 +61,13 @@ impl Uniforms {
             let inside = assumed.lo <= value.lo && value.hi <= assumed.hi;
             (inside && facts.has(Facts::DEFINED)).then_some(value)
         };
-        let all = known(&self.graph, &self.nodes, parameters);
+        let all = enclose_inputs(&self.graph, &self.nodes, parameters);
         all.into_iter().zip(&self.assumed).map(holds).collect()
     }
 }
 
 /// Bounds and facts of the parameters, and then of `nodes`.
-fn known(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Vec<(Interval, Facts)> {
+fn enclose_inputs(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Vec<(Interval, Facts)> {
     let assumptions =
         Assumptions { domain: [Interval::ENTIRE; 3], parameters: parameters.to_vec() };
     let computed = zeroset_eval::enclose_all(graph, nodes, &assumptions);

@@ -87,7 +87,7 @@ impl FromStr for ClipChoice {
 
 /// The shape that a domain is clipped to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ClipTo {
+pub enum ClipShape {
     /// The document's choice. Without one, the ball if the domain was found by a search and looks
     /// better so, else the box.
     #[default]
@@ -100,14 +100,14 @@ pub enum ClipTo {
 
 /// Clipping of a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Cut {
+pub struct Clipping {
     /// The clipping plane.
     pub plane: ClipChoice,
     /// The shape.
-    pub to: ClipTo,
+    pub to: ClipShape,
 }
 
-impl From<Option<ClipChoice>> for Cut {
+impl From<Option<ClipChoice>> for Clipping {
     fn from(plane: Option<ClipChoice>) -> Self {
         Self { plane: plane.unwrap_or_default(), ..Self::default() }
     }
@@ -169,7 +169,7 @@ pub enum SceneError {
 pub fn region(
     document: &Document,
     choice: DomainChoice,
-    cut: impl Into<Cut>,
+    cut: impl Into<Clipping>,
 ) -> Result<(Region, Option<AutoDomain>), SceneError> {
     Ok(region_while(&mut None, document, choice, cut, &|| true)?.expect("wanted to the end"))
 }
@@ -185,12 +185,12 @@ pub fn region_while(
     search: &mut Option<Program>,
     document: &Document,
     choice: DomainChoice,
-    cut: impl Into<Cut>,
+    cut: impl Into<Clipping>,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
     let (mut ranges, mut searched) = ([None; 3], None);
-    let Cut { plane, to } = cut.into();
-    let mut is_ball = to == ClipTo::Ball;
+    let Clipping { plane, to } = cut.into();
+    let mut is_ball = to == ClipShape::Ball;
     match (choice, &document.domain) {
         (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
             ranges = [[x0, x1], [y0, y1], [z0, z1]].map(Some);
@@ -202,7 +202,7 @@ pub fn region_while(
         (DomainChoice::Document, Some(DomainLine::Ball(radius))) => {
             let radius = nearest(radius);
             ranges = [Some([-radius, radius]); 3];
-            is_ball |= to == ClipTo::Auto;
+            is_ball |= to == ClipShape::Auto;
         }
         (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {}
     }
@@ -210,7 +210,7 @@ pub fn region_while(
         let Some(mut found) = search_while(search, document, wanted)? else { return Ok(None) };
         let looks_better =
             found.finding == Finding::UnboundedInBall && ranges.iter().all(Option::is_none);
-        is_ball |= to == ClipTo::Auto && looks_better;
+        is_ball |= to == ClipShape::Auto && looks_better;
         if let Finding::Unbounded | Finding::UnboundedInBall = found.finding {
             found.finding = if is_ball { Finding::UnboundedInBall } else { Finding::Unbounded };
         }

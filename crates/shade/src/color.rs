@@ -14,7 +14,7 @@ pub struct LinearRgb(pub [f32; 3]);
 /// Floats with the same upper 16 bits belong to at most two adjacent bytes. The entry for these
 /// bits has the lower byte, above 16 bits that carry into it when the lower half of the float is
 /// added and reaches the next byte.
-pub(crate) struct Codes([u32; ENTRIES]);
+pub(crate) struct SrgbTable([u32; ENTRIES]);
 
 /// Number of bits in the lower half of a float.
 const LOWER: u32 = 16;
@@ -26,10 +26,10 @@ pub(crate) const BLACK: f32 = 1.0 / 8192.0;
 /// so an index is cut off and needs no check.
 const ENTRIES: usize = 2048;
 
-impl Codes {
+impl SrgbTable {
     /// The table, built when it is first requested.
     pub fn get() -> &'static Self {
-        static CODES: OnceLock<Codes> = OnceLock::new();
+        static CODES: OnceLock<SrgbTable> = OnceLock::new();
         CODES.get_or_init(|| {
             // For each byte, the least amount that belongs to the next one: the curve's value half
             // way between the two, rounded up.
@@ -103,7 +103,7 @@ impl LinearRgb {
     /// The nearest sRGB bytes; amounts outside [0, 1] are clamped, NaN is black.
     pub fn to_srgb(self) -> [u8; 3] {
         let within = |amount| if amount > BLACK { f32::min(amount, 1.0) } else { BLACK };
-        self.0.map(|amount| Codes::get().byte(within(amount)))
+        self.0.map(|amount| SrgbTable::get().byte(within(amount)))
     }
 
     /// The color written `#rrggbb` or `rrggbb`, or `None` if `text` is neither.
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn sixteen_colors_at_once_have_the_bytes_of_each() {
-        let codes = Codes::get();
+        let codes = SrgbTable::get();
         let least = BLACK.to_bits();
         let most = 1.0_f32.to_bits();
         // No multiple of 2, so that lower halves differ.
@@ -174,12 +174,12 @@ mod tests {
         // Floats spread over [0, 1], and the floats around the limits between bytes.
         for bits in (0..=1.0_f32.to_bits()).step_by(997) {
             let amount = f32::from_bits(bits);
-            assert_eq!(Codes::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
+            assert_eq!(SrgbTable::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
         }
         for byte in 0..255 {
             let begin = decode((f64::from(byte) + 0.5) / 255.0) as f32;
             for amount in [begin.next_down(), begin, begin.next_up()] {
-                assert_eq!(Codes::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
+                assert_eq!(SrgbTable::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
             }
         }
     }

@@ -6,11 +6,11 @@ use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::LANES;
 use zeroset_trace::GBuffer;
-use zeroset_trace::painted::BAND;
+use zeroset_trace::painted::SHADED_ROWS;
 use zeroset_trace::{RayGrid, SIDE};
 
 /// Least cosine of the angle between two normals, about 20 degrees, that makes no edge.
-const SAME_WAY: f32 = 0.94;
+const LEAST_COSINE: f32 = 0.94;
 /// A step in depth makes an edge if it is more than this many times a pixel's width, and more than
 /// this many times what the slope explains.
 const STEEPER: f64 = 3.0;
@@ -19,11 +19,11 @@ const STEEPER: f64 = 3.0;
 /// depth or orientation. Features thinner than a pixel that no ray meets are not found.
 pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
     let (width, height) = (rays.width(), rays.height());
-    let pairs = Pairs { buffer, rays, level: Level::new() };
+    let pairs = EdgeDetector { buffer, rays, level: Level::new() };
     let mut edges = vec![false; buffer.drawn.len()];
-    let bands = edges.par_chunks_mut((BAND * width).max(1));
+    let bands = edges.par_chunks_mut((SHADED_ROWS * width).max(1));
     bands.enumerate().for_each(|(band, edges)| {
-        let top = band * BAND;
+        let top = band * SHADED_ROWS;
         let rows = top..top + edges.len() / width;
         for row in rows.clone() {
             let (columns, here) = (pairs.painted(row), row * width);
@@ -51,14 +51,14 @@ pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
     edges
 }
 
-struct Pairs<'a> {
+struct EdgeDetector<'a> {
     buffer: &'a GBuffer,
     rays: &'a RayGrid,
     level: Level,
 }
 
 /// The quantities of some pixels in a row that are compared.
-struct Side<'a> {
+struct PixelRun<'a> {
     drawn: &'a [f64],
     /// Empty if the picture has only one surface.
     surface: &'a [u16],
@@ -66,7 +66,7 @@ struct Side<'a> {
     normal: &'a [[f32; 3]],
 }
 
-impl<'a> Side<'a> {
+impl<'a> PixelRun<'a> {
     #[inline]
     fn new(buffer: &'a GBuffer, first: usize, count: usize) -> Self {
         Self {
@@ -87,8 +87,8 @@ const ALL: u32 = (1 << LANES) - 1;
 #[inline(always)]
 fn differing<S: Simd>(
     simd: S,
-    one: &Side<'_>,
-    other: &Side<'_>,
+    one: &PixelRun<'_>,
+    other: &PixelRun<'_>,
     k: usize,
     [at_eye, growth]: [f64; 2],
 ) -> u32 {
@@ -122,11 +122,11 @@ fn differing<S: Simd>(
     for (cosine, [x, y, z]) in cosine.iter_mut().zip(products.as_chunks::<3>().0) {
         *cosine = x + y + z;
     }
-    let is_even = f32x16::simd_from(simd, cosine).simd_ge(SAME_WAY);
+    let is_even = f32x16::simd_from(simd, cosine).simd_ge(LEAST_COSINE);
     ALL & ((bits | (!is_even).to_bitmask()) & !empty) as u32
 }
 
-impl Pairs<'_> {
+impl EdgeDetector<'_> {
     /// The columns of a row that may have an edge to the right. They reach from the one before the
     /// first painted pixel to the last painted one, or the last but one of the row. Empty if none
     /// is painted.
@@ -151,7 +151,7 @@ impl Pairs<'_> {
         mut edge: impl FnMut(usize),
     ) {
         let (start, count) = (columns.start, columns.len());
-        let side = |first: usize| Side::new(self.buffer, first + start, count);
+        let side = |first: usize| PixelRun::new(self.buffer, first + start, count);
         let (one, other) = (side(pair.start), side(pair.end));
         let even = self.rays.pixel().map(|part| STEEPER * part);
         let mut look = |k: usize| {
@@ -186,7 +186,7 @@ impl Pairs<'_> {
         let [n, m] = pixels.map(|pixel| buffer.normal[pixel]);
         let [one, other] = pixels.map(|pixel| (buffer.surface[pixel], buffer.is_cap(pixel)));
         // Normals point toward f > 0, so they also differ if the pixels show different sides.
-        let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= SAME_WAY;
+        let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= LEAST_COSINE;
         let footprint = self.rays.footprint(a.min(b));
         one != other || !is_even || step > STEEPER * footprint * self.slope(pixels, is_row).max(1.0)
     }
@@ -220,7 +220,7 @@ pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     let normal = |pixel: usize| Vec3::from_array(buffer.normal[pixel]);
     let differs = |other: usize| {
         buffer.is_drawn(other)
-            && (normal(pixel).dot(normal(other)) < SAME_WAY
+            && (normal(pixel).dot(normal(other)) < LEAST_COSINE
                 || buffer.is_cap(pixel) != buffer.is_cap(other))
     };
     rays.beside(pixel).into_iter().flatten().any(differs)
@@ -313,7 +313,7 @@ mod tests {
             }
         }
         let rays = rays(width, height);
-        let pairs = Pairs { buffer: &buffer, rays: &rays, level: Level::new() };
+        let pairs = EdgeDetector { buffer: &buffer, rays: &rays, level: Level::new() };
         let mut expected = vec![false; width * height];
         for pixel in 0..width * height {
             for (other, is_row) in [(pixel + 1, true), (pixel + width, false)] {

@@ -9,7 +9,7 @@
 
 mod gradients;
 
-use crate::shade::{Canvas, Seen};
+use crate::shade::{Canvas, ShadingInput};
 use glam::DVec3;
 use zeroset_eval::{Kernel, Kernels, LANES, Points, Real, Sample, SampleGradient};
 use zeroset_space::Ray;
@@ -17,7 +17,7 @@ use zeroset_trace::GBuffer;
 use zeroset_trace::KernelStats;
 use zeroset_trace::RayGrid;
 use zeroset_trace::Rows;
-use zeroset_trace::painted::BAND;
+use zeroset_trace::painted::SHADED_ROWS;
 
 /// The kernel that normals are computed with.
 #[derive(Clone, Copy)]
@@ -59,7 +59,7 @@ pub fn normals<T: Real>(
     source: NormalSource<'_, T>,
     step: f64,
 ) -> KernelStats {
-    buffer.each_rows(BAND, |mut rows| source.face(&mut rows, rays, step, None))
+    buffer.each_rows(SHADED_ROWS, |mut rows| source.compute_normals(&mut rows, rays, step, None))
 }
 
 /// The part of a ray behind its painted point, and the t that makes one step.
@@ -94,7 +94,7 @@ impl Normals<'_> {
 impl<T: Real> NormalSource<'_, T> {
     /// As [`normals`], for some rows. With a canvas, colors are computed too. Normals that are not
     /// kept are computed for colors only.
-    pub fn face(
+    pub fn compute_normals(
         &self,
         rows: &mut Rows<'_>,
         rays: &RayGrid,
@@ -105,7 +105,7 @@ impl<T: Real> NormalSource<'_, T> {
         let start = rows.pixels().start;
         let windows = rows.windows();
         let (kept, columns) = rows.columns();
-        let seen = Seen { columns, paint: &[] };
+        let seen = ShadingInput { columns, paint: &[] };
         let mut normals = Normals { kept, own: Vec::new(), pixels: seen.columns.drawn.len() };
         let open = self.of_band(&seen, &mut normals, rays, &windows, canvas.as_mut(), &mut work);
         let rest = |pixel: usize| {

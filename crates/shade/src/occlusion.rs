@@ -38,7 +38,7 @@ const STRENGTH: f32 = 2.6;
 
 /// A painted point, with its normal and surface.
 #[derive(Clone, Copy)]
-struct Place {
+struct ShadedPoint {
     /// Position relative to the scene's center.
     at: Vec3,
     /// Normal toward the eye's side; zero where nothing is painted.
@@ -83,12 +83,12 @@ impl<'a> AmbientOcclusion<'a> {
     }
 
     #[inline]
-    fn place(&self, pixel: usize) -> Place {
-        Place { at: self.at[pixel], normal: self.normal[pixel], surface: self.surface[pixel] }
+    fn place(&self, pixel: usize) -> ShadedPoint {
+        ShadedPoint { at: self.at[pixel], normal: self.normal[pixel], surface: self.surface[pixel] }
     }
 
     #[inline]
-    fn pixel(&self, column: isize, row: isize) -> Option<Place> {
+    fn pixel(&self, column: isize, row: isize) -> Option<ShadedPoint> {
         let (width, height) = (self.rays.width() as isize, self.rays.height() as isize);
         let is_inside = (0..width).contains(&column) && (0..height).contains(&row);
         is_inside.then(|| self.place((row * width + column) as usize))
@@ -187,7 +187,7 @@ fn is_even(values: &[u8], width: usize, [column, row]: [usize; 2]) -> bool {
     })
 }
 
-impl Place {
+impl ShadedPoint {
     /// Returns whether a place nearby is on the same part of the same surface: near the tangent
     /// plane, with a similar normal.
     fn is_beside(&self, other: &Self) -> bool {

@@ -8,12 +8,12 @@ use crate::light::Light;
 use fearless_simd::Level;
 use rayon::prelude::*;
 pub use shader::{Canvas, Shader};
-pub(crate) use shader::{Faced, Seen};
+pub(crate) use shader::{ViewAndNormals, ShadingInput};
 use zeroset_style::Look;
 use zeroset_trace::GBuffer;
 use zeroset_trace::RayGrid;
 use zeroset_trace::buffer_pool::{BufferPool, PICTURES, serves};
-use zeroset_trace::painted::{BAND, windows};
+use zeroset_trace::painted::{SHADED_ROWS, windows};
 
 /// The colors of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,12 +161,12 @@ fn shade_with(
     assert_eq!(buffer.width, rays.width(), "rays of another picture");
     let shader = Shader::new(rays, appearance).with(level);
     let mut bytes = unset_colors(buffer.status.len());
-    let size = (BAND * buffer.width).max(1);
+    let size = (SHADED_ROWS * buffer.width).max(1);
     bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
         let here = band * size..band * size + bytes.len() / 3;
         let columns = buffer.columns(here.clone());
-        let seen = Seen { columns, paint: paint.get(here).unwrap_or_default() };
-        let windows = windows(level, columns.status, columns.drawn, band * BAND, rays.width());
+        let seen = ShadingInput { columns, paint: paint.get(here).unwrap_or_default() };
+        let windows = windows(level, columns.status, columns.drawn, band * SHADED_ROWS, rays.width());
         shader.canvas(bytes).windows(&seen, &windows);
     });
     bytes

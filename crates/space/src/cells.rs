@@ -6,7 +6,7 @@ use zeroset_eval::{
 };
 
 /// Half the side of the window on a surface without a scale of its own.
-pub const PLAIN: f64 = 2.0;
+pub const DEFAULT_HALF: f64 = 2.0;
 
 /// A box of space. Its ends may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]

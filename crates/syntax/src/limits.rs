@@ -1,4 +1,4 @@
-//! Limits on the size of a text. An error that states the limit is reported beyond each.
+//! Limits on the size of a text. A text beyond one of them is an error, which states the limit.
 
 /// Limits on a text and on what is built from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// One mebibyte, 100,000 symbols, 200 levels, 65,536 nodes, 1,000 surfaces.
+    /// One mebibyte, 100,000 tokens, 200 levels, 65,536 nodes, 1,000 surfaces.
     fn default() -> Self {
         Self { bytes: 1 << 20, symbols: 100_000, depth: 200, nodes: 1 << 16, surfaces: 1000 }
     }

@@ -1,4 +1,4 @@
-//! The table of settings. A setting is a line about the picture, which begins with a word of it.
+//! The table of settings: lines about the picture, by the word that they begin with.
 
 /// A word that begins a line about the picture.
 pub(crate) struct SettingRow {

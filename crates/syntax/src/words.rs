@@ -1,5 +1,5 @@
 //! All words of the language and their kinds, for help, completion and highlighting. They come from
-//! the tables that reading uses. How they are shown is not known here.
+//! the tables that reading uses. Nothing here knows how they are shown.
 
 use crate::picture::paint::POINT_NAMES;
 use crate::settings::SETTINGS;
@@ -86,7 +86,7 @@ pub fn language_names() -> impl Iterator<Item = &'static str> {
     words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
 }
 
-/// One line of help for a word that is not in the table of functions; `None` if it is unknown.
+/// One line of help for a word. Returns `None` for functions of the table and for unknown words.
 pub fn word_help(word: &str) -> Option<String> {
     let found = |table: &[(&'static str, &'static str)]| {
         table.iter().find(|(name, _)| *name == word).map(|(_, text)| *text)

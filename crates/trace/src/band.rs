@@ -38,13 +38,13 @@ impl Band<'_> {
 
     /// Returns whether a pixel is wanted, given its column and its row in the band.
     #[inline]
-    pub fn is_asked(&self, column: usize, row: usize) -> bool {
+    pub fn is_wanted_pixel(&self, column: usize, row: usize) -> bool {
         self.only.is_empty() || self.only[row * self.width + column]
     }
 
-    /// As [`Band::is_asked`], for four pixels of a row, as bits. Pixels beyond the row are 0.
+    /// As [`Band::is_wanted_pixel`], for four pixels of a row, as bits. Pixels beyond the row are 0.
     #[inline]
-    pub(crate) fn asked_of_four(&self, column: usize, row: usize) -> u16 {
+    pub(crate) fn wanted_of_four(&self, column: usize, row: usize) -> u16 {
         let Some(rest) = self.only.get(row * self.width + column..(row + 1) * self.width) else {
             return 0;
         };
@@ -55,7 +55,7 @@ impl Band<'_> {
     }
 
     /// Returns whether all pixels are wanted.
-    pub fn is_all_asked(&self) -> bool {
+    pub fn wants_all(&self) -> bool {
         self.only.is_empty()
     }
 

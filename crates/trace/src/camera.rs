@@ -163,7 +163,7 @@ impl Basis {
         // are first scaled to about 1.
         let low = DVec3::from_array([0, 1, 2].map(|axis| difference(target[axis], eye[axis]).1));
         let high = target - eye;
-        let (scale, up) = (towards_one(high), up * towards_one(up));
+        let (scale, up) = (scale_to_one(high), up * scale_to_one(up));
         let (high, low) = (high * scale, low * scale);
         // (high + low) × up. The two products of a component nearly cancel where `up` is along the
         // view, so they are computed exactly. The sine is at least LEAST_SINE, so the rounding here
@@ -203,7 +203,7 @@ fn difference(a: f64, b: f64) -> (f64, f64) {
 
 /// The power of two that scales a vector's largest component to between ½ and 1, or to between 2⁻⁵²
 /// and 1 if it is subnormal.
-fn towards_one(vector: DVec3) -> f64 {
+fn scale_to_one(vector: DVec3) -> f64 {
     let exponent = vector.abs().max_element().to_bits() >> 52;
     f64::from_bits((2045 - exponent) << 52)
 }

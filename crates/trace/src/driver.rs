@@ -7,7 +7,7 @@ use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start, Tracer};
 use crate::ray_result::RayResult;
-use crate::rows::{Rows, work_on};
+use crate::rows::{Rows, for_each_part};
 use crate::squares::RAYS;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -51,7 +51,7 @@ impl Driver<'_> {
     pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> KernelStats {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
-        work_on(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only, None))
+        for_each_part(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only, None))
     }
 
     /// Traces a new picture of the surface with this id. `kept` selects its optional quantities;
@@ -82,7 +82,7 @@ impl Driver<'_> {
             work += finish(&mut rows, part);
             work
         };
-        let work = work_on(buffer.rows(BAND_ROWS).into_iter().zip(parts).collect(), make);
+        let work = for_each_part(buffer.rows(BAND_ROWS).into_iter().zip(parts).collect(), make);
         (buffer, work)
     }
 

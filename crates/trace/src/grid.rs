@@ -296,7 +296,7 @@ impl RayGrid {
     /// The directions of the rays of a window, with an error of a few ulps of `f32`, which is
     /// enough for colors.
     #[inline(always)]
-    pub fn ways<S: Simd>(&self, simd: S, window: Window) -> Ways<S> {
+    pub fn ways<S: Simd>(&self, simd: S, window: Window) -> RayDirections<S> {
         let [forward, right, up] = self.steps;
         // In halves of a pixel. These are integers, so a part of a picture has the same directions
         // as the whole.
@@ -325,7 +325,7 @@ impl RayGrid {
                 to_eye[axis] -= aside[axis];
             }
         }
-        Ways { to_eye, aside }
+        RayDirections { to_eye, aside }
     }
 
     /// The points on the rays of a window at these distances in world units. The error is a few
@@ -335,7 +335,7 @@ impl RayGrid {
     pub fn points_along<S: Simd>(
         &self,
         simd: S,
-        ways: &Ways<S>,
+        ways: &RayDirections<S>,
         distances: &[f64; LANES],
     ) -> [Lanes<f32>; 3] {
         let low = f64x8::from_slice(simd, &distances[..8]);
@@ -356,7 +356,7 @@ impl RayGrid {
 
 /// Directions of the rays of a window.
 #[derive(Clone, Copy)]
-pub struct Ways<S: Simd> {
+pub struct RayDirections<S: Simd> {
     /// Unit vectors from the visible points to the eye.
     pub to_eye: [f32x16<S>; 3],
     /// Offset of a ray from the whole picture's middle ray, at the same distance from the eye, as a

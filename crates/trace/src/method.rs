@@ -105,8 +105,8 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
         Box::new(squares(band.width, band.height))
     };
     for mut square in squares {
-        if !band.is_all_asked() {
-            square.retain(|&[column, row]| band.is_asked(column, row));
+        if !band.wants_all() {
+            square.retain(|&[column, row]| band.is_wanted_pixel(column, row));
             if square.is_empty() {
                 continue;
             }

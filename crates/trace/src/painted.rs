@@ -9,7 +9,7 @@ use zeroset_eval::LANES;
 
 /// Number of rows that one thread shades at a time: few enough for the nearest caches. Windows do
 /// not depend on the number of threads.
-pub const BAND: usize = 8;
+pub const SHADED_ROWS: usize = 8;
 
 /// Adjacent pixels of a row, one per lane. The window may extend beyond the row and the picture.
 #[derive(Clone, Copy, Debug)]

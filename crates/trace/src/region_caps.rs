@@ -8,7 +8,7 @@ use crate::gbuffer::GBuffer;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
-use crate::rows::{Rows, work_on};
+use crate::rows::{Rows, for_each_part};
 use zeroset_eval::{Boxes, Enclose, Kernel, LANES, Real};
 use zeroset_interval::{Facts, Interval};
 use zeroset_space::Ray;
@@ -37,7 +37,7 @@ pub fn cap<T: Real>(
     only: &[bool],
 ) -> KernelStats {
     buffer.keep_caps();
-    work_on(buffer.rows(BAND_ROWS), |mut rows| cap_rows(&mut rows, rays, region, kernel, only))
+    for_each_part(buffer.rows(BAND_ROWS), |mut rows| cap_rows(&mut rows, rays, region, kernel, only))
 }
 
 /// As [`cap`], for some rows of a picture that [keeps](crate::Kept) caps and normals. `only` is for

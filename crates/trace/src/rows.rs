@@ -6,7 +6,7 @@ use crate::gbuffer::{GBuffer, PixelCounts, distance};
 use crate::kernel_stats::KernelStats;
 use crate::painted::{Window, are_misses, windows};
 use crate::ray_result::{Status, UndecidedReason};
-use crate::surface_ids::Numbers;
+use crate::surface_ids::SurfaceIdSlice;
 use fearless_simd::{Level, Simd, dispatch};
 use std::cell::Cell;
 use std::ops::Range;
@@ -28,7 +28,7 @@ pub struct Rows<'a> {
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     /// Ids for pixels that are painted.
-    pub(crate) surface: Numbers<'a>,
+    pub(crate) surface: SurfaceIdSlice<'a>,
     /// Empty if normals are not kept.
     pub(crate) normal: &'a mut [[f32; 3]],
     /// This and the next two are empty if no pixel has the quantity.
@@ -45,7 +45,7 @@ pub struct Columns<'a> {
     /// [`GBuffer::drawn`].
     pub drawn: &'a [f64],
     /// [`GBuffer::surface`].
-    pub surface: Numbers<'a>,
+    pub surface: SurfaceIdSlice<'a>,
     /// [`GBuffer::normal`]; may be empty.
     pub normal: &'a [[f32; 3]],
     /// [`GBuffer::cap`]; may be empty.
@@ -83,7 +83,7 @@ impl GBuffer {
         rows: usize,
         work: impl Fn(Rows<'_>) -> KernelStats + Sync,
     ) -> KernelStats {
-        work_on(self.rows(rows), work)
+        for_each_part(self.rows(rows), work)
     }
 
     /// The picture in parts of this many rows, from the top. The last part may have fewer.
@@ -127,7 +127,7 @@ impl GBuffer {
 ///
 /// # Panics
 /// If `work` panics, after the other threads have finished.
-pub(crate) fn work_on<P: Send>(
+pub(crate) fn for_each_part<P: Send>(
     parts: Vec<P>,
     work: impl Fn(P) -> KernelStats + Sync,
 ) -> KernelStats {
@@ -261,7 +261,7 @@ mod tests {
             let taken = Mutex::new(Vec::new());
             rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread").install(
                 || {
-                    work_on((0..count).collect(), |part| {
+                    for_each_part((0..count).collect(), |part| {
                         taken.lock().expect("no panic").push(part);
                         KernelStats { given_up: 1, ..KernelStats::default() }
                     })
@@ -271,7 +271,7 @@ mod tests {
         }
         let work = |part| KernelStats { given_up: part, ..KernelStats::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
-        assert_eq!(pool.install(|| work_on((0..100).collect(), work)).given_up, 99 * 100 / 2);
+        assert_eq!(pool.install(|| for_each_part((0..100).collect(), work)).given_up, 99 * 100 / 2);
     }
 
     #[test]
@@ -279,7 +279,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
         for bad in 0..8 {
             let work = |part| if part == bad { panic!("{part}") } else { KernelStats::default() };
-            let run = || pool.install(|| work_on((0..8).collect(), work));
+            let run = || pool.install(|| for_each_part((0..8).collect(), work));
             let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run));
             let told = caught.expect_err("a panic").downcast::<String>().expect("its words");
             assert_eq!(*told, bad.to_string());

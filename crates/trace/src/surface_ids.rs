@@ -37,8 +37,8 @@ impl SurfaceIds {
     }
 
     /// The ids of the given pixels.
-    pub fn part(&self, pixels: Range<usize>) -> Numbers<'_> {
-        Numbers { all: self.all, each: self.each.get(pixels).unwrap_or_default() }
+    pub fn part(&self, pixels: Range<usize>) -> SurfaceIdSlice<'_> {
+        SurfaceIdSlice { all: self.all, each: self.each.get(pixels).unwrap_or_default() }
     }
 }
 
@@ -52,7 +52,7 @@ impl Index<usize> for SurfaceIds {
 
 /// The ids of neighboring pixels.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Numbers<'a> {
+pub struct SurfaceIdSlice<'a> {
     /// The id of all pixels, if `each` is empty.
     pub all: u16,
     /// One id per pixel, or empty.

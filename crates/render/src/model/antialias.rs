@@ -118,7 +118,7 @@ impl<T: KernelFloat> Edges<'_, T> {
             if self.has_one && self.pattern.is_full() {
                 is_smooth = self.leave_smooth(pixels, &rays, target);
             }
-            self.shot.face(surface, &rays, target)?;
+            self.shot.compute_normals(surface, &rays, target)?;
             if place > 0 {
                 all.merge(layer);
             }

@@ -44,7 +44,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let mut layer = new();
             self.find(surface, &**tracer, rays, only, &mut layer, &wanted)?;
             for point in 1.. {
-                self.face(surface, rays, &mut layer)?;
+                self.compute_normals(surface, rays, &mut layer)?;
                 let starts = self.starts(rays, &layer);
                 layers.push(layer);
                 if point == MOST || starts.iter().all(|start| start.is_infinite()) || !wanted(0) {

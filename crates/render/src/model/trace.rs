@@ -186,15 +186,15 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     }
 
     /// Computes the normals of a surface at its painted points.
-    pub fn face(
+    pub fn compute_normals(
         &self,
         surface: usize,
         rays: &RayGrid,
         layer: &mut GBuffer,
     ) -> Result<KernelStats, ProgramError> {
         let source = self.normals_of(surface)?;
-        let face = |source| normals(layer, rays, source, self.extent() * STEP);
-        Ok(source.map_or_else(KernelStats::default, face))
+        let compute_normals = |source| normals(layer, rays, source, self.extent() * STEP);
+        Ok(source.map_or_else(KernelStats::default, compute_normals))
     }
 
     /// Kernels for a surface's normals, if normals are wanted.
@@ -306,7 +306,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 let mut watch = Stopwatch::start();
                 if let Some(source) = &source {
                     let canvas = shader.map(|shader| shader.canvas(bytes));
-                    work += source.face(rows, rays, self.extent() * STEP, canvas);
+                    work += source.compute_normals(rows, rays, self.extent() * STEP, canvas);
                 }
                 shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
                 // Counted before the lock is taken, so that others wait less.

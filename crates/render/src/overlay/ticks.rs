@@ -2,7 +2,7 @@
 
 use super::legend::nice;
 use std::f64::consts::{FRAC_PI_2, PI};
-use zeroset_scene::coordinate::of_pi;
+use zeroset_scene::coordinate::multiple_of_pi;
 
 /// Approximate number of ticks on an axis.
 const TICKS: f64 = 4.0;
@@ -35,7 +35,7 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     let last = (high / unit / step + NEAR).floor() as i64;
     let tick = |tick: i64| {
         let value = tick as f64 * step;
-        let text = if turns.is_some() { of_pi(value) } else { shown(value, step) };
+        let text = if turns.is_some() { multiple_of_pi(value) } else { shown(value, step) };
         (value * unit, text)
     };
     ((first..=last).take(MOST).map(tick).collect(), step * unit)

@@ -5,14 +5,14 @@
 //! boxes.
 
 use super::REACH;
-use super::polynomial::{Polynomial, Pull};
+use super::polynomial::{Polynomial, DirectionalSum};
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
 /// A node of a function, as far as it is a polynomial.
 #[derive(Default)]
-struct Known {
+struct NodePolynomial {
     /// The polynomial. For a sum, only its polynomial terms.
     polynomial: Polynomial,
     /// Whether the polynomial is the whole node.
@@ -28,17 +28,17 @@ const MOST_PRODUCTS: usize = 100_000;
 pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] {
     let needed = graph.reachable(&[root]);
     let mut work = MOST_PRODUCTS;
-    let mut known: Vec<Known> = Vec::with_capacity(graph.len());
+    let mut known: Vec<NodePolynomial> = Vec::with_capacity(graph.len());
     let mut is_part = vec![false; graph.len()];
     is_part[root.index()] = true;
     for (id, node) in graph.iter() {
         let number = |bounds: Interval| Polynomial::number(bounds.lo.midpoint(bounds.hi));
-        let whole = |polynomial: Polynomial| Known { polynomial, is_whole: true };
+        let whole = |polynomial: Polynomial| NodePolynomial { polynomial, is_whole: true };
         let this = match node {
-            _ if !needed[id.index()] => Known::default(),
+            _ if !needed[id.index()] => NodePolynomial::default(),
             Node::Variable(axis) => whole(Polynomial::axis(*axis as usize)),
             Node::Parameter(at) => {
-                parameters.get(*at as usize).map_or(Known::default(), |value| whole(number(*value)))
+                parameters.get(*at as usize).map_or(NodePolynomial::default(), |value| whole(number(*value)))
             }
             Node::Constant(value) => whole(number(value.bounds())),
             Node::Apply(op, operands) => {
@@ -52,14 +52,14 @@ pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] 
                     operands.iter().for_each(|id| is_part[id.index()] = true);
                 }
                 let polynomial = found.unwrap_or_default();
-                Known { is_whole: all_whole && polynomial != Polynomial::default(), polynomial }
+                NodePolynomial { is_whole: all_whole && polynomial != Polynomial::default(), polynomial }
             }
         };
         known.push(this);
     }
-    let (mut curved, mut flat) = (Pull::default(), Pull::default());
+    let (mut curved, mut flat) = (DirectionalSum::default(), DirectionalSum::default());
     let parts = known.iter().zip(is_part).filter(|(_, is_part)| *is_part);
-    for (Known { polynomial, .. }, _) in parts {
+    for (NodePolynomial { polynomial, .. }, _) in parts {
         let pull = if polynomial.degree() > 1 { &mut curved } else { &mut flat };
         pull.join(&polynomial.middle());
     }

@@ -6,17 +6,17 @@ use super::heights::{AT_ONCE, Grid, Heights, ROUNDING, SIDE, places};
 
 /// A local maximum or minimum of a graph.
 #[derive(Clone, Copy, Debug)]
-pub struct Top {
+pub struct Extremum {
     /// The place on the ground.
     pub place: [f64; 2],
     /// Its height.
     pub height: f64,
     /// Whether it is isolated; else it is part of a ridge or a plateau.
-    pub is_alone: bool,
+    pub is_isolated: bool,
 }
 
 /// A top lower than this share of the highest one is not visible.
-const SEEN: f64 = 0.02;
+const LEAST_HEIGHT: f64 = 0.02;
 
 /// Largest number of steps in the search for a top, and how often the step is halved.
 const STEPS: usize = 24;
@@ -24,12 +24,12 @@ const HALVINGS: usize = 5;
 
 /// Number of directions tried around a top, and how often the interval around the highest is
 /// quartered. A ridge falls by less than `RIDGE` of the steepest fall.
-const WAYS: usize = 32;
+const DIRECTIONS: usize = 32;
 const NARROWED: usize = 5;
 const RIDGE: f64 = 1e-3;
 
 /// All tops that are found near points of a grid, except on its border.
-pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Top> {
+pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Extremum> {
     let Some([low, high]) = grid.ends() else { return Vec::new() };
     let (places, apart) = (places(grid.half), grid.apart());
     let mut tops = Vec::new();
@@ -39,10 +39,10 @@ pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Top> {
         tops.extend(found.filter(|top| (top.height - start).abs() <= (high - low) / 2.0));
     }
     // Decaying waves have tops that are too low to be visible.
-    let [_, middle] = grid.without(0.5);
-    let size = |top: &Top| (top.height - middle).abs();
+    let [_, middle] = grid.quantiles(0.5);
+    let size = |top: &Extremum| (top.height - middle).abs();
     let most = tops.iter().map(size).fold(0.0, f64::max);
-    tops.retain(|top| size(top) >= SEEN * most);
+    tops.retain(|top| size(top) >= LEAST_HEIGHT * most);
     tops
 }
 
@@ -75,7 +75,7 @@ fn climb(
     height: f64,
     sign: f64,
     apart: f64,
-) -> Option<Top> {
+) -> Option<Extremum> {
     let ([mut x, mut y], mut height) = (start, height);
     let (mut step, mut halvings) = (apart / 2.0, 0);
     for _ in 0..STEPS {
@@ -98,8 +98,8 @@ fn climb(
             let place = [x, y];
             let is_top = is_top(heights, place, apart / 8.0, apart)
                 && !is_pole(heights, place, height, apart);
-            let is_alone = || is_alone(heights, place, height, sign, apart);
-            return is_top.then(|| Top { place, height, is_alone: is_alone() });
+            let is_isolated = || is_isolated(heights, place, height, sign, apart);
+            return is_top.then(|| Extremum { place, height, is_isolated: is_isolated() });
         }
     }
     None
@@ -141,7 +141,7 @@ fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> 
 
 /// Returns whether a top is higher than all places around it. On a ridge, some place on the square
 /// around the top is about as high.
-fn is_alone(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
+fn is_isolated(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
     // `along` is the length along the square. Each side is 2 long.
     let on_square = |along: f64| {
         let (side, rest) = ((along.rem_euclid(8.0) / 2.0).floor(), along.rem_euclid(2.0) - 1.0);
@@ -159,8 +159,8 @@ fn is_alone(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: 
         below.map(|below| if below.is_finite() { below } else { f64::INFINITY }).collect()
     };
     let least = |below: &[f64]| (0..below.len()).min_by(|a, b| below[*a].total_cmp(&below[*b]));
-    let mut places: Vec<f64> = (0..WAYS).map(|k| 8.0 / WAYS as f64 * k as f64).collect();
-    let (mut step, mut known) = (8.0 / WAYS as f64, below(&places));
+    let mut places: Vec<f64> = (0..DIRECTIONS).map(|k| 8.0 / DIRECTIONS as f64 * k as f64).collect();
+    let (mut step, mut known) = (8.0 / DIRECTIONS as f64, below(&places));
     let finite = known.iter().copied().filter(|below| below.is_finite());
     let most = finite.fold(0.0, f64::max);
     for _ in 0..NARROWED {

@@ -11,14 +11,14 @@ use zeroset_space::{Cell, Search, places_about};
 
 /// Distances from the center to critical points near the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Found {
+pub struct CriticalDistances {
     /// Distance to the farthest isolated point or point on a closed curve; 0 if no point is found.
     pub farthest: f64,
     /// Distance to the nearest point on a curve that is not closed, if one is found.
     pub nearest: Option<f64>,
 }
 
-impl Found {
+impl CriticalDistances {
     /// The combined result of two searches.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
@@ -28,7 +28,7 @@ impl Found {
 }
 
 /// A search for critical points of one function.
-pub struct Seeker<'a> {
+pub struct CriticalSearch<'a> {
     pub search: &'a Search<'a>,
     pub values: &'a dyn Kernel<Sample, f64>,
     /// Whether the function depends on each axis.
@@ -43,27 +43,27 @@ pub struct Seeker<'a> {
 /// is lost.
 const STARTS: u32 = 32;
 const FARTHEST: f64 = 4.0;
-/// Largest number of Newton steps. A path ends at a step shorter than `SETTLED` half sides.
+/// Largest number of Newton steps. A path ends at a step shorter than `CONVERGED` half sides.
 const STEPS: usize = 20;
-const SETTLED: f64 = 1e-5;
+const CONVERGED: f64 = 1e-5;
 
 /// Distance between the values that derivatives are computed from, as a share of the half side.
 /// First and second derivatives of polynomials then have half the digits of a value.
-const APART: f64 = 1e-3;
+const DIFFERENCE: f64 = 1e-3;
 
 /// Number of values that a Newton step uses: at the place, one step either way along each axis, and
 /// along two axes at once.
-const AROUND: usize = 13;
+const STENCIL: usize = 13;
 
 /// A critical point is isolated if the determinant of the second derivatives, with each axis scaled
 /// to its own, is at least this.
-const ALONE: f64 = 1e-2;
+const LEAST_DETERMINANT: f64 = 1e-2;
 /// A second derivative below this share of the largest one counts as 0.
 const FLATTEST: f64 = 1e-4;
 
-/// A curve of critical points counts as closed if at least `SOME` are found, all within this share
+/// A curve of critical points counts as closed if at least `CURVE_POINTS` are found, all within this share
 /// of the half side from the center.
-const SOME: usize = 8;
+const CURVE_POINTS: usize = 8;
 const CLOSED: f64 = 0.75;
 
 /// The surface is near a critical point if it comes within this share of the point's distance from
@@ -72,50 +72,50 @@ const NEAR: f64 = 0.5;
 const HALVINGS: i32 = 3;
 
 /// A value below this share of the values nearby counts as 0.
-const NOTHING: f64 = 1e-6;
+const ZERO: f64 = 1e-6;
 
 /// Two points within this share of the half side count as one.
-const SAME: f64 = 1e-4;
+const MERGED: f64 = 1e-4;
 
 /// The end of a path.
 #[derive(Clone, Copy, PartialEq)]
-enum End {
+enum PathEnd {
     /// At an isolated critical point.
-    Alone,
+    Isolated,
     /// At a critical point on a curve of others.
-    Among,
+    OnCurve,
     /// Too far away, or at a place without a next step.
     Lost,
 }
 
 /// A place on its path to a critical point.
 #[derive(Clone, Copy)]
-struct Way {
+struct NewtonPath {
     place: Vector,
-    end: Option<End>,
+    end: Option<PathEnd>,
 }
 
-impl Seeker<'_> {
+impl CriticalSearch<'_> {
     /// Finds the critical points.
-    pub fn find(&self) -> Found {
+    pub fn find(&self) -> CriticalDistances {
         let starts: Vec<Vector> = (1..=STARTS).map(|n| self.start(n)).collect();
         let ends = self.descend(&starts);
-        let among = || ends.iter().filter(|(_, end)| *end == End::Among).map(|(place, _)| *place);
+        let among = || ends.iter().filter(|(_, end)| *end == PathEnd::OnCurve).map(|(place, _)| *place);
         // On a curve that is not closed, points are found at every distance that is searched.
         let farthest = among().map(|place| distance(place, self.centre)).fold(0.0, f64::max);
-        let is_closed = among().count() >= SOME && farthest <= CLOSED * self.half;
-        let (mut known, mut found) = (Vec::<Vector>::new(), Found::default());
+        let is_closed = among().count() >= CURVE_POINTS && farthest <= CLOSED * self.half;
+        let (mut known, mut found) = (Vec::<Vector>::new(), CriticalDistances::default());
         for (place, end) in ends {
-            let is_same = |other: &Vector| distance(*other, place) <= SAME * self.half;
+            let is_same = |other: &Vector| distance(*other, place) <= MERGED * self.half;
             if known.iter().any(is_same) {
                 continue;
             }
             known.push(place);
             let Some(far) = self.distance_if_near(place) else { continue };
-            let one = if end == End::Alone || is_closed {
-                Found { farthest: far, nearest: None }
+            let one = if end == PathEnd::Isolated || is_closed {
+                CriticalDistances { farthest: far, nearest: None }
             } else {
-                Found { farthest: 0.0, nearest: Some(far) }
+                CriticalDistances { farthest: 0.0, nearest: Some(far) }
             };
             found = found.and(one);
         }
@@ -134,23 +134,23 @@ impl Seeker<'_> {
     }
 
     /// The critical points at which paths from these starts end.
-    fn descend(&self, starts: &[Vector]) -> Vec<(Vector, End)> {
-        let way = |place: &Vector| Way { place: *place, end: None };
-        let mut ways: Vec<Way> = starts.iter().map(way).collect();
+    fn descend(&self, starts: &[Vector]) -> Vec<(Vector, PathEnd)> {
+        let way = |place: &Vector| NewtonPath { place: *place, end: None };
+        let mut ways: Vec<NewtonPath> = starts.iter().map(way).collect();
         for _ in 0..STEPS {
             let on_the_way = ways.iter_mut().filter(|way| way.end.is_none());
-            let mut on_the_way: Vec<&mut Way> = on_the_way.collect();
+            let mut on_the_way: Vec<&mut NewtonPath> = on_the_way.collect();
             if on_the_way.is_empty() || !self.search.is_wanted() {
                 break;
             }
             let around = on_the_way.iter().flat_map(|way| self.around(way.place));
             let values = self.search.values(self.values, &around.collect::<Vec<_>>());
-            for (way, values) in on_the_way.iter_mut().zip(values.chunks_exact(AROUND)) {
+            for (way, values) in on_the_way.iter_mut().zip(values.chunks_exact(STENCIL)) {
                 self.step(way, values);
             }
         }
         let ended = ways.iter().filter_map(|way| Some((way.place, way.end?)));
-        ended.filter(|(_, end)| *end != End::Lost).collect()
+        ended.filter(|(_, end)| *end != PathEnd::Lost).collect()
     }
 
     /// The places whose values give the derivatives at `place`: itself, one step either way along
@@ -159,7 +159,7 @@ impl Seeker<'_> {
         let alone: [[i8; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
         let both: [[i8; 3]; 3] = [[0, 1, 1], [1, 0, 1], [1, 1, 0]];
         let back = |steps: [[i8; 3]; 3]| steps.map(|step| step.map(|along| -along));
-        let apart = APART * self.half;
+        let apart = DIFFERENCE * self.half;
         let there =
             |step: [i8; 3]| [0, 1, 2].map(|axis| place[axis] + apart * f64::from(step[axis]));
         let steps = [alone, back(alone), both, back(both)].into_iter().flatten();
@@ -167,7 +167,7 @@ impl Seeker<'_> {
     }
 
     /// A step of Newton's method.
-    fn step(&self, way: &mut Way, values: &[f64]) {
+    fn step(&self, way: &mut NewtonPath, values: &[f64]) {
         let (here, up, down, both) = (values[0], &values[1..4], &values[4..7], &values[7..13]);
         let mut gradient = [0, 1, 2].map(|a| (up[a] - down[a]) / 2.0);
         let along = [0, 1, 2].map(|a| up[a] - 2.0 * here + down[a]);
@@ -185,19 +185,19 @@ impl Seeker<'_> {
             matrix[axis][axis] = most;
         }
         let solved = solve(matrix, gradient.map(|slope| -slope));
-        let Some(Step { way: step, rest, determinant }) = solved else {
-            way.end = Some(End::Lost);
+        let Some(NewtonStep { way: step, rest, determinant }) = solved else {
+            way.end = Some(PathEnd::Lost);
             return;
         };
-        let [step, rest] = [step, rest].map(|way| way.map(|along| APART * self.half * along));
+        let [step, rest] = [step, rest].map(|way| way.map(|along| DIFFERENCE * self.half * along));
         let far = distance(way.place, self.centre);
         let [length, left] = [step, rest].map(|way| distance(way, [0.0; 3]));
         let share = (far.max(self.half) / (2.0 * length)).min(1.0);
         way.place = [0, 1, 2].map(|axis| way.place[axis] + share * step[axis]);
         way.end = if far > FARTHEST * self.half {
-            Some(End::Lost)
-        } else if length.max(left) <= SETTLED * self.half {
-            Some(if determinant.abs() >= ALONE { End::Alone } else { End::Among })
+            Some(PathEnd::Lost)
+        } else if length.max(left) <= CONVERGED * self.half {
+            Some(if determinant.abs() >= LEAST_DETERMINANT { PathEnd::Isolated } else { PathEnd::OnCurve })
         } else {
             None
         };
@@ -208,7 +208,7 @@ impl Seeker<'_> {
     /// for.
     fn distance_if_near(&self, place: Vector) -> Option<f64> {
         let far = distance(place, self.centre);
-        let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > SAME * self.half;
+        let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > MERGED * self.half;
         if (0..3).filter(is_off).count() < 2 {
             return None;
         }
@@ -219,7 +219,7 @@ impl Seeker<'_> {
             // The middle one of 27 places is the critical point.
             let here = values[13];
             let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-            let is_on = here.abs() <= NOTHING * most;
+            let is_on = here.abs() <= ZERO * most;
             let is_near = is_on || values.iter().any(|there| here * there < 0.0);
             is_near && !self.search.open(&[Cell::about(place, radius)]).is_empty()
         });
@@ -234,7 +234,7 @@ fn distance(a: Vector, b: Vector) -> f64 {
 }
 
 /// The solution of a symmetric system, and how reliable it is.
-struct Step {
+struct NewtonStep {
     way: Vector,
     /// How far each coordinate of the solution may be off, along directions with hardly any second
     /// derivative.
@@ -243,9 +243,9 @@ struct Step {
     determinant: f64,
 }
 
-/// Solves `matrix` · step = `wanted`. Where the determinant is below [`ALONE`], the shortest
+/// Solves `matrix` · step = `wanted`. Where the determinant is below [`LEAST_DETERMINANT`], the shortest
 /// solution is taken, since steps along a curve are arbitrary. `None` if the result is not finite.
-fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<Step> {
+fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<NewtonStep> {
     let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
     let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);
     let scale = most.map(|most| most.max(least).sqrt().recip());
@@ -258,21 +258,21 @@ fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<Step> {
     let columns = [cross(b, c), cross(c, a), cross(a, b)];
     let determinant: f64 = (0..3).map(|k| a[k] * columns[0][k]).sum();
     let (mut solution, mut rest) = ([0.0; 3], [0.0; 3]);
-    if determinant.abs() >= ALONE {
+    if determinant.abs() >= LEAST_DETERMINANT {
         for (column, wanted) in columns.iter().zip(wanted) {
             solution = [0, 1, 2].map(|axis| solution[axis] + column[axis] * wanted / determinant);
         }
     } else {
         for (size, along) in principal(scaled) {
             let far = (0..3).map(|k| along[k] * wanted[k]).sum::<f64>();
-            if size.abs() >= ALONE {
+            if size.abs() >= LEAST_DETERMINANT {
                 solution = [0, 1, 2].map(|axis| solution[axis] + far / size * along[axis]);
             } else {
-                rest = [0, 1, 2].map(|axis| rest[axis] + (far / ALONE * along[axis]).abs());
+                rest = [0, 1, 2].map(|axis| rest[axis] + (far / LEAST_DETERMINANT * along[axis]).abs());
             }
         }
     }
     let [way, rest] = [solution, rest].map(|way| [0, 1, 2].map(|axis| scale[axis] * way[axis]));
     let is_finite = way.iter().chain(&rest).all(|along| along.is_finite());
-    is_finite.then_some(Step { way, rest, determinant })
+    is_finite.then_some(NewtonStep { way, rest, determinant })
 }

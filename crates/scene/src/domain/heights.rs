@@ -32,7 +32,7 @@ const MOST_ONE_WAY: f64 = 0.785;
 
 /// Heights left out are shown too if they are within this share of the shown height. Beyond `POLE`
 /// times the shown height, they belong to a pole.
-const NEARLY: f64 = 0.15;
+const NEAR_SHARE: f64 = 0.15;
 const POLE: f64 = 4.0;
 
 /// The median is compared with the middle of the heights between these shares about it. The latter
@@ -82,7 +82,7 @@ impl Grid {
 
     /// The heights below which and above which this share of all heights lies. NaN if no height is
     /// finite.
-    pub fn without(&self, share: f64) -> [f64; 2] {
+    pub fn quantiles(&self, share: f64) -> [f64; 2] {
         let Some(last) = self.sorted.len().checked_sub(1) else { return [f64::NAN; 2] };
         let left_out = (share * last as f64) as usize;
         [self.sorted[left_out], self.sorted[last - left_out]]
@@ -91,8 +91,8 @@ impl Grid {
     /// The median. Where that is at the edge of a gap, as between two branches, the middle of the
     /// heights around it.
     fn middle(&self, height: f64) -> f64 {
-        let [median, _] = self.without(0.5);
-        let [below, above] = self.without(0.5 - NEARBY);
+        let [median, _] = self.quantiles(0.5);
+        let [below, above] = self.quantiles(0.5 - NEARBY);
         let middle = below.midpoint(above);
         let least = (GAP * height).max(ROUNDING * (above - below));
         if (middle - median).abs() > least { middle } else { median }
@@ -105,7 +105,7 @@ impl Grid {
 
     /// Returns whether some heights are far below most others, and some far above, as at poles.
     pub fn is_far_out(&self) -> bool {
-        let [quarter, rest] = self.without(0.25);
+        let [quarter, rest] = self.quantiles(0.25);
         let far = POLE * (rest - quarter);
         self.ends().is_some_and(|[lowest, highest]| quarter - lowest > far && highest - rest > far)
     }
@@ -146,12 +146,12 @@ pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
     let width = 2.0 * half;
     let has_poles =
         [!from_below && low - lowest > POLE * reach, !from_above && highest - high > POLE * reach];
-    if lowest > low - NEARLY * reach {
+    if lowest > low - NEAR_SHARE * reach {
         low = low.min(lowest);
     } else if has_poles == [true, false] {
         low = high - width;
     }
-    if highest < high + NEARLY * reach {
+    if highest < high + NEAR_SHARE * reach {
         high = high.max(highest);
     } else if has_poles == [false, true] {
         high = low + width;

@@ -16,7 +16,7 @@ use zeroset_ops::{Class, Law, Op};
 
 /// An operation of a function, with the indices of its operands.
 #[derive(Clone, Copy, Debug)]
-enum Step {
+enum Operation {
     Axis(usize),
     Number(Interval),
     Negation(usize),
@@ -46,7 +46,7 @@ type Jet<const N: usize> = (Interval, [Interval; N]);
 
 /// A function that can be evaluated at infinity.
 pub struct Homogeneous {
-    steps: Vec<Step>,
+    steps: Vec<Operation>,
 }
 
 /// Highest degree. Higher ones leave no room for numbers.
@@ -54,7 +54,7 @@ const HIGHEST: i32 = 64;
 
 impl Homogeneous {
     /// The function at `root` for parameters within bounds. `None` if it has an operation that is
-    /// not a [`Step`].
+    /// not a [`Operation`].
     pub fn new(
         graph: &Graph,
         root: NodeId,
@@ -67,12 +67,12 @@ impl Homogeneous {
         for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
             let (step, degree) = match node {
                 Node::Variable(axis) => {
-                    (Step::Axis(*axis as usize), weights[*axis as usize] as i32)
+                    (Operation::Axis(*axis as usize), weights[*axis as usize] as i32)
                 }
                 Node::Parameter(number) => {
-                    (Step::Number(parameters.get(*number as usize).copied()?), 0)
+                    (Operation::Number(parameters.get(*number as usize).copied()?), 0)
                 }
-                Node::Constant(value) => (Step::Number(value.bounds()), 0),
+                Node::Constant(value) => (Operation::Number(value.bounds()), 0),
                 Node::Apply(op, operands) => {
                     let at = |k: usize| (place[operands[k].index()], operands[k]);
                     applied(graph, *op, at, &degrees)?
@@ -214,19 +214,19 @@ impl Homogeneous {
             };
             let alone = |value: Interval| (N == 0).then_some(number(value));
             let value = match *step {
-                Step::Axis(axis) => coordinates[axis],
-                Step::Number(value) => number(value),
-                Step::Negation(a) => negated(known[a]),
-                Step::Sum(a, b) => sum(lifted(a), lifted(b)),
-                Step::Difference(a, b) => sum(lifted(a), negated(lifted(b))),
-                Step::Product(a, b) if a == b => power(known[a], 2),
-                Step::Product(a, b) => product(known[a], known[b]),
-                Step::Power(a, n) => power(known[a], n),
-                Step::Quotient(a, b) => alone(known[a].0.over(known[b].0))?,
-                Step::Root(a) => alone(known[a].0.root())?,
-                Step::Absolute(a) => alone(known[a].0.absolute())?,
-                Step::Least(a, b) => alone(lifted(a).0.least(lifted(b).0))?,
-                Step::Most(a, b) => alone(lifted(a).0.most(lifted(b).0))?,
+                Operation::Axis(axis) => coordinates[axis],
+                Operation::Number(value) => number(value),
+                Operation::Negation(a) => negated(known[a]),
+                Operation::Sum(a, b) => sum(lifted(a), lifted(b)),
+                Operation::Difference(a, b) => sum(lifted(a), negated(lifted(b))),
+                Operation::Product(a, b) if a == b => power(known[a], 2),
+                Operation::Product(a, b) => product(known[a], known[b]),
+                Operation::Power(a, n) => power(known[a], n),
+                Operation::Quotient(a, b) => alone(known[a].0.over(known[b].0))?,
+                Operation::Root(a) => alone(known[a].0.root())?,
+                Operation::Absolute(a) => alone(known[a].0.absolute())?,
+                Operation::Least(a, b) => alone(lifted(a).0.least(lifted(b).0))?,
+                Operation::Most(a, b) => alone(lifted(a).0.most(lifted(b).0))?,
             };
             known.push(value);
         }
@@ -255,30 +255,30 @@ fn applied(
     op: Op,
     at: impl Fn(usize) -> (usize, NodeId),
     degrees: &[i32],
-) -> Option<(Step, i32)> {
+) -> Option<(Operation, i32)> {
     let one = |k: usize| at(k).0;
     let degree = |k: usize| degrees[one(k)];
-    let level = |step: fn(Lifted, Lifted) -> Step| {
+    let level = |step: fn(Lifted, Lifted) -> Operation| {
         let most = degree(0).max(degree(1));
         let lifted = |k: usize| (one(k), (most - degree(k)) as u32);
         (step(lifted(0), lifted(1)), most)
     };
     Some(match op.row().class {
-        Class::Negation => (Step::Negation(one(0)), degree(0)),
-        Class::Sum if op == Op::Add => level(Step::Sum),
-        Class::Sum => level(Step::Difference),
-        Class::Product => (Step::Product(one(0), one(1)), degree(0) + degree(1)),
-        Class::Quotient => (Step::Quotient(one(0), one(1)), degree(0) - degree(1)),
-        Class::Square => (Step::Power(one(0), 2), 2 * degree(0)),
+        Class::Negation => (Operation::Negation(one(0)), degree(0)),
+        Class::Sum if op == Op::Add => level(Operation::Sum),
+        Class::Sum => level(Operation::Difference),
+        Class::Product => (Operation::Product(one(0), one(1)), degree(0) + degree(1)),
+        Class::Quotient => (Operation::Quotient(one(0), one(1)), degree(0) - degree(1)),
+        Class::Square => (Operation::Power(one(0), 2), 2 * degree(0)),
         Class::Power => {
             let exponent = u32::try_from(graph.number(at(1).1)?.as_integer()?).ok()?;
-            (Step::Power(one(0), exponent), degree(0).checked_mul(i32::try_from(exponent).ok()?)?)
+            (Operation::Power(one(0), exponent), degree(0).checked_mul(i32::try_from(exponent).ok()?)?)
         }
-        Class::Extremum if op == Op::Min => level(Step::Least),
-        Class::Extremum => level(Step::Most),
-        Class::Function(Law::Magnitude) => (Step::Absolute(one(0)), degree(0)),
+        Class::Extremum if op == Op::Min => level(Operation::Least),
+        Class::Extremum => level(Operation::Most),
+        Class::Function(Law::Magnitude) => (Operation::Absolute(one(0)), degree(0)),
         Class::Function(Law::SquareRoot) if degree(0) % 2 == 0 => {
-            (Step::Root(one(0)), degree(0) / 2)
+            (Operation::Root(one(0)), degree(0) / 2)
         }
         Class::Function(_)
         | Class::FunctionOfTwo

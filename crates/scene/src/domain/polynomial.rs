@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// A direction counts if the polynomial's change along it is more than this share of its whole
 /// change, both squared.
-const STILL: f64 = 1e-20;
+const LEAST_CHANGE: f64 = 1e-20;
 
 impl Polynomial {
     /// A constant.
@@ -106,7 +106,7 @@ impl Polynomial {
     }
 
     /// The polynomial in coordinates whose origin is at `place`.
-    fn seen_from(&self, place: Vector) -> Self {
+    fn translated_to(&self, place: Vector) -> Self {
         let mut seen = self.clone();
         for (axis, along) in place.into_iter().enumerate().filter(|(_, along)| *along != 0.0) {
             let mut moved = Self::default();
@@ -125,7 +125,7 @@ impl Polynomial {
     }
 
     /// The scalar product of the coefficients of two polynomials.
-    fn common(&self, other: &Self) -> f64 {
+    fn coefficient_product(&self, other: &Self) -> f64 {
         let both = self.0.iter().filter_map(|(powers, one)| Some(one * other.0.get(powers)?));
         both.sum()
     }
@@ -137,20 +137,20 @@ impl Polynomial {
     /// of one degree less are smallest. For a quadric, this is its center. Directions along which
     /// the highest terms do not change are treated in the same way with the terms of lower degrees.
     /// For x = y², this gives the tip.
-    pub fn middle(&self) -> Pull {
+    pub fn middle(&self) -> DirectionalSum {
         let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let (mut pull, mut place) = (Pull::default(), [0.0; 3]);
+        let (mut pull, mut place) = (DirectionalSum::default(), [0.0; 3]);
         let (mut seen, mut from) = (self.clone(), place);
         for degree in (1..=self.degree()).rev() {
             if place != from {
-                (seen, from) = (self.seen_from(place), place);
+                (seen, from) = (self.translated_to(place), place);
             }
             let (highest, lower) = (seen.form(degree), seen.form(degree - 1));
             let changes = [0, 1, 2].map(|axis| highest.derivative(axis));
-            let together = |a: usize| [0, 1, 2].map(|b| changes[a].common(&changes[b]));
+            let together = |a: usize| [0, 1, 2].map(|b| changes[a].coefficient_product(&changes[b]));
             let gram = [0, 1, 2].map(together);
-            let wanted = [0, 1, 2].map(|axis| -changes[axis].common(&lower));
-            let least = STILL * (gram[0][0] + gram[1][1] + gram[2][2]);
+            let wanted = [0, 1, 2].map(|axis| -changes[axis].coefficient_product(&lower));
+            let least = LEAST_CHANGE * (gram[0][0] + gram[1][1] + gram[2][2]);
             for (size, along) in principal(within(free, gram)) {
                 // Rounding may give a direction that is already known again.
                 if size > least && dot(times(free, along), along) > 0.5 {
@@ -167,12 +167,12 @@ impl Polynomial {
 
 /// Coordinates along some directions, added over several polynomials.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pull {
+pub struct DirectionalSum {
     directions: Symmetric,
     places: Vector,
 }
 
-impl Pull {
+impl DirectionalSum {
     /// Adds the coordinate `place` along a direction of length 1.
     fn add(&mut self, along: Vector, place: f64) {
         let places = along.map(|along| along * place);
@@ -197,7 +197,7 @@ impl Pull {
             let known = times(pull.directions, place);
             let missing = [0, 1, 2].map(|axis| pull.places[axis] - known[axis]);
             for (size, along) in principal(within(free, pull.directions)) {
-                if size > FEW {
+                if size > LEAST_WEIGHT {
                     let far = dot(along, missing) / size;
                     place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
                     free = without(free, along);
@@ -209,7 +209,7 @@ impl Pull {
 }
 
 /// A direction with a smaller weight than this has no coordinate.
-const FEW: f64 = 1e-6;
+const LEAST_WEIGHT: f64 = 1e-6;
 
 fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -284,7 +284,7 @@ mod tests {
         let terms = [([2, 0, 0], 1.0), ([0, 2, 1], 1.0)];
         assert_eq!(one, Polynomial(terms.into_iter().collect()));
         assert_eq!(one.degree(), 3);
-        assert_eq!(umbrella([3.0, -2.0]).seen_from([3.0, -2.0, 0.0]), one);
+        assert_eq!(umbrella([3.0, -2.0]).translated_to([3.0, -2.0, 0.0]), one);
         assert_eq!(one.plus(-1.0, &one).value(), Some(0.0));
         assert_eq!(one.power(9, &mut 10_000), None);
         assert_eq!(one.power(2, &mut 5), None);

@@ -37,7 +37,7 @@ pub struct Shape {
 
 /// Properties of a node.
 #[derive(Clone, Copy)]
-struct Known {
+struct NodeShape {
     depends: [bool; 3],
     linear: Option<Linear>,
     /// Whether it is a product of linear functions.
@@ -53,7 +53,7 @@ impl Shape {
     /// The shape of the function at `root`, for parameters within bounds.
     pub fn of(graph: &Graph, root: NodeId, parameters: &[Interval]) -> Self {
         let needed = graph.reachable(&[root]);
-        let number = |bounds: Interval| Known {
+        let number = |bounds: Interval| NodeShape {
             depends: [false; 3],
             linear: Some([0.0; 3]),
             is_of_planes: true,
@@ -61,7 +61,7 @@ impl Shape {
             is_polynomial: true,
             value: Some(bounds.lo.midpoint(bounds.hi)),
         };
-        let mut known: Vec<Known> = Vec::with_capacity(graph.len());
+        let mut known: Vec<NodeShape> = Vec::with_capacity(graph.len());
         let mut shape = Self::default();
         for (id, node) in graph.iter() {
             let this = match node {
@@ -69,7 +69,7 @@ impl Shape {
                 Node::Variable(axis) => {
                     let unit = |k: usize| if k == *axis as usize { 1.0 } else { 0.0 };
                     let linear = [unit(0), unit(1), unit(2)];
-                    Known {
+                    NodeShape {
                         depends: linear.map(|factor| factor != 0.0),
                         linear: Some(linear),
                         solved: linear.map(Some),
@@ -82,7 +82,7 @@ impl Shape {
                 }
                 Node::Constant(value) => number(value.bounds()),
                 Node::Apply(op, operands) => {
-                    let operands: Vec<Known> =
+                    let operands: Vec<NodeShape> =
                         operands.iter().map(|id| known[id.index()]).collect();
                     combined(*op, &operands)
                 }
@@ -108,7 +108,7 @@ impl Shape {
         shape
     }
 
-    fn find_waves(&mut self, graph: &Graph, root: NodeId, known: &[Known]) {
+    fn find_waves(&mut self, graph: &Graph, root: NodeId, known: &[NodeShape]) {
         let (mut open, mut seen) = (vec![root], vec![false; graph.len()]);
         let (mut period, mut plain) = ([0.0_f64; 3], [false; 3]);
         while let Some(id) = open.pop() {
@@ -148,7 +148,7 @@ impl Shape {
 }
 
 /// The properties of an operation, from those of its operands.
-fn combined(op: Op, operands: &[Known]) -> Known {
+fn combined(op: Op, operands: &[NodeShape]) -> NodeShape {
     let depends = [0, 1, 2].map(|axis| operands.iter().any(|one| one.depends[axis]));
     let number = |k: usize| operands.get(k).and_then(|one| one.value);
     let value = number(0).and_then(|a| {
@@ -199,5 +199,5 @@ fn combined(op: Op, operands: &[Known]) -> Known {
         || [Op::Pow, Op::Div].contains(&op) && number(1).is_some();
     let is_of_planes =
         linear.is_some() || is_product && operands.iter().all(|one| one.is_of_planes);
-    Known { depends, linear, is_of_planes, solved, is_polynomial, value }
+    NodeShape { depends, linear, is_of_planes, solved, is_polynomial, value }
 }

@@ -240,9 +240,9 @@ fn a_search_that_is_no_longer_wanted_ends_without_an_answer() {
 
 #[test]
 fn bounds_have_few_digits() {
-    assert_eq!(roomy(&Cell::cube(1.0)), Cell::cube(1.1));
+    assert_eq!(with_margin(&Cell::cube(1.0)), Cell::cube(1.1));
     let cell = Cell { low: [-130.0; 3], high: [128.0; 3] };
-    assert_eq!(roomy(&cell), Cell { low: [-143.0; 3], high: [141.0; 3] });
+    assert_eq!(with_margin(&cell), Cell { low: [-143.0; 3], high: [141.0; 3] });
 }
 
 /// The longest side and the shortest.

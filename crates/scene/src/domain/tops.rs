@@ -2,12 +2,12 @@
 //!
 //! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
-use super::climb::{self, Top};
+use super::climb::{self, Extremum};
 use super::heights::{Grid, Heights};
-use zeroset_space::PLAIN;
+use zeroset_space::DEFAULT_HALF;
 
 /// Ratio of a window's extent to that of the tops in it.
-const ROOM_OF_GRAPH: f64 = 1.6;
+const MARGIN_OF_GRAPH: f64 = 1.6;
 
 /// Largest number of tops that are all shown. If there are more, the window is about `TOPS_ACROSS`
 /// of them wide.
@@ -39,10 +39,10 @@ pub fn around_tops(heights: &Heights<'_>) -> f64 {
     let near = Tops::find(heights, FAR);
     let all = if near.half.is_some() { near } else { Tops::find(heights, FARTHER) };
     match all.half {
-        Some(half) => PLAIN.max(half),
+        Some(half) => DEFAULT_HALF.max(half),
         None if has_poles(heights) => in_scale(heights, true),
         None if near.goes_on => in_scale(heights, false),
-        None => PLAIN,
+        None => DEFAULT_HALF,
     }
 }
 
@@ -60,8 +60,8 @@ impl Tops {
     /// Finds the tops up to `far` from the center along each axis.
     fn find(heights: &Heights<'_>, far: f64) -> Self {
         let tops = climb::tops(heights, &Grid::new(heights, far)).into_iter();
-        let (alone, others): (Vec<Top>, Vec<Top>) = tops.partition(|top| top.is_alone);
-        let reach = |tops: &[Top]| {
+        let (alone, others): (Vec<Extremum>, Vec<Extremum>) = tops.partition(|top| top.is_isolated);
+        let reach = |tops: &[Extremum]| {
             let ends = tops.iter().flat_map(|top| top.place);
             ends.fold(0.0_f64, |most, along| most.max(along.abs()))
         };
@@ -72,7 +72,7 @@ impl Tops {
             Some(TOPS_ACROSS / 2.0 * apart)
         } else {
             let has_any = !alone.is_empty() || !others.is_empty();
-            has_any.then(|| ROOM_OF_GRAPH * reach(&alone).max(reach(others)))
+            has_any.then(|| MARGIN_OF_GRAPH * reach(&alone).max(reach(others)))
         };
         Self { half, goes_on }
     }
@@ -81,13 +81,13 @@ impl Tops {
 /// Returns whether the heights seem to have poles: some are far up and some far down, more so in a
 /// smaller window.
 fn has_poles(heights: &Heights<'_>) -> bool {
-    let [plain, inner] = [PLAIN, PLAIN / 2.0].map(|half| Grid::new(heights, half));
+    let [plain, inner] = [DEFAULT_HALF, DEFAULT_HALF / 2.0].map(|half| Grid::new(heights, half));
     plain.is_far_out() && spread(&inner) > GROWS * spread(&plain)
 }
 
 /// The extent of the range that holds the middle half of all heights.
 fn spread(grid: &Grid) -> f64 {
-    let [low, high] = grid.without(0.25);
+    let [low, high] = grid.quantiles(0.25);
     high - low
 }
 
@@ -95,12 +95,12 @@ fn spread(grid: &Grid) -> f64 {
 /// one. `grows_inward`: whether heights grow when the window shrinks.
 fn in_scale(heights: &Heights<'_>, grows_inward: bool) -> f64 {
     let share = |half: f64| spread(&Grid::new(heights, half)) / (2.0 * half);
-    let plain = share(PLAIN);
+    let plain = share(DEFAULT_HALF);
     let fits = |share: f64| (LOW..=HIGH).contains(&share);
     if fits(plain) {
-        return PLAIN;
+        return DEFAULT_HALF;
     }
     let side = if grows_inward == (plain > HIGH) { 1 } else { -1 };
-    let mut halves = (1..=SCALES).map(|k| PLAIN * f64::from(side * k).exp2());
-    halves.find(|half| fits(share(*half))).unwrap_or(PLAIN)
+    let mut halves = (1..=SCALES).map(|k| DEFAULT_HALF * f64::from(side * k).exp2());
+    halves.find(|half| fits(share(*half))).unwrap_or(DEFAULT_HALF)
 }

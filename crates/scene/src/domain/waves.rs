@@ -4,7 +4,7 @@
 //! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
 use std::f64::consts::PI;
-use zeroset_space::{PLAIN, places_about};
+use zeroset_space::{DEFAULT_HALF, places_about};
 
 /// The argument of a wave, by place.
 pub type Wave<'a> = dyn Fn([f64; 3]) -> f64 + 'a;
@@ -24,7 +24,7 @@ const GROWS: f64 = 1.8;
 /// Half the side of the cube around a place in which a wave's argument stays small; a square on the
 /// ground if not all axes count. Uses the first argument that grows with the distance; `None` if
 /// none does.
-pub fn calm(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
+pub fn resolvable_half(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
     let counted = |along: [f64; 3]| [0, 1, 2].map(|k| if axes[k] { along[k] } else { 0.0 });
     let largest = |wave: &Wave<'_>, half: f64| {
         let corners = places_about(counted(centre), counted([half; 3]));
@@ -36,6 +36,6 @@ pub fn calm(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f6
     let wave = waves.iter().find(grows)?;
     let power = |k: i32| (f64::from(k) / f64::from(STEPS)).exp2();
     let halves: Vec<f64> = (STEPS * FIRST..=STEPS * LAST).map(power).collect();
-    let calm = halves.partition_point(|half| largest(wave, *half) <= WAVES);
-    Some(calm.checked_sub(1).map_or(PLAIN, |last| halves[last]))
+    let resolvable_half = halves.partition_point(|half| largest(wave, *half) <= WAVES);
+    Some(resolvable_half.checked_sub(1).map_or(DEFAULT_HALF, |last| halves[last]))
 }

@@ -6,22 +6,22 @@
 
 use super::FLAT;
 use super::climb;
-use super::critical::{Found, Seeker};
+use super::critical::{CriticalDistances, CriticalSearch};
 use super::ground;
 use super::heights::{self, Grid, shown};
 use super::shape::Shape;
 use super::tops::around_tops;
-use super::waves::{Wave, calm};
+use super::waves::{Wave, resolvable_half};
 use zeroset_eval::{Kernel, Sample};
-use zeroset_space::{BOX_DEPTH, Cell, PLAIN, Search};
+use zeroset_space::{BOX_DEPTH, Cell, DEFAULT_HALF, Search};
 
 /// Ratio of a window's extent to that of the features in it, in general and for a plane.
-const ROOM: f64 = 2.5;
-const ROOM_OF_PLANE: f64 = 1.3;
+const MARGIN: f64 = 2.5;
+const MARGIN_OF_PLANE: f64 = 1.3;
 
 /// The same ratio for critical points that are not on the lines through the center. It is at least
 /// this, since the surface near them goes on.
-const ROOM_OF_CRITICAL: f64 = 1.45;
+const MARGIN_OF_CRITICAL: f64 = 1.45;
 
 /// A window is centered on the origin along an axis if its center is nearer to it than this share
 /// of the half side. Other centers are rounded to `GRAIN` of the half side.
@@ -56,7 +56,7 @@ const LARGEST: i32 = 41;
 const LARGEST_OF_ANY: i32 = 5;
 
 /// The data from which the window on one surface is chosen.
-pub struct Sight<'a> {
+pub struct WindowChooser<'a> {
     pub search: &'a Search<'a>,
     pub shape: Shape,
     /// The kernel for the function's values.
@@ -67,7 +67,7 @@ pub struct Sight<'a> {
     pub waves: Vec<&'a Wave<'a>>,
 }
 
-impl Sight<'_> {
+impl WindowChooser<'_> {
     /// Returns the window on the surface, and whether it looks better clipped to a ball.
     pub fn window(mut self) -> (Cell, bool) {
         // Along an axis without features, the center is set to the origin, which is easier to read.
@@ -111,7 +111,7 @@ impl Sight<'_> {
         if longest > 0.0 {
             return longest;
         }
-        if let Some(half) = calm(&self.waves, self.centre, [0, 1, 2].map(on_ground)) {
+        if let Some(half) = resolvable_half(&self.waves, self.centre, [0, 1, 2].map(on_ground)) {
             return few_digits(half);
         }
         if let Some((up, factor)) = height {
@@ -122,16 +122,16 @@ impl Sight<'_> {
         }
         let reach = self.landmarks().reach();
         if is_plane {
-            return if reach == 0.0 { PLAIN } else { few_digits(ROOM_OF_PLANE * reach) };
+            return if reach == 0.0 { DEFAULT_HALF } else { few_digits(MARGIN_OF_PLANE * reach) };
         }
-        let plain = if reach == 0.0 { PLAIN } else { ROOM * reach };
-        let Found { farthest, nearest } = self.critical(plain);
+        let plain = if reach == 0.0 { DEFAULT_HALF } else { MARGIN * reach };
+        let CriticalDistances { farthest, nearest } = self.critical(plain);
         let half = if reach > 0.0 {
-            plain.max(ROOM_OF_CRITICAL * farthest.max(nearest.unwrap_or(0.0)))
+            plain.max(MARGIN_OF_CRITICAL * farthest.max(nearest.unwrap_or(0.0)))
         } else if farthest > 0.0 {
-            ROOM_OF_CRITICAL * farthest
+            MARGIN_OF_CRITICAL * farthest
         } else {
-            PLAIN
+            DEFAULT_HALF
         };
         few_digits(half)
     }
@@ -144,17 +144,17 @@ impl Sight<'_> {
         }
         if is_plane && depends.iter().filter(|depends| **depends).count() == 1 {
             // A plane across an axis: around its intersection with the axis.
-            let mut window = Cell::cube(PLAIN);
+            let mut window = Cell::cube(DEFAULT_HALF);
             let axis = depends.iter().position(|depends| *depends).unwrap_or_default();
             let marks = self.landmarks();
             let near = marks.low[axis] + marks.high[axis];
-            let about = PLAIN.max(NEAR * near.abs());
+            let about = DEFAULT_HALF.max(NEAR * near.abs());
             (window.low[axis], window.high[axis]) = (near - about, near + about);
             let found = self.search.tight(window, BOX_DEPTH).unwrap_or(window).centre()[axis];
             // The middle is rounded to two decimals.
             let short = (found * 100.0).round() / 100.0;
             let middle = if short.is_finite() { short } else { found };
-            (window.low[axis], window.high[axis]) = (middle - PLAIN / 2.0, middle + PLAIN / 2.0);
+            (window.low[axis], window.high[axis]) = (middle - DEFAULT_HALF / 2.0, middle + DEFAULT_HALF / 2.0);
             return window;
         }
         // An empty window means that the surface is farther away.
@@ -181,7 +181,7 @@ impl Sight<'_> {
             window.low[up] = window.low[up].max(low);
             window.high[up] = window.high[up].min(high);
         }
-        super::thick(window, FLAT)
+        super::thickened(window, FLAT)
     }
 
     /// The cube around the center.
@@ -191,15 +191,15 @@ impl Sight<'_> {
 
     /// Finds critical points. The searches cover distances of about `half` and of the plain window,
     /// whose size is typical of typed formulas.
-    fn critical(&self, half: f64) -> Found {
-        let sizes = [half, 4.0 * half, PLAIN, 4.0 * PLAIN];
+    fn critical(&self, half: f64) -> CriticalDistances {
+        let sizes = [half, 4.0 * half, DEFAULT_HALF, 4.0 * DEFAULT_HALF];
         let is_new =
             |n: &usize| sizes[..*n].iter().all(|other| !(0.5..=2.0).contains(&(sizes[*n] / other)));
         let find = |n: usize| {
             let Self { search, values, centre, .. } = *self;
-            Seeker { search, values, depends: self.shape.depends, centre, half: sizes[n] }.find()
+            CriticalSearch { search, values, depends: self.shape.depends, centre, half: sizes[n] }.find()
         };
-        (0..sizes.len()).filter(is_new).map(find).fold(Found::default(), Found::and)
+        (0..sizes.len()).filter(is_new).map(find).fold(CriticalDistances::default(), CriticalDistances::and)
     }
 
     /// The part of a window that may hold the surface; `None` if it is empty. Along an axis on
@@ -209,7 +209,7 @@ impl Sight<'_> {
         let Shape { depends, .. } = self.shape;
         let across = (0..3).filter(|axis| depends[*axis]);
         let widest = across.map(|axis| hull.extent(axis)).fold(0.0, f64::max) / 2.0;
-        let mut hull = super::roomy(&hull);
+        let mut hull = super::with_margin(&hull);
         for (axis, depends) in depends.into_iter().enumerate() {
             if !depends {
                 // A line is as long as the window.
@@ -221,7 +221,7 @@ impl Sight<'_> {
             hull.low[axis] = hull.low[axis].max(window.low[axis]);
             hull.high[axis] = hull.high[axis].min(window.high[axis]);
         }
-        Some(super::thick(hull, FLAT))
+        Some(super::thickened(hull, FLAT))
     }
 
     /// The heights of a graph over two axes, at places on the ground relative to the center.
@@ -268,7 +268,7 @@ impl Sight<'_> {
             let [low, high] = ends.map(few_digits);
             (window.low[up], window.high[up]) = (low, high);
         }
-        super::thick(window, FLAT)
+        super::thickened(window, FLAT)
     }
 
     /// A box around the surface's intersections with the lines through the center along the axes,

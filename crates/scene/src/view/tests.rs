@@ -39,22 +39,22 @@ fn the_document_s_domain_counts_unless_another_is_given() {
 fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
     let found = |text: &str, choice, to| {
         let (region, searched) =
-            region(&document(text), choice, Cut { plane: ClipChoice::Document, to }).expect(text);
+            region(&document(text), choice, Clipping { plane: ClipChoice::Document, to }).expect(text);
         (region, searched.map(|found| found.finding))
     };
-    let auto = |text| found(text, DomainChoice::Document, ClipTo::Auto);
+    let auto = |text| found(text, DomainChoice::Document, ClipShape::Auto);
     for text in ["x^2+y^2-z^2=1", "x*y*z=1", "4(x^2+y^2+z^2)+16x*y*z=1", "x^2+y^2=z^2"] {
         let (region, finding) = auto(text);
         let ball = region.ball().expect(text);
         assert_eq!(ball.radius, region.half_extent());
         assert_eq!(finding, Some(Finding::UnboundedInBall));
-        let (region, finding) = found(text, DomainChoice::Document, ClipTo::Box);
+        let (region, finding) = found(text, DomainChoice::Document, ClipShape::Box);
         assert_eq!((region.ball(), finding), (None, Some(Finding::Unbounded)));
     }
     for text in ["z=x^2-y^2", "x*y*z=0", "x+y+z=1", "x^2+y^2=1", "sin(x)+sin(y)+sin(z)=0"] {
         let (region, finding) = auto(text);
         assert_eq!((region.ball(), finding), (None, Some(Finding::Unbounded)), "{text}");
-        let (region, finding) = found(text, DomainChoice::Auto, ClipTo::Ball);
+        let (region, finding) = found(text, DomainChoice::Auto, ClipShape::Ball);
         assert!(region.ball().is_some() && finding == Some(Finding::UnboundedInBall));
     }
     // A domain that is given is the typed box, unless a ball was typed.
@@ -63,8 +63,8 @@ fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
     let ball = auto("domain ball 3/2\nx^2+y^2+z^2=1").0.ball().expect("typed");
     assert_eq!((ball.centre, ball.radius), (DVec3::ZERO, 1.5));
     let other = DomainChoice::Bounds([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0]);
-    assert_eq!(found("domain ball 3\nx*y*z=1", other, ClipTo::Auto).0.ball(), None);
-    assert_eq!(found("domain ball 3\nx*y*z=1", DomainChoice::Document, ClipTo::Box).0.ball(), None);
+    assert_eq!(found("domain ball 3\nx*y*z=1", other, ClipShape::Auto).0.ball(), None);
+    assert_eq!(found("domain ball 3\nx*y*z=1", DomainChoice::Document, ClipShape::Box).0.ball(), None);
 }
 
 #[test]

@@ -2,14 +2,14 @@
 //! are in registers.
 
 use super::{NormalSource, Normals};
-use crate::shade::{Canvas, Faced, Seen};
+use crate::shade::{Canvas, ViewAndNormals, ShadingInput};
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
 use zeroset_trace::KernelStats;
 use zeroset_trace::Status;
 use zeroset_trace::painted::{Window, bits};
-use zeroset_trace::{RayGrid, Ways};
+use zeroset_trace::{RayGrid, RayDirections};
 
 /// Number of windows that are processed together, step by step. A kernel sets the rounding mode,
 /// which waits for all arithmetic before it, and its output is slow to read right away.
@@ -21,7 +21,7 @@ impl<T: Real> NormalSource<'_, T> {
     /// normals are found.
     pub(super) fn of_band(
         &self,
-        seen: &Seen<'_>,
+        seen: &ShadingInput<'_>,
         normals: &mut Normals<'_>,
         rays: &RayGrid,
         windows: &[Window],
@@ -51,7 +51,7 @@ struct Band<'a, 'c, 'n, T: Real> {
     kernel: &'a dyn Kernel<SampleGradient, T>,
     rays: &'a RayGrid,
     /// All quantities of the rows except their normals.
-    seen: &'a Seen<'a>,
+    seen: &'a ShadingInput<'a>,
     normals: &'a mut Normals<'n>,
     canvas: Option<&'a mut Canvas<'c>>,
     /// Pixels without a gradient.
@@ -62,12 +62,12 @@ struct Band<'a, 'c, 'n, T: Real> {
 impl<T: Real> Band<'_, '_, '_, T> {
     /// Computes all normals that have a gradient. Returns the pixels without one.
     fn found(mut self, windows: &[Window]) -> Vec<usize> {
-        dispatch!(Level::new(), simd => self.face(simd, windows));
+        dispatch!(Level::new(), simd => self.compute_normals(simd, windows));
         self.open
     }
 
     #[inline(always)]
-    fn face<S: Simd>(&mut self, simd: S, windows: &[Window]) {
+    fn compute_normals<S: Simd>(&mut self, simd: S, windows: &[Window]) {
         let mut points: [Points<T>; TOGETHER] = Default::default();
         let mut gradients: [Gradients<T>; TOGETHER] = Default::default();
         let zero = [f32x16::splat(simd, 0.0); 3];
@@ -114,7 +114,7 @@ impl<T: Real> Band<'_, '_, '_, T> {
     /// Stores the normals of the lanes `found`, which are some of the lanes `open`. Paints the
     /// window on the canvas if all were found.
     #[inline(always)]
-    fn finish<S: Simd>(&mut self, simd: S, window: Window, open: u32, faced: Faced<S>, found: u32) {
+    fn finish<S: Simd>(&mut self, simd: S, window: Window, open: u32, faced: ViewAndNormals<S>, found: u32) {
         let is_faced = found == window.wanted;
         // Normals of a window that is painted at once are not needed later.
         if open != 0 && (self.normals.is_kept() || !is_faced) {
@@ -135,7 +135,7 @@ impl<T: Real> Band<'_, '_, '_, T> {
 
     /// Writes the points at which gradients are taken.
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, window: Window, ways: &Ways<S>, points: &mut Points<T>) {
+    fn place<S: Simd>(&self, simd: S, window: Window, ways: &RayDirections<S>, points: &mut Points<T>) {
         let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
         let status = window.load(self.seen.columns.status, &mut spare.0);
         let mut distances = window.load(self.seen.columns.drawn, &mut spare.1);

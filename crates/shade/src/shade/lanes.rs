@@ -36,7 +36,7 @@ pub fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
 
 /// Tone mapping: bright light is compressed into the range rather than clipped.
 #[inline(always)]
-pub fn toned<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
+pub fn tone_map<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
     if amount.simd_le(KNEE).all_true() {
         return amount;
     }
@@ -54,7 +54,7 @@ const WHITE: f32 = 2.0;
 /// The 40th power of a cosine, which makes the highlight small. The cosine's square is `above` /
 /// `below`. 0 in lanes where it is too faint to be visible; `None` if that is every lane.
 #[inline(always)]
-pub fn shine<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
+pub fn highlight_power<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
     /// Square of the cosine at which the power is 1e-6.
     const LEAST: f32 = 0.5;
     let is_seen = above.simd_gt(LEAST * below);

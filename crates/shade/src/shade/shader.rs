@@ -1,8 +1,8 @@
 //! Shading of sixteen pixels of a window at a time, from their G-buffer to bytes.
 
-use super::lanes::{by_axis, dot, left, shine, splat, toned};
+use super::lanes::{by_axis, dot, left, highlight_power, splat, tone_map};
 use super::{Appearance, Paint, SurfaceColors, UndecidedStyle};
-use crate::color::{BLACK, Codes, LinearRgb};
+use crate::color::{BLACK, SrgbTable, LinearRgb};
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};
@@ -26,8 +26,8 @@ pub struct Shader<'a> {
     rays: &'a RayGrid,
     appearance: &'a Appearance,
     palette: Vec<SurfaceColors>,
-    lamps: Lamps,
-    codes: &'static Codes,
+    lamps: CameraLights,
+    codes: &'static SrgbTable,
     /// One row of background.
     row: Vec<u8>,
     level: Level,
@@ -40,8 +40,8 @@ impl<'a> Shader<'a> {
             rays,
             appearance,
             palette: appearance.palette(),
-            lamps: Lamps::new(rays),
-            codes: Codes::get(),
+            lamps: CameraLights::new(rays),
+            codes: SrgbTable::get(),
             row: appearance.background.to_srgb().repeat(rays.width()),
             level: Level::new(),
         }
@@ -74,24 +74,24 @@ impl Canvas<'_> {
     pub(crate) fn paint<S: Simd>(
         &mut self,
         simd: S,
-        seen: &Seen<'_>,
+        seen: &ShadingInput<'_>,
         window: Window,
-        faced: Faced<S>,
+        faced: ViewAndNormals<S>,
     ) {
         self.shader.paint(simd, seen, window, Some(faced), self.bytes);
     }
 
     /// Paints the windows that waited for normals.
-    pub(crate) fn finish(mut self, seen: &Seen<'_>, normals: &[[f32; 3]]) {
+    pub(crate) fn finish(mut self, seen: &ShadingInput<'_>, normals: &[[f32; 3]]) {
         let left = std::mem::take(&mut self.left);
         self.windows(
-            &Seen { columns: Columns { normal: normals, ..seen.columns }, ..*seen },
+            &ShadingInput { columns: Columns { normal: normals, ..seen.columns }, ..*seen },
             &left,
         );
     }
 
     /// Paints windows whose normals are in `seen`.
-    pub(super) fn windows(&mut self, seen: &Seen<'_>, windows: &[Window]) {
+    pub(super) fn windows(&mut self, seen: &ShadingInput<'_>, windows: &[Window]) {
         let Self { shader, bytes, .. } = self;
         dispatch!(shader.level, simd => {
             for &window in windows {
@@ -103,17 +103,17 @@ impl Canvas<'_> {
 
 /// The G-buffer of some rows, and the paint of their points.
 #[derive(Clone, Copy)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct ShadingInput<'a> {
     pub columns: Columns<'a>,
     /// Empty if all points have their surface's color.
     pub paint: &'a [Paint],
 }
 
 /// Unit vectors of a window's pixels: directions to the eye, then normals.
-pub(crate) type Faced<S> = ([f32x16<S>; 3], [f32x16<S>; 3]);
+pub(crate) type ViewAndNormals<S> = ([f32x16<S>; 3], [f32x16<S>; 3]);
 
 /// Quantities of a window's pixels that most windows do not have.
-struct Own {
+struct RareQuantities {
     /// Share of the light that is hidden; 255 means that all is hidden.
     shadow: Lanes<u8>,
     occlusion: Lanes<u8>,
@@ -126,7 +126,7 @@ struct Own {
     marks: [Lanes<f32>; 2],
 }
 
-impl Own {
+impl RareQuantities {
     const NONE: Self = Self {
         shadow: Lanes([0; LANES]),
         occlusion: Lanes([0; LANES]),
@@ -138,8 +138,8 @@ impl Own {
 
     /// The quantities of a window; `None` if all of them are the defaults.
     #[inline]
-    fn of(seen: &Seen<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Option<Self> {
-        let Seen { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
+    fn of(seen: &ShadingInput<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Option<Self> {
+        let ShadingInput { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
         let is_plain = marks.is_none()
             && paint.is_empty()
             && (cap.is_empty() || *window.load(cap, &mut [false; LANES]) == [false; LANES])
@@ -150,8 +150,8 @@ impl Own {
     }
 
     #[inline(never)]
-    fn all(seen: &Seen<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Self {
-        let Seen { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
+    fn all(seen: &ShadingInput<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Self {
+        let ShadingInput { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
         let (mut is_cap, mut paints) = ([false; LANES], [Paint::NONE; LANES]);
         let (is_cap, paints) = (window.load(cap, &mut is_cap), window.load(paint, &mut paints));
         Self {
@@ -167,13 +167,13 @@ impl Own {
 
 /// Unit vectors toward the lights that move with the camera.
 #[derive(Clone, Copy)]
-struct Lamps {
+struct CameraLights {
     above: Vec3,
     fill: Vec3,
     rim: Vec3,
 }
 
-impl Lamps {
+impl CameraLights {
     fn new(rays: &RayGrid) -> Self {
         let [forward, right, up] = [rays.forward(), rays.right(), rays.up()];
         let fill = -forward + 1.1 * right - 0.2 * up;
@@ -192,9 +192,9 @@ impl Shader<'_> {
     fn paint<S: Simd>(
         &self,
         simd: S,
-        seen: &Seen<'_>,
+        seen: &ShadingInput<'_>,
         mut window: Window,
-        faced: Option<Faced<S>>,
+        faced: Option<ViewAndNormals<S>>,
         bytes: &mut [[u8; 3]],
     ) {
         let mut status = [Status::Miss; LANES];
@@ -226,9 +226,9 @@ impl Shader<'_> {
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
             // The loop mostly runs once. Computing this before it takes longer.
-            let own = Own::of(seen, window, marks);
+            let own = RareQuantities::of(seen, window, marks);
             let amounts = match &own {
-                None => self.light::<S, false>(simd, seen, window, faced, colors, &Own::NONE),
+                None => self.light::<S, false>(simd, seen, window, faced, colors, &RareQuantities::NONE),
                 Some(own) => self.light::<S, true>(simd, seen, window, faced, colors, own),
             };
             let colors = self.codes.bytes(simd, amounts);
@@ -257,11 +257,11 @@ impl Shader<'_> {
     fn light<S: Simd, const OWN: bool>(
         &self,
         simd: S,
-        seen: &Seen<'_>,
+        seen: &ShadingInput<'_>,
         window: Window,
-        faced: Option<Faced<S>>,
+        faced: Option<ViewAndNormals<S>>,
         colors: &SurfaceColors,
-        own: &Own,
+        own: &RareQuantities,
     ) -> [f32x16<S>; 3] {
         let Self { rays, appearance, lamps, .. } = *self;
         let Appearance { look, ambient: everywhere, .. } = appearance;
@@ -291,13 +291,13 @@ impl Shader<'_> {
         let halfway = [light[0] + eye[0], light[1] + eye[1], light[2] + eye[2]];
         let cosine = (side * dot(normal, halfway)).max(0.0);
         let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);
-        let shine = shine(simd, cosine * cosine, square_of_length);
+        let highlight_power = highlight_power(simd, cosine * cosine, square_of_length);
         let grazing = 1.0 - facing.abs().min(1.0);
         let rim =
             look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
         let mut white = rim;
-        if let Some(shine) = shine {
-            white = (look.highlight * direct.sqrt()).mul_add(shine, white);
+        if let Some(highlight_power) = highlight_power {
+            white = (look.highlight * direct.sqrt()).mul_add(highlight_power, white);
         }
         // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
         let from_above = 0.5 + 0.5 * (side * dot(normal, splat(simd, lamps.above)));
@@ -321,7 +321,7 @@ impl Shader<'_> {
                 let painted = f32x16::from_slice(simd, &own.base[primary][..]);
                 base = painted.is_nan().select(base, painted);
             }
-            let mut amount = toned(simd, base.mul_add(factor, white));
+            let mut amount = tone_map(simd, base.mul_add(factor, white));
             if OWN {
                 let [left, tint] = &own.marks;
                 amount *= 1.0 - INK * f32x16::from_slice(simd, &own.ink[..]);

@@ -125,13 +125,13 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let ambient_light = ambient * open * around * (1.0 - 0.4 * grazing);
     let factor = ambient_light + (1.0 - ambient) * (key * direct + fill * open * aside);
     let factor = factor * (1.0 - outline * grazing.powi(4));
-    let shine = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(40);
-    let white = shine + rim * grazing * grazing * behind;
-    let toned = |amount: f64| {
+    let highlight_power = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(40);
+    let white = highlight_power + rim * grazing * grazing * behind;
+    let tone_map = |amount: f64| {
         let above = (amount - 0.7).max(0.0) / 0.3;
         amount.min(0.7) + 0.3 * above * (1.0 + above / 4.0) / (1.0 + above)
     };
-    let amounts = base.0.map(|part| toned(f64::from(part) * factor + white) as f32);
+    let amounts = base.0.map(|part| tone_map(f64::from(part) * factor + white) as f32);
     LinearRgb(amounts).to_srgb()
 }
 

@@ -1,4 +1,4 @@
-//! Assignments of programs. Each one defines a new name, which replaces the variable below it.
+//! Assignments of programs. Each defines a new name that later uses of the variable refer to.
 
 use crate::dialect::known_numbers::{number_of, written};
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -151,7 +151,7 @@ impl ProgramReader<'_> {
         found.map(|part| part[0].span.to(part[2].span))
     }
 
-    /// A name like `wanted` that is not taken yet; it counts as taken afterwards.
+    /// Returns a name like `wanted` that is not taken, and marks it as taken.
     pub(crate) fn fresh(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
         let mut number = 2;

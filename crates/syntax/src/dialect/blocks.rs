@@ -44,7 +44,7 @@ impl ProgramStep {
         })
     }
 
-    /// The first token that is stored.
+    /// A token near its start, for error messages.
     pub(crate) fn first(&self) -> Option<Token> {
         match self {
             Self::Plain(tokens) => tokens.first().copied(),

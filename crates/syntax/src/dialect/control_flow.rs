@@ -1,8 +1,8 @@
 //! Branches and loops of programs, unrolled. The rounds of a loop follow one another. Both sides of
 //! a branch run, and each variable that they assign becomes a choice between its two values.
 //!
-//! An early exit from a loop or function is a number, 0 if there was none. Where that number is not
-//! known, the statements that follow are one more branch.
+//! An early exit from a loop or function is recorded as a number, 0 without an exit. If the number
+//! is not known, the statements that follow are one more branch.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::known_numbers::{count, number_of, written};

@@ -51,7 +51,7 @@ impl ProgramReader<'_> {
         let is_void = self.words.has(types, "void");
         let word = self.words.word(name).to_owned();
         if is_void && matches!(word.as_str(), "main" | "mainImage") {
-            // These only color pixels.
+            // `main` and `mainImage` only color pixels.
             let kind = NoteKind::MainLeftOut { name: word };
             self.program.notes.push(Note { span: name.span, kind });
             return Ok(rest);
@@ -98,7 +98,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// The parameters of a procedure, with their directions.
+    /// The parameters of a procedure, each with its direction: in, out or both.
     pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<ProcedureParameter> {
         let one = |tokens: &Vec<Token>| {
             let (token, size, _) = self.words.parameter(tokens)?;

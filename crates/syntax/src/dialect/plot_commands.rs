@@ -10,8 +10,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
-/// True for a command that plots its first argument as a height; `None` for words that plot
-/// nothing.
+/// `Some(true)` for a command that plots heights, `None` for a word that is no plot command.
 fn plots_height(command: &str) -> Option<bool> {
     match command {
         "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" => Some(true),
@@ -106,7 +105,8 @@ impl Words<'_> {
             if let Some(level) = level.clone().filter(|_| outside(formula, Equals).is_none()) {
                 *formula = less(formula, &level);
             }
-            // A function's name alone adds no formula: it is drawn anyway if nothing else is.
+            // A lone function name adds no formula: the function is drawn anyway if nothing else
+            // is.
             if matches!(formula.as_slice(), [name] if name.kind == TokenKind::Name) {
                 formula.clear();
             }
@@ -146,7 +146,7 @@ impl Words<'_> {
         let (inner, _) = bracketed(tokens)?;
         let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
         let mut ends = split(ends, Comma);
-        // The `<` and `>` around a corner are read as relations.
+        // The tokens `<` and `>` around a corner would be relations, so they are dropped.
         for end in &mut ends {
             end.retain(|token| !matches!(token.kind, Less | Greater));
         }

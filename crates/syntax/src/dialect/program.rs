@@ -3,8 +3,7 @@
 //!
 //! A variable of a function becomes a function with the same parameters, so the order of statements
 //! has no effect: `vec2 q = p.xz;` in `f(p)` becomes `f_q(p) = p.xz`, and a later `q` becomes
-//! `f_q(p)`. Each assignment to a variable defines another name. What a formula means is not known
-//! here.
+//! `f_q(p)`. Each assignment to a variable defines another name.
 
 use crate::messages::note::Note;
 use crate::tree::ast::Name;
@@ -12,7 +11,7 @@ use crate::tree::built_statement::BuiltStatement;
 use crate::tree::raw_statement::RawStatement;
 use rustc_hash::FxHashSet;
 
-/// The statements of a text.
+/// A text, translated to statements of this language.
 #[derive(Default)]
 pub(crate) struct PastedProgram {
     pub statements: Vec<RawStatement>,
@@ -24,7 +23,7 @@ pub(crate) struct PastedProgram {
     pub last_value: Option<Name>,
     /// Statements that the text does not spell out.
     pub synthesized: Vec<BuiltStatement>,
-    /// Names generated in branches and loops; nothing may use them.
+    /// Names generated in branches and loops; they may remain unused.
     pub generated: FxHashSet<String>,
     pub notes: Vec<Note>,
 }

@@ -1,4 +1,4 @@
-//! Reads the statements of a program in order, and collects statements of this language.
+//! Translates the statements of a program, in order, to statements of this language.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::plot_commands::Plot;
@@ -29,7 +29,7 @@ pub(crate) struct Frame {
     pub aliases: Aliases,
     /// Variables that were declared or assigned, with their number of components.
     pub set: Vec<(String, usize)>,
-    /// Integer variables, such as loop counters; their values are computed if possible.
+    /// Integer variables, such as loop counters, whose values are tracked while they are known.
     pub whole: FxHashSet<String>,
     /// Number of enclosing branches and loops.
     pub nested: usize,
@@ -278,7 +278,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Reads an assignment; returns whether the statement is one that is read here.
+    /// Reads an assignment of a program. Returns whether `tokens` were read as one.
     fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         if let Some((left, right)) = Words::parallel(tokens) {
             // All values are computed before any of the variables changes.

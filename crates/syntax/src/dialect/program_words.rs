@@ -107,7 +107,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Returns whether only programs have such a statement, for example a declaration or `a += 1`.
+    /// Returns whether a statement is one that only programs have, such as `a += 1`.
     pub(crate) fn is_step(self, tokens: &[Token]) -> bool {
         let first = self.word(tokens[0]);
         let types = self.types(tokens);
@@ -297,7 +297,7 @@ impl<'a> Words<'a> {
         Self::set_at_once(tokens).filter(|(names, _)| matches!(names.len(), 2..=4))
     }
 
-    /// Returns whether a parameter is a point: `lines` use its components, or some length.
+    /// Returns whether a parameter is a point: `lines` take its components or compute a length.
     pub(crate) fn is_point(self, parameter: &[Token], lines: &[Vec<Token>]) -> bool {
         let Some((name, _, None)) = self.parameter(parameter) else { return false };
         let name = self.word(name);

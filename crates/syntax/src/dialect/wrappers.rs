@@ -29,7 +29,7 @@ const SETUP: &[&str] = &[
     "precision",
 ];
 
-/// Such commands with brackets behind them.
+/// Setup commands that take brackets.
 const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "reset", "kill"];
 
 /// Functions that create symbols.
@@ -42,8 +42,7 @@ const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 const ASKS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
 impl Words<'_> {
-    /// The statements in a wrapped one; empty if it has no meaning here, `None` if it is not
-    /// wrapped.
+    /// Unwraps a statement. Empty if nothing in it has a meaning here; `None` if it is not wrapped.
     pub(crate) fn unwrapped(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let first = *tokens.first()?;
         let next = tokens.get(1);

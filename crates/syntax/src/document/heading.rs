@@ -1,6 +1,6 @@
-//! The comment at the start of a text. Statements are not known here.
+//! The comment at the start of a text. Knows nothing of statements.
 
-/// The title and the text of the comment at the start of a document.
+/// The title and the remaining text of the comment at the start of a document.
 pub(crate) fn heading(text: &str) -> (Option<String>, String) {
     let mut lines = text
         .trim_start_matches('\u{FEFF}')

@@ -91,7 +91,7 @@ pub(crate) fn settle(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scop
         let Some(own) = canonical(&head.name.text).filter(|_| line.raw.head.is_none()) else {
             continue;
         };
-        // Uses are in the order of their lines, so the first and the last are enough.
+        // Uses are in the order of their lines, so it is enough to check the first and the last.
         let used_elsewhere = uses.get(own).is_some_and(|all| {
             let mut ends = all.first().into_iter().chain(all.last());
             ends.any(|(at, _)| *at != index)
@@ -168,7 +168,7 @@ pub(crate) fn implied(
     (built, notes)
 }
 
-/// Name and definitions of the system in which the names r, rho, theta and phi are used.
+/// The coordinate system to which the used names belong, and its definitions.
 fn system(
     [r, rho, theta, phi]: [bool; 4],
     with_z: bool,

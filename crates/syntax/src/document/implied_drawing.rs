@@ -1,4 +1,4 @@
-//! The drawing of a text that only defines.
+//! The implied drawing of a text that contains definitions only.
 
 use crate::dialect::program::PastedProgram;
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -9,7 +9,7 @@ use crate::tree::built_statement::BuiltStatement;
 use crate::tree::statement::is_plain_number;
 use zeroset_ir::Axis;
 
-/// The drawing of a text with definitions only: its last function of (x, y, z), or of (x, y) as a
+/// The drawing of a text without drawings: its last function of (x, y, z), or of (x, y) as a
 /// height.
 pub(crate) fn implied_drawing(
     definitions: &[(&Definition, &BuiltStatement)],
@@ -60,7 +60,7 @@ pub(crate) fn drawn_by_program(
         let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
         (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
     };
-    // The expression stands nowhere in the text.
+    // The expression stands nowhere in the text, so its span is empty.
     let expr = Expr::new(kind, Span::at(name.span.start));
     Some(drawn(expr, name.span, name.span))
 }

@@ -58,7 +58,7 @@ pub struct Document {
     pub lines: Vec<SettingLine>,
     /// First line of the comment at the start of the text, if there is one.
     pub title: Option<String>,
-    /// The rest of that comment, line breaks kept; empty if there is none.
+    /// The remaining lines of that comment; empty without a comment.
     pub doc: String,
     /// Notes, sorted by their places.
     pub notes: Vec<Note>,
@@ -69,11 +69,11 @@ pub struct Document {
 pub struct Surface {
     /// The function whose zeros are drawn.
     pub root: NodeId,
-    /// True if this is an equation or a solid.
+    /// Kind: an equation or a solid.
     pub kind: SurfaceKind,
     /// Place of the statement in the text.
     pub span: Span,
-    /// The statement as it was read.
+    /// The statement as it was read, in standard notation.
     pub echo: String,
     /// Color from the last `color` line above the surface. If the last `color` line of the document
     /// is below all surfaces, the first one below this surface counts instead.
@@ -105,7 +105,7 @@ pub struct Parameter {
     pub value: Constant,
     /// Range of its slider, or of the loop of time.
     pub range: Option<(Constant, Constant)>,
-    /// True if it is a slider or time.
+    /// Kind: a slider or time.
     pub kind: ParameterKind,
     /// Place of its definition, if the text defines it.
     pub span: Option<Span>,
@@ -156,7 +156,6 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 /// Returns the statements of a text, with every name resolved.
 ///
 /// # Errors
-/// The errors of the text, at least one and at most one for each statement. Lines about the picture
 /// At least one error, and at most one for each statement. Lines about the picture are checked,
 /// too.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {

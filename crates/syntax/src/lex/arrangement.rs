@@ -70,7 +70,7 @@ pub(crate) fn arrange(
     let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
     let mut tokens = tokens.into_iter().peekable();
     let mut arranged = arranger.level(&mut tokens, None)?;
-    // These have a meaning only within constructs that are already arranged here.
+    // Tokens of these kinds have a meaning only in constructs that are arranged by now.
     for token in &mut arranged {
         if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
             token.kind = Unknown;
@@ -169,8 +169,8 @@ impl Arranger<'_> {
             if token.kind.closer().is_some() {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
-                // `{\text{for}}` is a word of the surrounding text. The brackets of a macro may
-                // stand in another order in the text, hence `get`.
+                // `{\text{for}}` is a word of the surrounding text. After the expansion of a macro,
+                // brackets may stand in another order in the text, hence `get`.
                 let between = self.text.get(token.span.end..close.span.start).unwrap_or("");
                 if inner.is_empty() && token.kind == OpenBrace && between.contains(r"\text") {
                     continue;
@@ -192,8 +192,7 @@ impl Arranger<'_> {
                 segment.push(TokenTree::Leaf(merged));
                 continue;
             }
-            // In a row of pieces a comma may precede the condition or the end; it separates
-            // nothing.
+            // A comma before the condition or the end of a row separates nothing.
             let is_empty = segment.is_empty() && in_pieces;
             let ends_value = in_pieces
                 && tokens.peek().is_some_and(|next| matches!(next.kind, If | RowEnd | CloseChoice));
@@ -208,7 +207,7 @@ impl Arranger<'_> {
                 matches!(open.kind, OpenParen | OpenBracket | OpenChoice | OpenMatrix)
             })
         {
-            // A trailing comma behind the last argument.
+            // Drops the empty part behind a trailing comma.
             segments.pop();
         }
         if open.is_some_and(|open| open.kind == OpenParen) {
@@ -263,7 +262,7 @@ impl Arranger<'_> {
         TokenTree::Group(open, inner, close)
     }
 
-    /// The single number `0,5`, if a comma cannot separate anything here.
+    /// The number `0,5` as one token, if the comma cannot separate two values here.
     fn decimal_comma(
         &mut self,
         before: &[TokenTree],
@@ -400,8 +399,7 @@ impl Arranger<'_> {
         }
     }
 
-    /// Sets the kind of words and signs with a role in brackets only: ranges, generators, last
-    /// pieces.
+    /// Sets the kind of words with a role in brackets only: ranges, generators, last pieces.
     fn words(&self, nodes: &mut [TokenTree]) {
         if nodes.iter().any(|node| node.is(Dots))
             && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)

@@ -18,8 +18,8 @@ enum Role {
 
 const ROLES: [Role; 3] = [Role::Opens, Role::Closes, Role::Joins];
 
-/// The cheapest roles for all bars up to one of them, for a given role of that bar and a given
-/// number of bars open behind it.
+/// The cheapest roles of the first bars. [`Readings`] has one for each role of the last of these
+/// bars and each number of bars open behind it.
 #[derive(Clone, Copy)]
 struct Reading {
     /// Cost of all unusual roles; the reading with the lowest cost wins.
@@ -58,13 +58,12 @@ impl BarLevel {
     }
 }
 
-/// Cost of a comparison between bars, which is not a number, or of an `or` that does not join
-/// comparisons.
+/// Cost of a comparison within bars, or of an `or` that does not join two comparisons.
 const UNLIKELY: u32 = 1000;
 
 /// Sets the role of each bar, separately for each pair of brackets. The pairing with the fewest
-/// implicit products beside a bar is chosen. It is an error if there is none, or several are
-/// equally good. Two adjacent bars behind an operand, where no bar is open, mean `or`.
+/// implicit products beside a bar is chosen; it is an error if no single pairing is best. Two
+/// adjacent bars behind an operand, where no bar is open, may mean `or`.
 pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     if !tokens.iter().any(|token| matches!(token.kind, Bar | OpenBar | CloseBar)) {
         return Ok(());

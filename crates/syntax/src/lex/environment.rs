@@ -15,7 +15,7 @@ const MATRICES: &[&str] = &["matrix", "pmatrix", "bmatrix", "Bmatrix", "smallmat
 /// Environments that hold a matrix between bars.
 const BARRED: &[&str] = &["vmatrix", "Vmatrix"];
 
-/// Number of bytes in which the end of an environment is searched.
+/// Number of bytes within which the end of an environment is looked for.
 const LONGEST: usize = 10_000;
 
 /// The token of `\begin{…}` or `\end{…}`, and its length. `last` is the token before it.
@@ -35,7 +35,7 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
         end += columns.find('}').map_or(0, |length| length + 2);
     }
     let kind = match (begins, last) {
-        // The scanner replaces this if the open bracket is not a matrix.
+        // The scanner changes this kind if the open bracket is of another kind.
         (false, _) => CloseMatrix,
         (true, _) if is_matrix => OpenMatrix,
         // An array in brackets or bars is a matrix. One that is the whole statement may hold lines.
@@ -141,7 +141,7 @@ fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     }
 }
 
-/// `Ampersand` if the matrix `tokens` is a single row, `RowEnd` if it is a single column.
+/// `Ampersand` for a matrix of a single row, `RowEnd` for a single column, else `None`.
 fn shape(text: &str, tokens: &[Token]) -> Option<TokenKind> {
     let commas = || tokens.iter().filter(|token| token.kind == Comma);
     let is_list = tokens.get(2).is_some_and(|first| first.kind == OpenList);

@@ -1,5 +1,4 @@
-//! Recognizes the token at the start of a text, from its characters and a little context. Meanings
-//! are not known here.
+//! Recognizes the token at the start of a text, from its characters and a little context.
 //!
 //! Notations that people paste are brought to the same tokens: LaTeX environments, comments of
 //! other languages, names of modules before functions, components of vectors.
@@ -247,7 +246,7 @@ fn name(rest: &str, end: usize) -> (TokenKind, usize) {
     {
         return (fixed, end);
     }
-    // `in_name` accepts underscores, so `end` may lie behind the one before a subscript.
+    // The underscore of a subscript may already be part of the name.
     let base = rest[..end].strip_suffix('_').map_or(end, str::len);
     match rest[base..].strip_prefix('_') {
         Some(subscript) if subscript.starts_with('{') => {

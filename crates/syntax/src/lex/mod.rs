@@ -1,5 +1,5 @@
-//! Characters to the statements that the grammar reads. Each statement is a list of tokens in one
-//! standard form, whatever spelling was typed.
+//! Turns characters into the statements that the grammar reads. Each statement is a list of tokens
+//! in one standard form, whatever spelling was typed.
 //!
 //! Nothing here knows the grammar, or what a name means.
 

@@ -1,8 +1,7 @@
 //! The first pass over a text: splits it into tokens and statements, and checks limits and
 //! brackets.
-//!
 //! It is one loop without recursion, so no later stage meets a text that is too long or nested too
-//! deeply. It does not know the grammar. A token is told from its own characters, with a few
+//! deeply. It does not know the grammar. A token is recognized by its own characters, with a few
 //! exceptions such as the parts of `\frac` and the hexadecimal color behind `color`.
 
 use crate::lex::bars::pair_bars;
@@ -172,7 +171,7 @@ fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> 
     }
 }
 
-/// Returns whether the row of an environment that `rest` begins with continues the row before it.
+/// Returns whether the row at the start of `rest` continues the row before it.
 fn goes_on(rest: &str) -> bool {
     const BLANKS: [&str; 11] =
         [" ", "\n", "\r", "\t", "&", "{}", r"\quad", r"\qquad", r"\,", r"\;", r"\ "];

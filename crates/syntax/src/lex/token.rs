@@ -24,20 +24,20 @@ impl Token {
 pub(crate) struct Context {
     /// True if a part of `\frac` is next: one digit or letter, or a group in braces.
     pub is_part: bool,
-    /// True if the preceding token is a LaTeX command: `\sqrt` takes one digit without braces.
+    /// True if the preceding token is spelled as in LaTeX: `\sqrt` takes one digit without braces.
     pub is_radicand: bool,
     /// True if a color is next.
     pub is_color: bool,
     /// True if the token is the first on its line.
     pub starts_line: bool,
-    /// The preceding token, if the next one directly follows it.
+    /// The preceding token, if no text separates it from the next.
     pub touching: Option<TokenKind>,
     /// The preceding token of the same statement.
     pub last: Option<TokenKind>,
 }
 
-/// Returns a function that counts open brackets. It is called with one token after the other, and
-/// returns the number of brackets open behind it.
+/// Returns a function that tracks brackets. It is called for one token after the other, and returns
+/// the number of brackets open behind each.
 fn depth() -> impl FnMut(&Token) -> usize {
     let mut depth = 0_usize;
     move |token| {

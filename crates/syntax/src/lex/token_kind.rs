@@ -5,7 +5,7 @@ use crate::settings::SettingKind;
 /// Declares [`TokenKind`] from rows of a kind and its character.
 macro_rules! token_kinds {
     ($($(#[$doc:meta])* $kind:ident = $character:literal,)*) => {
-        /// Kind of a token, the same for all its spellings.
+        /// Kind of a token, whichever spelling was typed.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum TokenKind {
             $($(#[$doc])* $kind,)*
@@ -62,7 +62,7 @@ token_kinds! {
     /// The end of an environment; it closes a choice, too.
     CloseMatrix = '⟧',
     OpenBar = '|', CloseBar = '¦',
-    /// A bar of which it is still open whether it opens or closes.
+    /// A bar whose role is not decided yet.
     Bar = '❘',
 
     // Choices, ranges and sums.

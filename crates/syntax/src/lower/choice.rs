@@ -112,8 +112,8 @@ impl<'a> Lowering<'a> {
 
     /// `yes` where a margin is positive, else `no`. A margin of 0 gives `yes` unless `strict`.
     fn by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
-        // The margin may be a choice between numbers, for example if it tells whether a program has
-        // left a loop. Its bounds would then cover both values.
+        // The margin may be a choice between numbers, for example whether a program has left a
+        // loop. Bounds of such a margin cover all its numbers, and so do not decide.
         if let Some(node) = self.by_numbers(margin, strict, (yes, no), &mut MOST_LEAVES.clone()) {
             return node;
         }
@@ -125,7 +125,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The choice between `values` by a margin that is itself a choice between numbers, else
+    /// The choice between `values` by a margin that is itself a choice between numbers; else
+    /// `None`.
     /// `None`.
     fn by_numbers(
         &mut self,
@@ -288,7 +289,7 @@ fn as_sinc<'e>(pieces: &'e [(Expr, Expr)], otherwise: Option<&'e Expr>) -> Optio
     is_sinc.then_some(&**left)
 }
 
-/// Whether a condition can restrict a value without a choice.
+/// Whether `restrict` accepts a condition.
 fn is_restriction(condition: &Expr) -> bool {
     match &condition.kind {
         ExprKind::And(items) => items.iter().all(is_restriction),

@@ -17,8 +17,8 @@ impl<'a> Lowering<'a> {
         Ok(node)
     }
 
-    /// The margin of `condition`, or of its opposite if `negated`: positive exactly where that
-    /// holds, or also 0 if it is not strict. Returns the margin and whether it is strict.
+    /// The margin of `condition`, or of its opposite if `negated`, and whether it is strict. It is
+    /// positive exactly where the condition holds; there it may also be 0 if it is not strict.
     pub(crate) fn margin(
         &mut self,
         condition: &'a Expr,
@@ -175,7 +175,7 @@ pub(crate) fn comparisons<'a>(
     left.zip(rest).map(|(left, (relation, right))| (left, *relation, right))
 }
 
-/// The lower and the higher side, and strictness, of an inequality. `None` for other relations.
+/// The lower and the higher side of an inequality, and its strictness. `None` for other relations.
 pub(crate) fn sides<'a>(
     left: &'a Expr,
     relation: Relation,
@@ -190,7 +190,7 @@ pub(crate) fn sides<'a>(
     }
 }
 
-/// The operation that restricts to where a margin is positive, or if not `strict`, not negative.
+/// The operation that restricts to positive margins or, if not `strict`, to margins of at least 0.
 fn restriction(strict: bool) -> Op {
     if strict { Op::WherePositive } else { Op::WhereNonneg }
 }

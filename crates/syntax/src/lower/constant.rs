@@ -84,9 +84,9 @@ pub(crate) fn evaluate_range(
     Ok((low, high))
 }
 
-/// Constant exponents that may be integers but are not known to be; at most `most` of them. For
-/// example, `log2(8)` is enclosed by two floats next to 3. A power with such an exponent is that of
-/// a real number, defined for bases >= 0 only.
+/// At most `most` constant exponents that may be integers but are not known to be. For example,
+/// `log2(8)` is enclosed by two floats next to 3. A power with such an exponent counts as that of a
+/// real number, defined for bases >= 0 only.
 pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
     let variabilities = variabilities(graph);
     let mut exponents = Vec::new();

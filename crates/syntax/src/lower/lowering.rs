@@ -21,8 +21,8 @@ const LEVELS: usize = 5;
 /// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
 const VISITS: usize = 16;
 
-/// Stack that must be left at each level, in bytes. A level takes a kilobyte, and choices between
-/// numbers in it a hundred.
+/// Stack that must be left at each level, in bytes. A level takes 1 KB, and choices between numbers
+/// in it take 100 KB.
 const RED_ZONE: usize = 1 << 18;
 /// Size of the stack segments that are added, in bytes. Definitions nest up to a thousand levels
 /// deeper than brackets.
@@ -39,7 +39,7 @@ pub(crate) enum NameBinding<'a> {
     Definition(&'a Definition),
 }
 
-/// Values of a function's parameters, with their names.
+/// Names and values of a function's parameters.
 pub(crate) type Locals<'a> = [(&'a str, Tensor)];
 
 /// Lowers the trees of one document into one graph.
@@ -85,7 +85,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The node of an expression that must be a number and has no parameters.
+    /// The node of an expression outside any function. The expression must be a number.
     pub(crate) fn value(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
         self.number(expr, &[])
     }
@@ -168,7 +168,7 @@ impl<'a> Lowering<'a> {
         stacker::grow(SEGMENT, || self.lower(expr, locals))
     }
 
-    /// Each kind has a function of its own, so that nesting one kind does not use the stack of all.
+    /// Each kind has a function of its own, so that a level takes the stack frame of one kind only.
     #[inline(never)]
     fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         match &expr.kind {
@@ -402,8 +402,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Moves errors of size to where a definition is used, since the use can be changed. If the
-/// definition was not typed, moves all errors, since their places are in another text.
+/// Moves an error to the use of the definition it is in. This applies to errors of size, which the
+/// use can avoid, and to all errors if the definition was not typed and has no place in the text.
 fn at_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
     if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;

@@ -1,7 +1,7 @@
-//! Matrices of two to four rows. Like vectors, they are expanded: into their elements.
+//! Matrices of two to four rows. They are expanded to their elements, like vectors.
 //!
 //! Elements are in the order of shaders, column by column. A matrix times a vector is a vector, and
-//! so is a vector times a matrix; in shaders `p.xz *= m` means the latter.
+//! so is a vector times a matrix, which is what `p.xz *= m` means in shaders.
 
 use crate::lower::lowering::Lowering;
 use crate::lower::value::Tensor;

@@ -34,7 +34,7 @@ impl Tensor {
         }
     }
 
-    /// All components; a number is its own only component.
+    /// All components. A number counts as a single component.
     pub(crate) fn parts(&self) -> &[NodeId] {
         match self {
             Self::Number(node) => std::slice::from_ref(node),
@@ -167,7 +167,7 @@ impl Lowering<'_> {
     }
 }
 
-/// A vector of `size` components: as many in all arguments, or one that is repeated.
+/// A vector of `size` components. The arguments have as many in all, or one that is repeated.
 pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<Tensor> {
     let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
     let given = nodes.len();
@@ -203,7 +203,7 @@ pub(crate) fn component(value: Tensor, letters: &str, span: Span) -> Fallible<Te
     Ok(Tensor::new(found))
 }
 
-/// The number of components that the operands have in common; numbers fit any.
+/// The number of components that the operands share. Numbers go with any.
 fn common_size(operands: &[Tensor], span: Span) -> Fallible<usize> {
     let mut size = 1;
     if operands.iter().any(Tensor::is_matrix)

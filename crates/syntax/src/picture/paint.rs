@@ -47,7 +47,8 @@ pub struct MappedColor<V = PointValue> {
     pub map: &'static ColorMap,
     /// The value that chooses the color.
     pub value: V,
-    /// Values with the first and the last color; `None` for the visible extremes.
+    /// Values that get the first and the last color; `None` for the least and greatest visible
+    /// ones.
     pub range: Option<[Constant; 2]>,
 }
 
@@ -84,7 +85,7 @@ pub(crate) struct PointValues<'a> {
 }
 
 impl<'a> PointValues<'a> {
-    /// `first` is the number that the first of [`POINT_NAMES`] has as a parameter.
+    /// Creates the lowering. As parameters, [`POINT_NAMES`] are numbered from `first` on.
     pub fn new(
         mut names: FxHashMap<&'a str, NameBinding<'a>>,
         first: u32,

@@ -170,7 +170,7 @@ impl Builder<'_> {
         self.one_of(&given, &LOOKS, |look| look.name, ErrorKind::BadLook)
     }
 
-    /// The row named by `given`, in any case. Fails with `kind` if there is none.
+    /// The row named by `given`, in any case. Fails with `kind` if no row has that name.
     pub(crate) fn one_of<T>(
         &self,
         given: &Pair<'_>,

@@ -17,8 +17,8 @@ use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
 impl Builder<'_> {
-    /// Reads what `callee` is applied to: brackets, or the implicit product up to the next
-    /// function.
+    /// Builds a call of `callee`. Its arguments are in brackets, or are the implicit product up to
+    /// the next function.
     pub(crate) fn application(
         &mut self,
         callee: &Callee,
@@ -86,7 +86,7 @@ impl Builder<'_> {
             }
             _ => false,
         };
-        // With any other index the square brackets hold an ordinary argument.
+        // Such an index belongs to a root. With any other one, `sqrt[a](b)` is a product.
         let is_index = |one: &Expr| {
             one.whole_number().is_some()
                 || matches!(one.kind, ExprKind::Name(NamedValue::Defined(_)))
@@ -186,7 +186,7 @@ impl Builder<'_> {
         Ok(product)
     }
 
-    /// Adds a suggestion to the error for `sin -x`, which is read as a difference: `sin(-x)`.
+    /// Adds a suggestion to the error for `sin -x`, which is read as a subtraction: `sin(-x)`.
     fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
         let next = self.lexed.tokens.partition_point(|token| token.span.start < span.end);
         match &self.lexed.tokens[next..] {
@@ -281,7 +281,7 @@ impl Builder<'_> {
             && name == "sinc"
             && (before.ends_with("np.") || before.ends_with("numpy."))
         {
-            // numpy's `sinc(a)` is sin(πa)/(πa).
+            // In numpy, `sinc(a)` is sin(πa)/(πa).
             let pi = ExprKind::Name(NamedValue::Constant(NamedConstant::Pi));
             let pi = Expr::new(pi, argument.span);
             *argument = product_of([pi, argument.clone()])?;
@@ -319,7 +319,7 @@ impl Builder<'_> {
     }
 }
 
-/// The logarithm to a base: ln(argument)/ln(base).
+/// The logarithm of `argument` to `base`: ln(argument)/ln(base).
 fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
     let ln = |expr: Expr| {
         let place = expr.span;
@@ -348,8 +348,8 @@ fn usage(callee: &Callee) -> Option<String> {
     Some(format!("`{name}({operands}{more})`: {}", row.doc))
 }
 
-/// Whether some of the factors behind a function may be meant to be outside it, as in `sin x y`:
-/// two that are not numbers have a blank between them.
+/// Whether some factors behind a function may be meant to be outside its argument. In `sin x y`,
+/// the blank between two names suggests this.
 fn spaced(factors: &[Expr]) -> bool {
     let is_name = |expr: &Expr| !matches!(expr.kind, ExprKind::Number(_));
     factors.windows(2).any(|pair| {

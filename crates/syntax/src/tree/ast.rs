@@ -161,8 +161,8 @@ pub enum ExprKind {
     Power(Box<Expr>, Box<Expr>),
     /// A function call with its arguments.
     Call(Function, Vec<Expr>),
-    /// `{c: a, d: b, e}`: the value of the first piece whose condition holds. If no condition
-    /// holds, it is the last value, if there is one.
+    /// `{c: a, d: b, e}`: the value of the first piece whose condition holds, or else the last
+    /// value. Without a last value, the choice is undefined there.
     Choice(Vec<(Expr, Expr)>, Option<Box<Expr>>),
     /// `p.xz`: components of a vector, by the letters x, y, z and w.
     Component(Box<Expr>, String),
@@ -219,7 +219,7 @@ pub enum Chain {
     Product,
 }
 
-/// How an operand joins those before it in a chain.
+/// Sign that joins an operand to those before it in a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
     /// By `+`, by `*` or by juxtaposition.
@@ -240,7 +240,7 @@ impl Chain {
     }
 }
 
-/// How two numbers are compared.
+/// Relation between two numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Relation {
     /// `=`
@@ -358,7 +358,7 @@ impl Function {
 /// One statement of a document.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Statement {
-    /// A drawing.
+    /// A formula to draw.
     Draw {
         /// A number (`= 0` implied), an equation or a condition.
         expr: Expr,
@@ -370,7 +370,7 @@ pub enum Statement {
 }
 
 impl Statement {
-    /// The expressions of a drawing and its restrictions, or the body of a definition.
+    /// The drawn formula and its restrictions, or the body of a definition.
     pub(crate) fn expressions(&self) -> Vec<&Expr> {
         match self {
             Self::Draw { expr, restrictions } => {

@@ -82,7 +82,7 @@ impl<'a> Builder<'a> {
     }
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
-        // A document keeps fewer notes. The additional one tells it that some were left out.
+        // With one note more than a document keeps, it shows that notes were left out.
         if self.notes.len() > MOST_NOTES {
             return;
         }
@@ -150,8 +150,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    // Recursion runs through the functions from here to those that read brackets. Other work is
-    // done in separate functions, because it would enlarge the stack frame of every level.
+    // Recursion runs through the functions from here to the reading of brackets. Other work is done
+    // in separate functions, because it would enlarge the stack frame of every level.
 
     #[inline(never)]
     fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
@@ -267,7 +267,8 @@ impl<'a> Builder<'a> {
             let run = self.run(pairs)?;
             self.join(&mut factors, joint, &signs, run)?;
             if pairs.peek().is_some_and(|pair| is_remainder(&pair)) {
-                // In every language with this operator, its left operand is everything before it.
+                // As in other languages, the left operand of a remainder is the whole product
+                // before it.
                 let signs = std::mem::take(&mut before);
                 let whole = self
                     .signed(&signs, |_| chain_of(Chain::Product, std::mem::take(&mut factors)))?;
@@ -443,8 +444,8 @@ fn is_remainder(pair: &Pair<'_>) -> bool {
     first_kind(pair) == Some(Remainder)
 }
 
-/// A sum or a product of one or more operands. Several must all be numbers. The sign of the first
-/// is ignored.
+/// A sum or a product of one or more operands. If there are several, all must be numbers. The sign
+/// of the first is ignored.
 #[inline(never)]
 pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(Sign, Expr)>) -> Fallible<Expr> {
     let (_, first) = operands.remove(0);

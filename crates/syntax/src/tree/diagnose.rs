@@ -31,7 +31,7 @@ pub(crate) fn recognise<'i>(
     Ok(pairs.next().expect("a statement is one pair"))
 }
 
-/// The error for a statement that the grammar refuses; `next` is the token at which it stopped.
+/// The error for a statement that the grammar refuses. It stopped at the token with index `next`.
 fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<Error> {
     let found = lexed.tokens.get(next);
     let word = lexed.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
@@ -103,8 +103,8 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
     }
 }
 
-/// The span from the last open brace to the token at `next`, if an operator precedes the brace.
-/// Such braces hold a choice: a restriction would follow a complete formula.
+/// The span from the last open brace to the token at `next`, if an operator precedes the brace. A
+/// restriction never follows an operator, so such braces hold a choice.
 fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
     let before = &lexed.tokens[..next];
     let open = before.iter().rposition(|token| token.kind == OpenBrace)?;
@@ -201,7 +201,7 @@ fn half_fraction(before: &[Token]) -> Option<Span> {
             OpenBrace => depth = depth.checked_sub(1)?,
             _ if depth > 0 => {}
             Fraction => return Some(token.span),
-            // These are the first part of the fraction, as in `\frac1x`.
+            // This may be the first part of the fraction, as in `\frac1x`.
             Digit | Number => {}
             _ => return None,
         }

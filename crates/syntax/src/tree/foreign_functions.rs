@@ -11,7 +11,7 @@ use zeroset_ops::{Op, VectorFunction};
 /// A function of another system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ForeignFunction {
-    /// The sum or product of all arguments. With an inverse sign it takes two.
+    /// The sum or product of all arguments, or the difference or quotient of two.
     Chain(Chain, Sign),
     Minus,
     /// The sum of a vector's components.

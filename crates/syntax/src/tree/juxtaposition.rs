@@ -45,7 +45,7 @@ pub(crate) enum FactorItem<'i> {
     Radical(char, Span),
 }
 
-/// A call that is not a plain function call.
+/// A call with a rule of its own.
 #[derive(Clone, Copy)]
 pub(crate) enum SpecialCall {
     /// A special form, whose arguments may be more than numbers.
@@ -162,7 +162,7 @@ impl Builder<'_> {
                 items.push_back(FactorItem::Function(callee, span));
             }
             NameMeaning::Product => {
-                // Only the first letter belongs to an exponent or a divisor. Another note says so.
+                // The exponent or divisor is the first letter only. Another note says so.
                 let is_exponent = matches!(items.back(), Some(FactorItem::Caret(..)))
                     && !matches!(items.iter().nth_back(1), Some(FactorItem::Function(..)));
                 let is_noted = is_exponent || items.is_empty() && self.follows(span, &[Slash]);
@@ -201,7 +201,7 @@ impl Builder<'_> {
                 {
                     return Ok(());
                 }
-                // A parameter `x` hides the coordinate, also under the name `X`.
+                // A parameter `x` also hides the coordinate of the name `X`.
                 let lower = name.to_lowercase();
                 let is_hidden = self.locals.iter().any(|local| local.text == lower);
                 let (value, kind) = if TIMES.contains(&typed) {

@@ -191,7 +191,7 @@ impl fmt::Display for Statement {
     }
 }
 
-/// Whether a left side has the form of a definition's.
+/// Whether a left side has the form of a left side in a definition.
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
         ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),

@@ -9,7 +9,8 @@ use crate::tree::ast::{ExprKind, Name};
 /// The tokens of a statement, and what the program around it adds.
 pub(crate) struct RawStatement {
     pub lexed: LexedStatement,
-    /// Left side of the definition. If it is given, the tokens are the right side only.
+    /// Left side of the definition, if the program gives it. The tokens are then the right side
+    /// only.
     pub head: Option<Head>,
     /// Expressions that the program's variables stand for here.
     pub aliases: Aliases,

@@ -9,8 +9,8 @@ use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, form, names, nativ
 /// The names that are visible to statements.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scope {
-    /// Number of parameters of each function that the document or an override defines, or `None`
-    /// for a value.
+    /// Names that the document or an override defines: the number of parameters, or `None` for a
+    /// value.
     defined: FxHashMap<String, Option<usize>>,
     /// Coordinates that are used but not defined by the text, and so get a standard definition.
     implied: Vec<&'static str>,
@@ -21,7 +21,7 @@ pub(crate) struct Scope {
 /// Longest name, in bytes, that is tried as a product of letters.
 const LONGEST_PRODUCT: usize = 64;
 
-/// Names in other languages, with their names here. Products of letters take precedence.
+/// Names in other languages and what they are called here. Products of letters take precedence.
 const ELSEWHERE: &[(&str, &str)] = &[
     ("tg", "tan"),
     ("ctg", "cot"),
@@ -48,7 +48,7 @@ pub(crate) fn built_in(name: &str) -> NameMeaning {
     Scope::default().meaning(name, &[])
 }
 
-/// The name here of another language's function, to be shown in a note. Constants get no note.
+/// What another language's function is called here, to be shown in a note. Constants get no note.
 pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
     let found = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
     found.filter(|here| callee.name() == *here)
@@ -219,8 +219,9 @@ pub(crate) fn coordinate(name: &str) -> Option<Axis> {
     Axis::ALL.into_iter().find(|axis| axis.name() == name)
 }
 
-/// The candidate closest to `name`, if it is few edits away for its length. Ties are broken by the
-/// closest length, so that a swap of two letters wins over a lost letter, and then by the alphabet.
+/// The candidate closest to `name`, among those that are few edits away for its length. Ties go to
+/// the closest length, so that a swap of two letters wins over a lost letter, and then to the
+/// alphabet.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     // A comparison costs the product of the lengths. Names that are too long to match are skipped.
     const LONGEST: usize = 24;
@@ -296,8 +297,8 @@ pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
 }
 
-/// The signatures of the language's function called `name`; empty if it does not exist. `internal`
-/// includes internal operations.
+/// The signatures of the language's function called `name`, empty if there is no such function.
+/// `internal` allows internal operations.
 pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
     let form = |function, count| Signature { function, count, or_more: false };
     let own = TABLE

@@ -51,7 +51,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether a sum continues behind a power that is all a root covers, as in `√x²+y²`.
+    /// Whether a root without brackets covers only the first power of a sum, as in `√x²+y²`.
     pub(crate) fn root_goes_on(&self, inner: &Expr) -> bool {
         let next = self.lexed.tokens.partition_point(|token| token.span.start < inner.span.end);
         let is_sign = |token: &Token| matches!(token.kind, Plus | Minus);

@@ -152,8 +152,7 @@ impl Builder<'_> {
     }
 }
 
-/// Builds a sum or a product; `None` unless `ends` are a first and a last number and at most a
-/// step.
+/// Builds a sum or a product. `None` unless `ends` are two numbers and perhaps a step.
 #[inline(never)]
 fn series(
     is_product: bool,

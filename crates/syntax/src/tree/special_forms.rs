@@ -1,4 +1,4 @@
-//! Special forms, in the spellings of several languages. They take more than numbers as arguments.
+//! Special forms, which take more than numbers as arguments, in the spellings of several languages.
 
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::spelling::plain_name;
@@ -37,7 +37,7 @@ pub(crate) fn logic(name: &str) -> Option<Logic> {
     })
 }
 
-/// Descends from `pair` through only children until one matches `rule`.
+/// The pair of `rule` that is reached from `pair` through single children, if there is one.
 pub(crate) fn sole<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
     let mut pair = pair.clone();
     loop {
@@ -92,8 +92,8 @@ impl Builder<'_> {
         built?.ok_or_else(|| Error::new(place, kind()))
     }
 
-    /// Reads a function of values. `None` if the number of parts is not `count`; without a `count`
-    /// any number above 0 is allowed.
+    /// Reads a function of values. `None` unless it has `count` arguments, or if no `count` is
+    /// given, at least one.
     #[inline(never)]
     fn of_values(
         &mut self,
@@ -363,7 +363,7 @@ impl Builder<'_> {
     }
 }
 
-/// The matrix in an array that holds nothing else, or the array itself.
+/// The matrix in an array that holds nothing else; any other array is returned unchanged.
 fn without_array(array: Expr) -> Expr {
     match array.kind {
         ExprKind::Call(Function::Vector(_) | Function::Matrix(_), mut only)

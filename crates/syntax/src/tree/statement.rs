@@ -22,7 +22,7 @@ use zeroset_ops::FormKind;
 /// Most parameters of a function. Each use of a name searches them, so their number is bounded.
 const MOST_PARAMETERS: usize = 64;
 
-/// A statement that the grammar has recognised.
+/// A statement that the grammar has recognized.
 pub(crate) struct ParsedStatement<'i> {
     pub raw: &'i RawStatement,
     /// Result of the grammar. Its rule is the kind of the statement.
@@ -88,7 +88,7 @@ fn only(pair: Pair<'_>, rule: Rule) -> Option<Pair<'_>> {
     (inner.next().is_none() && first.as_rule() == rule).then_some(first)
 }
 
-/// The left side of a statement, if it has the form of a definition's. `==` never defines.
+/// The left side of a statement that has the form of a definition. `==` never defines.
 fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
     let typed = |pair: &Pair<'_>| lexed.tokens[lexed.index(pair.as_span().start())].span;
     let name = |pair: Pair<'_>| {
@@ -120,8 +120,7 @@ fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
     left.next().is_none().then_some(Head { name: defined, parameters })
 }
 
-/// Decides for each line with a head whether it is a definition, and removes the heads of all
-/// others.
+/// Decides which lines with a head are definitions, and removes the heads of all others.
 pub(crate) fn settle_heads(
     text: &str,
     lines: &mut [ParsedStatement<'_>],
@@ -137,8 +136,7 @@ pub(crate) fn settle_heads(
         }
     }
     settle_levels(text, lines, notes);
-    // Whether `hypot(a, b) = 2` is drawn depends on whether a and b have values, so those come
-    // first.
+    // `hypot(a, b) = 2` is drawn only if a and b have values, so other definitions come first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
         if line.raw.head.is_some() || !is_built_in(head) && head.name.text != "t" {
@@ -164,8 +162,8 @@ pub(crate) fn settle_heads(
     }
 }
 
-/// Finds lines that look like definitions but are equations: `f(x, y, z) = 4` below `f(x, y, z) =
-/// x^2 + y^2 + z^2` is a level of f, and `f(x, y) = z` below `f(x, y) = x^2` its graph.
+/// Finds equations that look like definitions. If `f(x, y, z)` is defined above, `f(x, y, z) = 4`
+/// is one of its levels. If `f(x, y)` is, `f(x, y) = z` is its graph.
 fn settle_levels(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     let numbers = numbers(text, lines);
@@ -206,8 +204,7 @@ fn right_side(lexed: &LexedStatement) -> impl Iterator<Item = &Token> {
     right.take_while(|token| !matches!(token.kind, OpenBrace | In))
 }
 
-/// Whether a right side is a number, or z for a function of x and y. Such a line does not redefine
-/// the function.
+/// Whether a right side is a number, or z for a function of x and y. It is then no function's body.
 fn is_value(
     text: &str,
     lexed: &LexedStatement,
@@ -225,8 +222,7 @@ fn is_value(
     })
 }
 
-/// Whether a left side can define something. Coordinates, and names made of their letters only, are
-/// drawn instead.
+/// Whether a left side can define something. A line whose name consists of coordinates is drawn.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {
@@ -235,21 +231,19 @@ fn may_define(head: &Head) -> bool {
     !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
 }
 
-/// Whether the left side calls a function of the language, with a number of arguments that it
-/// takes.
+/// Whether the left side calls a function of the language with a valid number of arguments.
 fn is_built_in(head: &Head) -> bool {
     accepts(head) == Some(true)
 }
 
-/// Whether the left side calls a function of the language on coordinates, but with a wrong number
-/// of arguments. This is an equation with a mistake: as a definition, its parameters would hide the
-/// coordinates.
+/// Whether the left side calls a function of the language on coordinates, but on too few or too
+/// many. This is an incorrect equation: as a definition, its parameters would hide the coordinates.
 fn is_miscounted(head: &Head) -> bool {
     let mut parameters = head.parameters.iter().flatten();
     parameters.all(|p| coordinate(&p.text).is_some()) && accepts(head) == Some(false)
 }
 
-/// Whether the language's function called `head` takes that many arguments. `None` if there is no
+/// Whether the language's function called `head` takes that many arguments; `None` if there is no
 /// such function, or `head` has no parameters.
 fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
@@ -392,9 +386,8 @@ fn set(
     Ok(Definition { name, parameters, body, range: None })
 }
 
-/// Checks the left side of a definition. Fails on too many parameters, equal parameters, and names
-/// that cannot be defined. `is_function` and `is_keyword` tell what the defined name is in the
-/// language.
+/// Checks the left side of a definition for too many parameters, equal parameters, and names that
+/// cannot be defined. The flags tell whether the name is that of a function or a keyword here.
 fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MOST_PARAMETERS {
@@ -416,8 +409,7 @@ fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> 
     Ok(())
 }
 
-/// Builds the definition `head = …`. Its left side is not built, because the name does not exist
-/// yet.
+/// Builds the definition `head = …`. The left side is not built: its name has no meaning yet.
 fn define(
     builder: &mut Builder<'_>,
     head: &Head,

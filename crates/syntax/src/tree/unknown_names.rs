@@ -43,7 +43,7 @@ impl Builder<'_> {
         Error::new(span, kind).suggest_any(span, self.scope.likely(name, &self.locals, true))
     }
 
-    /// The error for a statement in words instead of signs, if it is one.
+    /// The error for a statement that is in words instead of signs.
     fn in_words(&self) -> Option<Box<Error>> {
         // `domain ball` names a solid but is a setting.
         if self.lexed.tokens.first().is_some_and(|first| first.kind.is_setting()) {
@@ -78,7 +78,7 @@ impl Builder<'_> {
             tokens[open - 1].kind.ends_operand() && tokens[open].span.end <= place.start;
         let words = &tokens[open + 1..tokens.len() - 1];
         let is_gap = tokens[open - 1].span.end < tokens[open].span.start;
-        // A single word behind a value may be a factor, except behind a number.
+        // A single word behind a value may be a factor, unless that value is a number.
         let are_words = words.iter().all(|token| token.kind.is_name())
             && (words.len() > 1 || tokens[open - 1].kind == Number);
         (is_behind && is_gap && are_words).then(|| tokens[open].span.to(close.span))
@@ -181,7 +181,7 @@ fn elsewhere(name: &str) -> Option<ErrorKind> {
     })
 }
 
-/// Whether a line, or a part of one between commas or semicolons, begins with `axis =`.
+/// Whether a part of `text` between line ends, commas and semicolons begins with `axis =`.
 fn sets(text: &str, axis: &str) -> bool {
     text.split(['\n', ',', ';']).any(|line| {
         let rest = line.trim_start().strip_prefix(axis);
@@ -195,7 +195,7 @@ impl Scope {
         self.lost_superscripts(name, &[]).or_else(|| self.likely(name, &[], is_function))
     }
 
-    /// The known names that `name` runs together, or else the nearest known name.
+    /// The text of known names that are run together in `name`, or else the nearest known name.
     fn likely(&self, name: &str, locals: &[Name], is_function: bool) -> Option<String> {
         // Computer algebra systems write `E` for e.
         if name == "E" && !is_function {
@@ -241,7 +241,7 @@ impl Scope {
         missing.all(|other| other == letter).then_some(letter)
     }
 
-    /// Separates `xsin` as `x*sin`, `sin2x` as `sin(2x)`, `pix` as `pi*x`, if all parts are known.
+    /// Reads `xsin` as `x*sin`, `sin2x` as `sin(2x)` and `pix` as `pi*x`, if all parts are known.
     fn run_together(&self, name: &str, locals: &[Name]) -> Option<String> {
         if name.len() > LONGEST {
             return None;
@@ -268,8 +268,8 @@ impl Scope {
         Some(text)
     }
 
-    /// Splits a name into functions, values and numbers, trying long parts first. `None` if the
-    /// parts are only letters. A number must follow a function.
+    /// Splits a name into functions, values and numbers, trying long parts first. `None` if all
+    /// parts are letters. A number must follow a function.
     fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(NamePart, &'n str)>> {
         // Parts of the text from each position on, filled in from the end.
         let mut found: Vec<Option<Vec<(NamePart, &str)>>> = vec![None; name.len() + 1];

@@ -68,7 +68,7 @@ fn rows(corpus: &str) -> Vec<Row> {
     rows
 }
 
-/// The value of a function at a point, or `None` where it has none.
+/// The value of a function at a point, or `None` where it is undefined.
 fn value(document: &Document, root: NodeId, point: &[Constant; 3]) -> Option<Constant> {
     let mut graph = Graph::new();
     let mut map: Vec<NodeId> = Vec::new();

@@ -152,16 +152,16 @@ fn open_pixels(width: usize, height: usize) -> Vec<u16> {
 
 /// Clears the bits of pixels that are not wanted.
 fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: bool) {
-    if band.is_all_asked() {
+    if band.wants_all() {
         return;
     }
     for (index, open) in open.iter_mut().enumerate() {
         let [column, row] = [4 * (index % across), 4 * (index / across)];
         let four = |k: usize| {
             if is_patched {
-                band.asked_of_four(4 * k, index)
+                band.wanted_of_four(4 * k, index)
             } else {
-                band.asked_of_four(column, row + k)
+                band.wanted_of_four(column, row + k)
             }
         };
         *open &= (0..4).map(|k| four(k) << (4 * k)).sum::<u16>();
