@@ -227,14 +227,14 @@ fn commands_are_answered() {
     assert!(say(":help color").contains("viridis"));
     assert!(say(":list").contains("r = 2 in [0, 5]"));
     assert!(say(":method").starts_with("* affine") && say(":method").contains("  knoll"));
-    assert!(say(":precision").starts_with("auto: 32 bits"));
+    assert!(say(":precision").starts_with("precision auto (32 bits"));
     assert!(say(":tolerance 0.1").contains("within 0.1 pixels"));
     assert!(say(":depth").contains("the method affine does not use that, but knoll, raa do"));
     let exact = settled(&live);
     assert_eq!(exact.request.settings.options.tolerance, 0.1);
     assert_eq!(exact.picture.statistics.pixels.undecided, 0);
     assert!(exact.summary().contains(" · affine auto 0.1 px · 0 undecided"), "{}", exact.summary());
-    assert!(say(":status").contains("method      affine, auto, hits within 0.1 pixels"));
+    assert!(say(":status").contains("method      affine, precision auto (32 bits"));
     let command = exact.command("out.png");
     assert!(command.contains(" --tolerance 0.1 ") && !command.contains("--method"), "{command}");
     assert_eq!(live.enter(":method knoll").ok(), Some(Reply::Done));
@@ -243,18 +243,19 @@ fn commands_are_answered() {
     assert!(say(":depth 12").starts_with("depth 12 of at most 20: slabs of at most "));
     assert_eq!(live.settings().options.depth, 12);
     let coarse = settled(&live);
-    assert!(coarse.command("out.png").contains(" --method knoll --max-depth 12 --precision f32"));
+    assert!(coarse.command("out.png").contains(" --method knoll --precision f32 --max-depth 12"));
     assert!(say(":status").contains("undecided   this method proves misses"));
     // Doubles allow a greater depth, which is reduced when floats return.
-    assert!(say(":precision").starts_with("f32: depth"));
-    assert!(say(":precision f64").starts_with("f64: depth"));
+    assert!(say(":precision").starts_with("precision f32"));
+    assert!(say(":precision f64").starts_with("precision f64"));
     assert!(say(":depth 33").contains("depth 33"));
     let fine = settled(&live);
     assert!(fine.picture.precision == Precision::F64 && fine.picture.rgb == rendered(&fine));
-    assert!(fine.summary().contains(" f64 0.1 px · ") && say(":status").contains(", f64"));
+    assert!(fine.summary().contains(" f64 0.1 px · ") && say(":status").contains(", precision f64"));
     let command = fine.command("out.png");
     assert!(command.contains("--precision f64"), "{command}");
-    assert!(say(":precision f32").starts_with("f32: depth 20 of at most 20"));
+    assert!(say(":precision f32").starts_with("precision f32"));
+    assert!(say(":depth").starts_with("depth 20 of at most 20"));
     let coarse = settled(&live);
     assert!(
         coarse.picture.precision == Precision::F32 && coarse.request.settings.options.depth == 20

@@ -183,7 +183,7 @@ pub const PRECISION: MethodOption = MethodOption {
     },
     describe: |options| {
         let row = Precision::NAMES.iter().find(|row| row.0 == options.precision);
-        format!("{}: {}", options.precision, row.map_or("", |row| row.2))
+        format!("precision {} ({})", options.precision, row.map_or("", |row| row.2))
     },
     is_always_shown: true,
     ..SWITCH

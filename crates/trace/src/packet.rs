@@ -14,25 +14,25 @@ use zeroset_eval::{Boxes, LANES, Lanes, Segments};
 use zeroset_space::Region;
 
 /// Maximum number of rays in a packet.
-pub(crate) const RAYS: usize = LANES;
+pub(crate) const PACKET_RAYS: usize = LANES;
 
 /// Up to sixteen rays, and what they share. Unused lanes repeat the last ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Packet<T: Scalar> {
-    planes: Planes,
+    planes: SlabAxis,
     /// Number of rays.
     count: usize,
     /// Per axis, the region's bounds as (−lo, hi), rounded outward.
     bounds: [[T; 2]; 3],
     /// The rays' coordinates, by axis.
-    sides: [Side<T>; 3],
+    coordinates: [Coordinate<T>; 3],
     /// Values of τ outside of which a ray is not in the region.
     enter: Lanes<T>,
     leave: Lanes<T>,
 }
 
-/// Coordinates of up to [`RAYS`] rays. Unused lanes repeat the last ray.
-pub(crate) struct Lines {
+/// Coordinates of up to [`PACKET_RAYS`] rays. Unused lanes repeat the last ray.
+pub(crate) struct RayLanes {
     pub origin: [Lanes<f64>; 3],
     pub direction: [Lanes<f64>; 3],
     /// Per ray, the largest t that is examined.
@@ -41,14 +41,14 @@ pub(crate) struct Lines {
     pub pixel: [Lanes<f64>; 2],
 }
 
-impl Lines {
+impl RayLanes {
     /// Copies the rays' coordinates. There must be at least one ray.
     #[inline]
     pub fn new(segments: &[Segment]) -> Self {
         let zero = Lanes::splat(0.0);
         let mut lines =
             Self { origin: [zero; 3], direction: [zero; 3], to: zero, pixel: [zero; 2] };
-        for lane in 0..RAYS {
+        for lane in 0..PACKET_RAYS {
             let Segment { ray, to, pixel } = &segments[lane.min(segments.len() - 1)];
             for axis in 0..3 {
                 lines.origin[axis][lane] = ray.origin[axis];
@@ -63,7 +63,7 @@ impl Lines {
 
 /// The planes τ = 0 and τ = 1.
 #[derive(Clone, Copy, Debug)]
-struct Planes {
+struct SlabAxis {
     k: usize,
     start: f64,
     extent: f64,
@@ -71,7 +71,7 @@ struct Planes {
     inverse: f64,
 }
 
-impl Planes {
+impl SlabAxis {
     /// Returns τ at t for a ray with this origin and direction along K. The result is moved by more
     /// than its error: forward if `outward` is 1, back if it is −1.
     #[inline]
@@ -86,7 +86,7 @@ impl Planes {
 
 /// One coordinate of the rays: within `slack` of `start + τ · extent`.
 #[derive(Clone, Copy, Debug, Default)]
-struct Side<T> {
+struct Coordinate<T> {
     start: Lanes<T>,
     extent: Lanes<T>,
     slack: Lanes<T>,
@@ -96,22 +96,22 @@ struct Side<T> {
 /// away. Eight operations round by half a unit in the last place each.
 const DOUBLE_ERROR: f64 = 4.0 * f64::EPSILON;
 /// Minimum speed of a packet's rays along K, as a share of that along their fastest axis.
-const LEAST_SHARE: f64 = 0.25;
+const MIN_ADVANCE: f64 = 0.25;
 
 impl<T: Scalar> Packet<T> {
     /// Creates a packet through `region`, without rays.
     pub fn new(region: &Region) -> Self {
         Self {
-            planes: Planes { k: 0, start: 0.0, extent: 0.0, inverse: 0.0 },
+            planes: SlabAxis { k: 0, start: 0.0, extent: 0.0, inverse: 0.0 },
             count: 0,
             bounds: [0, 1, 2].map(|k| [T::above(-region.low()[k]), T::above(region.high()[k])]),
-            sides: [Side::default(); 3],
+            coordinates: [Coordinate::default(); 3],
             enter: Lanes::default(),
             leave: Lanes::default(),
         }
     }
 
-    /// Takes these rays, one to [`RAYS`], whose coordinates are `lines`. K becomes the fastest axis
+    /// Takes these rays, one to [`PACKET_RAYS`], whose coordinates are `lines`. K becomes the fastest axis
     /// of the first. Returns whether all of them advance together on K; otherwise they need
     /// separate packets.
     #[inline(always)]
@@ -120,17 +120,17 @@ impl<T: Scalar> Packet<T> {
         &mut self,
         simd: S,
         segments: &[Segment],
-        lines: &Lines,
+        lines: &RayLanes,
         region: &Region,
     ) -> bool {
         let k = segments[0].ray.direction.abs().max_position();
         let forward = lines.direction[k][0] > 0.0;
         let mut together = true;
-        for lane in 0..RAYS {
+        for lane in 0..PACKET_RAYS {
             let [x, y, z] = [0, 1, 2].map(|axis| lines.direction[axis][lane].abs());
             let along = lines.direction[k][lane];
             // Written so that NaN directions are rejected too.
-            let fast = |other: f64| along.abs() >= LEAST_SHARE * other;
+            let fast = |other: f64| along.abs() >= MIN_ADVANCE * other;
             together &= fast(x) & fast(y) & fast(z) & ((along > 0.0) == forward);
         }
         if !together {
@@ -138,7 +138,7 @@ impl<T: Scalar> Packet<T> {
         }
         let (low, high) = (region.low()[k], region.high()[k]);
         let (start, end) = if forward { (low, high) } else { (high, low) };
-        self.planes = Planes { k, start, extent: end - start, inverse: 1.0 / (end - start) };
+        self.planes = SlabAxis { k, start, extent: end - start, inverse: 1.0 / (end - start) };
         self.count = segments.len();
         self.place(simd, lines, region);
         self.round(simd, segments, region);
@@ -147,7 +147,7 @@ impl<T: Scalar> Packet<T> {
 
     /// Returns the t of a ray at the plane τ = `share`, or where it enters the region, if farther.
     pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
-        let Planes { k, start, extent, .. } = self.planes;
+        let SlabAxis { k, start, extent, .. } = self.planes;
         let share = share.into().max(self.enter[lane].into());
         let plane = start + share * extent;
         ((plane - segment.ray.origin[k]) / segment.ray.direction[k]).max(0.0)
@@ -158,7 +158,7 @@ impl<T: Scalar> Packet<T> {
     #[inline(always)]
     pub fn boxes<S: Simd>(&self, simd: S, [from, to]: [T; 2], rays: u16, out: &mut Boxes<T>) {
         out.count = LANES as u32 - rays.leading_zeros();
-        for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
+        for (axis, Coordinate { start, extent, slack }) in self.coordinates.iter().enumerate() {
             let [neg_lo, hi] = self.bounds[axis];
             for part in parts::<S, T::Vector<S>>(simd, out.count as usize) {
                 let start = part.load(start);
@@ -180,7 +180,7 @@ impl<T: Scalar> Packet<T> {
         // The slack holds for τ within [0, 1]. The rounding in kernels is added generously.
         let rounding = T::nearest(2.0 * T::PATH_ERROR);
         let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
-        for (axis, Side { start, extent, slack }) in self.sides.iter().enumerate() {
+        for (axis, Coordinate { start, extent, slack }) in self.coordinates.iter().enumerate() {
             (out.origin[axis], out.direction[axis]) = (*start, *extent);
             for part in parts::<S, T::Vector<S>>(simd, LANES) {
                 let size = part.load(start).abs() + part.load(extent).abs();
@@ -192,14 +192,14 @@ impl<T: Scalar> Packet<T> {
 
     /// Computes the coordinates of the rays, and between which τ each is in the region.
     #[inline(always)]
-    fn place<S: Simd>(&mut self, simd: S, lines: &Lines, region: &Region) {
-        let Planes { k, start, extent, inverse } = self.planes;
+    fn place<S: Simd>(&mut self, simd: S, lines: &RayLanes, region: &Region) {
+        let SlabAxis { k, start, extent, inverse } = self.planes;
         // τ = (origin_k + t · d_k − start) / extent grows with t. `t0` is the t of τ = 0; `dt` is
         // the difference to the t of τ = 1.
         let most = T::integer(1) + T::SHARE_ERROR;
         let (mut from, mut to) = (Lanes::splat(T::integer(0)), Lanes::splat(most));
-        let (mut t0, mut dt) = ([0.0_f64; RAYS], [0.0_f64; RAYS]);
-        for lane in 0..RAYS {
+        let (mut t0, mut dt) = ([0.0_f64; PACKET_RAYS], [0.0_f64; PACKET_RAYS]);
+        for lane in 0..PACKET_RAYS {
             let (origin, direction) = (lines.origin[k][lane], lines.direction[k][lane]);
             let first = start - origin;
             let per_k = 1.0 / direction;
@@ -207,15 +207,15 @@ impl<T: Scalar> Packet<T> {
             let error = T::SHARE_ERROR.into() + DOUBLE_ERROR * (origin * inverse).abs();
             from[lane] = T::nearest(-first * inverse - error);
         }
-        for lane in (0..RAYS).filter(|&lane| lines.to[lane].is_finite()) {
+        for lane in (0..PACKET_RAYS).filter(|&lane| lines.to[lane].is_finite()) {
             let ray = [lines.origin[k][lane], lines.direction[k][lane]];
             to[lane] = self.planes.share(ray, lines.to[lane], 1.0);
         }
         (self.enter, self.leave) = (Lanes::splat(-T::SHARE_ERROR), Lanes::splat(most));
-        self.keep_between(simd, &from, &to);
+        self.restrict_to(simd, &from, &to);
         for axis in 0..3 {
-            let mut side = Side::default();
-            for lane in 0..RAYS {
+            let mut side = Coordinate::default();
+            for lane in 0..PACKET_RAYS {
                 let (origin, direction) = (lines.origin[axis][lane], lines.direction[axis][lane]);
                 let step = t0[lane] * direction;
                 side.start[lane] = T::nearest(origin + step);
@@ -235,14 +235,14 @@ impl<T: Scalar> Packet<T> {
                     self.cut(part, (slack + hi) - start, -extent);
                 }
             }
-            self.sides[axis] = side;
+            self.coordinates[axis] = side;
         }
         self.clip(simd, lines, &t0, &dt, region);
     }
 
     /// Restricts the rays to these values of τ. NaN restricts nothing.
     #[inline(always)]
-    fn keep_between<S: Simd>(&mut self, simd: S, from: &Lanes<T>, to: &Lanes<T>) {
+    fn restrict_to<S: Simd>(&mut self, simd: S, from: &Lanes<T>, to: &Lanes<T>) {
         for part in parts::<S, T::Vector<S>>(simd, LANES) {
             let enter = part.load(&self.enter);
             let leave = part.load(&self.leave);
@@ -269,7 +269,7 @@ impl<T: Scalar> Packet<T> {
             let share = |t: f64, outward: f64| self.planes.share(ray, t, outward);
             (from[lane], to[lane]) = (share(near, -1.0), share(far, 1.0));
         }
-        self.keep_between(simd, &from, &to);
+        self.restrict_to(simd, &from, &to);
     }
 
     /// Restricts the rays to the region's half-space.
@@ -277,9 +277,9 @@ impl<T: Scalar> Packet<T> {
     fn clip<S: Simd>(
         &mut self,
         simd: S,
-        lines: &Lines,
-        t0: &[f64; RAYS],
-        dt: &[f64; RAYS],
+        lines: &RayLanes,
+        t0: &[f64; PACKET_RAYS],
+        dt: &[f64; PACKET_RAYS],
         region: &Region,
     ) {
         let Some(half) = region.clip() else { return };
@@ -289,7 +289,7 @@ impl<T: Scalar> Packet<T> {
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
         let [mut room, mut change, mut terms] = [Lanes::splat(T::integer(0)); 3];
-        for lane in 0..RAYS {
+        for lane in 0..PACKET_RAYS {
             let [x, y, z] = &lines.origin;
             let origin = DVec3::new(x[lane], y[lane], z[lane]);
             let [x, y, z] = &lines.direction;
@@ -305,7 +305,7 @@ impl<T: Scalar> Packet<T> {
             let change = part.load(&change);
             let terms = part.load(&terms);
             let mut slack = (room.abs() + change.abs() + terms) * T::COORDINATE_ERROR;
-            for side in &self.sides {
+            for side in &self.coordinates {
                 slack += part.load(&side.slack);
             }
             self.cut(part, room + slack, change);
@@ -364,7 +364,7 @@ impl<T: Scalar> Packet<T> {
     /// Returns all rays, as bits.
     #[inline]
     pub fn rays(&self) -> u16 {
-        u16::MAX >> (RAYS - self.count)
+        u16::MAX >> (PACKET_RAYS - self.count)
     }
 }
 

@@ -53,7 +53,7 @@ pub(crate) struct ProcedureParameter {
     pub size: usize,
     /// True if it has the argument's value when the function begins.
     pub is_in: bool,
-    /// True if its final value is written back to the argument.
+    /// True if its final value is copied back to the argument.
     pub is_out: bool,
 }
 

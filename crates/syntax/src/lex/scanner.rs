@@ -1,5 +1,6 @@
 //! The first pass over a text: splits it into tokens and statements, and checks limits and
 //! brackets.
+//!
 //! It is one loop without recursion, so no later stage meets a text that is too long or nested too
 //! deeply. It does not know the grammar. A token is recognized by its own characters, with a few
 //! exceptions such as the parts of `\frac` and the hexadecimal color behind `color`.

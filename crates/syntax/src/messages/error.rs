@@ -63,7 +63,7 @@ pub struct Error {
     pub kind: ErrorKind,
     /// Correction of the text, if one is known.
     pub suggestion: Option<Suggestion>,
-    /// Text that `span` is a place in.
+    /// Text that `span` refers to.
     pub origin: Origin,
 }
 
@@ -386,7 +386,7 @@ impl Error {
         self
     }
 
-    /// This error with the suggestion to replace `span` by `meant`, if that is given.
+    /// This error with the suggestion to replace `span` by `meant`, or unchanged if there is none.
     pub(crate) fn suggest_any(self: Box<Self>, span: Span, meant: Option<String>) -> Box<Self> {
         match meant {
             Some(meant) => self.suggest(span, meant),

@@ -110,7 +110,7 @@ impl Error {
         })
     }
 
-    /// Advice on what to write. `text` is the text that the error's spans are places in.
+    /// Advice on what to write. `text` is the text that the error's spans refer to.
     pub fn help(&self, text: &str) -> Option<String> {
         if let ErrorKind::UnexpectedCharacter { character } = self.kind
             && let Some(help) = character_help(character)

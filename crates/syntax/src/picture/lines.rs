@@ -27,11 +27,11 @@ pub struct PictureLines {
     pub clip: Option<[Constant; 4]>,
     /// Position of the light, in world units.
     pub light: Option<[Constant; 3]>,
-    /// Whether shadows are drawn.
+    /// Shadows, on or off.
     pub shadows: Option<bool>,
-    /// Whether the domain's box and axes are drawn.
+    /// The domain's box and axes, on or off.
     pub axes: Option<bool>,
-    /// Whether a legend shows which value has which color.
+    /// The legend that shows which value has which color, on or off.
     pub legend: Option<bool>,
     /// Contour lines, along which a value is constant.
     pub contours: Option<Contours>,
@@ -129,8 +129,8 @@ impl CollectedLines {
     }
 }
 
-/// The setting of a drawing at `place`, given by the last line above it. If no drawing is below the
-/// last line (the last drawing is at `last`), it is given by the first line below the drawing.
+/// The setting of a drawing at `place`: the last line above it. If no drawing is below the last
+/// line (the last drawing is at `last`), it is the first line below the drawing instead.
 pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
     let follow = lines.last().is_some_and(|(at, _)| *at > last);
     let found = if follow {

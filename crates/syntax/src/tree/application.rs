@@ -86,7 +86,7 @@ impl Builder<'_> {
             }
             _ => false,
         };
-        // Such an index belongs to a root. With any other one, `sqrt[a](b)` is a product.
+        // Only such an index belongs to a root. Any other `sqrt[a](b)` is a product.
         let is_index = |one: &Expr| {
             one.whole_number().is_some()
                 || matches!(one.kind, ExprKind::Name(NamedValue::Defined(_)))

@@ -82,7 +82,7 @@ impl<'a> Builder<'a> {
     }
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
-        // With one note more than a document keeps, it shows that notes were left out.
+        // One note more than a document keeps shows that some were left out.
         if self.notes.len() > MOST_NOTES {
             return;
         }
@@ -350,7 +350,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// How a row of juxtaposed factors joins the factors before it.
+/// The operator between a row of juxtaposed factors and the factors before it.
 struct Joint {
     sign: Sign,
     /// Function that is applied to the factors on both sides of the operator.

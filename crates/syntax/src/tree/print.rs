@@ -10,7 +10,7 @@ use crate::tree::ast::{
 };
 use std::fmt;
 
-/// How tightly an expression binds. In a place that needs a tighter one, it is put in brackets.
+/// Binding strength of an expression. Where a stronger one is needed, the expression gets brackets.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Tightness {
     Or,

@@ -9,12 +9,11 @@ use crate::tree::ast::{ExprKind, Name};
 /// The tokens of a statement, and what the program around it adds.
 pub(crate) struct RawStatement {
     pub lexed: LexedStatement,
-    /// Left side of the definition, if the program gives it. The tokens are then the right side
-    /// only.
+    /// Left side of the definition, if the program gives it. The tokens are then its right side.
     pub head: Option<Head>,
     /// Expressions that the program's variables stand for here.
     pub aliases: Aliases,
-    /// Conversion of the value.
+    /// How the program converts the value, if it does.
     pub wrap: Option<Wrap>,
     /// Whether the value is a height over x and y, to be drawn as `z = value`.
     pub is_height: bool,
@@ -27,7 +26,7 @@ pub(crate) struct Head {
     pub parameters: Option<Vec<Name>>,
 }
 
-/// How a program converts a value before naming it.
+/// Conversion of a value by a program, before the value gets its name.
 pub(crate) enum Wrap {
     /// The value replaces the components `letters` of the vector `before` of `size` components.
     Write { letters: String, before: ExprKind, size: usize },

@@ -48,7 +48,7 @@ pub(crate) fn built_in(name: &str) -> NameMeaning {
     Scope::default().meaning(name, &[])
 }
 
-/// What another language's function is called here, to be shown in a note. Constants get no note.
+/// The function that a name of another language is read as, for a note. Constants get no note.
 pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
     let found = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
     found.filter(|here| callee.name() == *here)
@@ -214,14 +214,13 @@ impl Scope {
     }
 }
 
-/// The axis along which `name` is the coordinate.
+/// The axis whose coordinate is called `name`.
 pub(crate) fn coordinate(name: &str) -> Option<Axis> {
     Axis::ALL.into_iter().find(|axis| axis.name() == name)
 }
 
-/// The candidate closest to `name`, among those that are few edits away for its length. Ties go to
-/// the closest length, so that a swap of two letters wins over a lost letter, and then to the
-/// alphabet.
+/// The candidate closest to `name`, if few edits separate the two. Ties go to the closest length,
+/// so that a swap of two letters wins over a lost letter, and then to alphabetical order.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
     // A comparison costs the product of the lengths. Names that are too long to match are skipped.
     const LONGEST: usize = 24;

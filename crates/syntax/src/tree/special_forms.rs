@@ -37,7 +37,7 @@ pub(crate) fn logic(name: &str) -> Option<Logic> {
     })
 }
 
-/// The pair of `rule` that is reached from `pair` through single children, if there is one.
+/// Descends through pairs with a single child to a pair of `rule`, if there is one.
 pub(crate) fn sole<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
     let mut pair = pair.clone();
     loop {

@@ -222,7 +222,7 @@ fn is_value(
     })
 }
 
-/// Whether a left side can define something. A line whose name consists of coordinates is drawn.
+/// Whether a left side can define something. A name made of coordinates cannot, so it is drawn.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {

@@ -195,7 +195,7 @@ impl Scope {
         self.lost_superscripts(name, &[]).or_else(|| self.likely(name, &[], is_function))
     }
 
-    /// The text of known names that are run together in `name`, or else the nearest known name.
+    /// The known names that `name` consists of, separated, or else the nearest known name.
     fn likely(&self, name: &str, locals: &[Name], is_function: bool) -> Option<String> {
         // Computer algebra systems write `E` for e.
         if name == "E" && !is_function {

@@ -1,4 +1,4 @@
-//! How diagnostics are drawn: color, file names, long lines, and places in several lines.
+//! Tests of drawn diagnostics: color, file names, long lines, and places in several lines.
 
 use zeroset_syntax::{Options, read};
 

@@ -11,7 +11,7 @@ use zeroset_syntax::ast::{
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
-/// Runs `cases` cases with a fixed seed, unless `ZEROSET_CASES` and `ZEROSET_SEED` are set.
+/// Settings for `cases` cases, unless `ZEROSET_CASES` and `ZEROSET_SEED` give number and seed.
 fn config(cases: u32) -> ProptestConfig {
     let set = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
     ProptestConfig {

@@ -24,12 +24,12 @@ mod pool;
 mod pooled;
 mod rays;
 mod screens;
-mod sift;
+mod classify;
 mod tiles;
 mod tracer;
 
 use super::knoll;
-use super::outcome::follow_ways;
+use super::outcome::follow_in_region;
 use crate::band::Band;
 use crate::buffer_pool::BufferPool;
 use crate::grid::RayGrid;
@@ -42,7 +42,7 @@ use frame::RayFrame;
 use narrow::Scratch;
 use rays::Follower;
 use std::sync::OnceLock;
-use tiles::Room;
+use tiles::BandBuffers;
 use zeroset_eval::{ContractTiles, Kernel, KernelError};
 
 pub(crate) const METHOD: Method = Method {
@@ -64,17 +64,17 @@ fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErro
         Ok(tracer) => Ok(Box::new(tracer)),
         // Kernels of forms are several times as large as those of intervals. A formula that is too
         // large for them is drawn with intervals.
-        Err(why) => Ok(Box::new(Boxes { tracer: knoll::prepare::<T>(task)?, why: why.to_string() })),
+        Err(why) => Ok(Box::new(KnollFallback { tracer: knoll::prepare::<T>(task)?, why: why.to_string() })),
     }
 }
 
 /// The method `knoll` as a replacement, for a formula whose forms cannot be compiled.
-struct Boxes<'a> {
+struct KnollFallback<'a> {
     tracer: Box<dyn Tracer + 'a>,
     why: String,
 }
 
-impl Tracer for Boxes<'_> {
+impl Tracer for KnollFallback<'_> {
     fn follow(
         &self,
         rays: &[Segment],
@@ -109,17 +109,17 @@ struct Affine<'a, T: Scalar> {
     /// [`TraceOptions::longest`].
     longest: f64,
     /// Buffers that no thread is using.
-    rooms: BufferPool<Box<Room<T>>>,
+    buffers: BufferPool<Box<BandBuffers<T>>>,
     /// The method in `f64`, created for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
 
 /// Maximum error of a computed ray, as a share of the region's extent. Beyond it boxes are used.
-const FARTHEST: f64 = 1e-2;
+const MAX_RAY_ERROR: f64 = 1e-2;
 
 /// If a hit's bracket must be shorter than this many times the resolution of `f32`, only `f64` is
 /// used: `f32` would narrow each segment in vain.
-const FINE: f64 = 16.0;
+const MIN_BRACKET: f64 = 16.0;
 
 impl<'a, T: Scalar> Affine<'a, T> {
     fn new(task: Task<'a>) -> Result<Self, KernelError> {
@@ -138,7 +138,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
             cleared: kernels.cleared()?.is_some(),
             task,
             longest: task.options.longest(),
-            rooms: BufferPool::new(usize::MAX),
+            buffers: BufferPool::new(usize::MAX),
             double: OnceLock::new(),
         })
     }
@@ -149,7 +149,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
     /// boxes of `knoll`, which are clipped to the region, still do.
     fn is_too_far(&self, frame: &RayFrame) -> bool {
         let extent = self.task.region.high() - self.task.region.low();
-        frame.error.cmpgt(extent * FARTHEST).any()
+        frame.error.cmpgt(extent * MAX_RAY_ERROR).any()
     }
 
     /// Returns the same method in `f64`, or `None` if its kernels cannot be compiled.
@@ -173,8 +173,8 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
         found: &mut [RayResult],
         work: &mut KernelStats,
     ) {
-        follow_ways(rays, &self.task, found, |ways| {
-            self.follower.follow(ways, start, &mut Scratch::default(), work)
+        follow_in_region(rays, &self.task, found, |local_rays| {
+            self.follower.follow(local_rays, start, &mut Scratch::default(), work)
         });
     }
 
@@ -196,7 +196,7 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             return by_squares(self, rays, band, work);
         }
         if self.task.options.precision == Precision::Auto
-            && self.longest * rays.footprint(frame.start) < FINE * frame.resolution::<T>()
+            && self.longest * rays.footprint(frame.start) < MIN_BRACKET * frame.resolution::<T>()
             && let Some(double) = self.double()
         {
             return double.band(rays, band, work);

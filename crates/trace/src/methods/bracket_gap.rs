@@ -8,22 +8,22 @@ use zeroset_space::Region;
 
 /// Number of places beside an open segment at which the sign is evaluated, each 1.5 times as far
 /// away as the one before. Also the number of times that a bracket is halved.
-const STEPS: i32 = 48;
+const SIGN_STEPS: i32 = 48;
 /// How far behind an open segment to search for a zero, as a share of the ray's length in the
 /// region.
-const LONGEST: f64 = 1.0 / 64.0;
+const MAX_REACH: f64 = 1.0 / 64.0;
 
 /// How far around a segment its denominator is tested for zeros, in lengths of the segment.
-const CLOSE: f64 = 8.0;
+const POLE_REACH: f64 = 8.0;
 
 /// The function along one ray.
-pub(super) struct Bridge<'a, T: Real> {
+pub(super) struct RayFunction<'a, T: Real> {
     pub kernel: &'a dyn Kernel<Enclose, T>,
-    pub way: &'a LocalRay,
+    pub local_ray: &'a LocalRay,
     pub region: &'a Region,
 }
 
-impl<T: Real> Bridge<'_, T> {
+impl<T: Real> RayFunction<'_, T> {
     /// Returns a bracket of the first zero, given that no zero lies before the segment from `near`
     /// to `far`. Returns `None` if no zero is proven.
     ///
@@ -36,14 +36,14 @@ impl<T: Real> Bridge<'_, T> {
         }
         let least = (far - near).max(f64::EPSILON * (near.abs() + far.abs()));
         let (before, below) = self.sign_from(near, -least, first, None)?;
-        let end = last.min(far + LONGEST * (last - first));
+        let end = last.min(far + MAX_REACH * (last - first));
         let (mut behind, _) = self.sign_from(far, least, end, Some(!below))?;
         if !self.enclose([before, behind]).facts(0).has(Facts::CONTINUOUS) {
             return None;
         }
         // Bisect for the nearest place that still has a certain sign.
         let mut close = near;
-        for _ in 0..STEPS {
+        for _ in 0..SIGN_STEPS {
             let middle = 0.5 * (close + behind);
             if self.sign(middle) == Some(!below) {
                 behind = middle;
@@ -61,11 +61,11 @@ impl<T: Real> Bridge<'_, T> {
         let [first, last] = self.inside();
         let least = (far - near).max(f64::EPSILON * (near.abs() + far.abs()));
         let before = self.sign_from(near, -least, first, None);
-        let behind = self.sign_from(far, least, last.min(far + LONGEST * (last - first)), None);
+        let behind = self.sign_from(far, least, last.min(far + MAX_REACH * (last - first)), None);
         let (Some((start, before)), Some((end, behind))) = (before, behind) else { return false };
         // An open part close behind a gap is treated as part of the gap.
-        let close = CLOSE * (end - start);
-        let boxes = Boxes::around(&[bounds(self.way, [start - close, end + close], self.region)]);
+        let close = POLE_REACH * (end - start);
+        let boxes = Boxes::around(&[bounds(self.local_ray, [start - close, end + close], self.region)]);
         let (bounds, zero) = (denominator.eval_all(&boxes).remove(0), T::default());
         before == behind && bounds.neg_lo[0] >= zero && bounds.hi[0] >= zero
     }
@@ -73,10 +73,10 @@ impl<T: Real> Bridge<'_, T> {
     /// Returns the values of s, not before the ray's start, between which the ray is in the region.
     /// There the boxes of [`bounds`], which are clipped to the region, contain its points.
     fn inside(&self) -> [f64; 2] {
-        let way = self.way;
-        let [near, far] = way.inside;
-        let [enter, leave] = between_faces([way.origin, way.direction, way.error], self.region);
-        [near.max(way.start).max(enter), far.min(leave)]
+        let local_ray = self.local_ray;
+        let [near, far] = local_ray.inside;
+        let [enter, leave] = between_faces([local_ray.origin, local_ray.direction, local_ray.error], self.region);
+        [near.max(local_ray.start).max(enter), far.min(leave)]
     }
 
     /// Returns the first place with a certain sign, and whether it is positive, from `start` to
@@ -88,7 +88,7 @@ impl<T: Real> Bridge<'_, T> {
         end: f64,
         wanted: Option<bool>,
     ) -> Option<(f64, bool)> {
-        for k in 0..STEPS {
+        for k in 0..SIGN_STEPS {
             let s = start + step * 1.5_f64.powi(k);
             let is_beyond = if step > 0.0 { s >= end } else { s <= end };
             let s = if is_beyond { end } else { s };
@@ -113,6 +113,6 @@ impl<T: Real> Bridge<'_, T> {
     }
 
     fn enclose(&self, segment: [f64; 2]) -> Enclosures<T> {
-        self.kernel.eval_all(&Boxes::around(&[bounds(self.way, segment, self.region)])).remove(0)
+        self.kernel.eval_all(&Boxes::around(&[bounds(self.local_ray, segment, self.region)])).remove(0)
     }
 }

@@ -19,16 +19,16 @@ pub(crate) const METHOD: Method = Method {
 };
 
 pub(super) fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
-    let test = Intervals { kernel: T::kernels(task.surface).zeros()? };
+    let test = IntervalTest { kernel: T::kernels(task.surface).zeros()? };
     Ok(Box::new(Slabs::new(test, task)))
 }
 
-struct Intervals<'a, T: Scalar> {
+struct IntervalTest<'a, T: Scalar> {
     kernel: &'a dyn Kernel<FindZeros, T>,
 }
 
-impl<T: Scalar> SlabTest<T> for Intervals<'_, T> {
-    type Batch = Boxes<T>;
+impl<T: Scalar> SlabTest<T> for IntervalTest<'_, T> {
+    type Buffers = Boxes<T>;
 
     #[inline(always)]
     fn eval<S: Simd>(

@@ -12,7 +12,7 @@ use zeroset_space::Region;
 /// surfaces have zeros whose sign is uncertain.
 pub(super) const CUT: f64 = 0.460_937_5;
 /// Maximum number of open parts of a ray. After that many the rest of the ray is given up.
-pub(super) const OPEN_PARTS: u32 = 16;
+pub(super) const MAX_OPEN_PARTS: u32 = 16;
 
 /// A ray to be followed, as the points `origin` + s·`direction`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -82,11 +82,11 @@ pub(super) fn between_faces([origin, direction, error]: [DVec3; 3], region: &Reg
 }
 
 /// Returns a box around a segment's points in the region.
-pub(super) fn bounds(way: &LocalRay, [near, far]: [f64; 2], region: &Region) -> [Interval; 3] {
+pub(super) fn bounds(local_ray: &LocalRay, [near, far]: [f64; 2], region: &Region) -> [Interval; 3] {
     std::array::from_fn(|axis| {
-        let ends = [near, far].map(|s| way.origin[axis] + s * way.direction[axis]);
-        let size = way.origin[axis].abs() + near.abs().max(far.abs()) * way.direction[axis].abs();
-        let slack = way.error[axis] + 4.0 * f64::EPSILON * size;
+        let ends = [near, far].map(|s| local_ray.origin[axis] + s * local_ray.direction[axis]);
+        let size = local_ray.origin[axis].abs() + near.abs().max(far.abs()) * local_ray.direction[axis].abs();
+        let slack = local_ray.error[axis] + 4.0 * f64::EPSILON * size;
         let (low, high) = (region.low()[axis], region.high()[axis]);
         Interval {
             // In this order, NaN becomes a bound of the region.

@@ -3,11 +3,11 @@
 //! It proves nothing. Features thinner than the distance between two samples are missed. Where the
 //! function changes sign at a pole, a wall is drawn.
 
-use super::refine::{Parts, Refiner};
+use super::refine::{RayParts, Refiner};
 use crate::kernel_stats::KernelStats;
 use crate::options;
 use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
-use crate::packet::Lines;
+use crate::packet::RayLanes;
 use crate::painted::ones;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::scalar::Scalar;
@@ -81,7 +81,7 @@ impl<T: Scalar> Tracer for March<'_, T> {
         work: &mut KernelStats,
     ) {
         for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
-            let mut cells = Parts::default();
+            let mut cells = RayParts::default();
             for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
                 *found = RayResult::MISS;
                 let Some([near, far]) = segment.within(self.region) else { continue };
@@ -94,7 +94,7 @@ impl<T: Scalar> Tracer for March<'_, T> {
                     cells.set(lane, cell);
                 }
             }
-            let places = self.refiner.places(&Lines::new(rays), &cells, work);
+            let places = self.refiner.places(&RayLanes::new(rays), &cells, work);
             for lane in ones(cells.rays) {
                 found[lane].drawn = places[lane].max(found[lane].distance);
             }

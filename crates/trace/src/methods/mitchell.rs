@@ -8,7 +8,7 @@ mod isolated;
 mod search;
 
 use super::local_ray::LocalRay;
-use super::outcome::{Outcome, follow_ways};
+use super::outcome::{RayOutcome, follow_in_region};
 use crate::kernel_stats::KernelStats;
 use crate::options;
 use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
@@ -42,11 +42,11 @@ impl<T: Scalar> Mitchell<'_, T> {
     /// Searches the rays that stayed open in `f32` again in `f64`, from their first open part on.
     fn follow_in_double(
         &self,
-        ways: &[LocalRay],
-        outcomes: &mut [Outcome],
+        local_rays: &[LocalRay],
+        outcomes: &mut [RayOutcome],
         work: &mut KernelStats,
     ) {
-        let open: Vec<usize> = (0..ways.len()).filter(|&k| outcomes[k].open.is_some()).collect();
+        let open: Vec<usize> = (0..local_rays.len()).filter(|&k| outcomes[k].open.is_some()).collect();
         if open.is_empty() {
             return;
         }
@@ -54,7 +54,7 @@ impl<T: Scalar> Mitchell<'_, T> {
         let Some(double) = self.double.get_or_init(make) else { return };
         let rest = |&k: &usize| {
             let from = outcomes[k].open.map_or(0.0, |(from, _)| from);
-            LocalRay { span: [from, ways[k].span[1]], ..ways[k] }
+            LocalRay { span: [from, local_rays[k].span[1]], ..local_rays[k] }
         };
         let rests: Vec<LocalRay> = open.iter().map(rest).collect();
         let refined = double.search(&rests, Start::Anywhere, work);
@@ -72,11 +72,11 @@ impl<T: Scalar> Tracer for Mitchell<'_, T> {
         found: &mut [RayResult],
         work: &mut KernelStats,
     ) {
-        follow_ways(rays, &self.task, found, |ways| {
-            let mut outcomes = self.searcher.search(ways, start, work);
+        follow_in_region(rays, &self.task, found, |local_rays| {
+            let mut outcomes = self.searcher.search(local_rays, start, work);
             // Shadows need no more precision than that of `f32`.
             if self.task.options.precision == Precision::Auto && start == Start::Anywhere {
-                self.follow_in_double(ways, &mut outcomes, work);
+                self.follow_in_double(local_rays, &mut outcomes, work);
             }
             outcomes
         });

@@ -8,7 +8,7 @@ use zeroset_interval::Facts;
 
 /// The outcome of following a ray. Places are values of s.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Outcome {
+pub(super) struct RayOutcome {
     /// Bracket of the first proven hit.
     pub hit: Option<[f64; 2]>,
     /// Start of the first part before the hit that is not proven empty, and the reason.
@@ -17,7 +17,7 @@ pub(super) struct Outcome {
     pub likely: Option<f64>,
 }
 
-impl Outcome {
+impl RayOutcome {
     /// Converts the outcome to a result, for a ray whose t is `start` where s is 0.
     pub fn found(&self, start: f64) -> RayResult {
         let place = |s: f64| start + s;
@@ -39,7 +39,7 @@ impl Outcome {
 
 /// Writes the results of rays to `found`. `follow` returns the outcomes of up to [`LANES`] rays
 /// within the region.
-pub(super) fn follow_ways<O: IntoIterator<Item = Outcome>>(
+pub(super) fn follow_in_region<O: IntoIterator<Item = RayOutcome>>(
     rays: &[Segment],
     task: &Task<'_>,
     found: &mut [RayResult],
@@ -47,20 +47,20 @@ pub(super) fn follow_ways<O: IntoIterator<Item = Outcome>>(
 ) {
     let longest = task.options.longest();
     for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
-        let (mut ways, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
+        let (mut local_rays, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
         for (lane, segment) in rays.iter().enumerate() {
             found[lane] = RayResult::MISS;
-            if let Some(mut way) = LocalRay::new(segment, task.region) {
-                way.longest = longest * segment.footprint(-way.start);
-                ways.push(way);
+            if let Some(mut local_ray) = LocalRay::new(segment, task.region) {
+                local_ray.longest = longest * segment.footprint(-local_ray.start);
+                local_rays.push(local_ray);
                 lanes.push(lane);
             }
         }
-        if ways.is_empty() {
+        if local_rays.is_empty() {
             continue;
         }
-        for ((outcome, way), lane) in follow(&ways).into_iter().zip(&ways).zip(lanes) {
-            found[lane] = outcome.found(-way.start);
+        for ((outcome, local_ray), lane) in follow(&local_rays).into_iter().zip(&local_rays).zip(lanes) {
+            found[lane] = outcome.found(-local_ray.start);
         }
     }
 }

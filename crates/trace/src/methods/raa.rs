@@ -29,28 +29,28 @@ fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErro
     // Intervals tell whether the function is bounded in a slab. An unbounded form does not mean
     // that the function is unbounded.
     let bounded = if task.options.suppress_asymptotes { kernels.zeros().ok() } else { None };
-    let test = Forms { kernel: kernels.segments()?, bounded };
+    let test = FormTest { kernel: kernels.segments()?, bounded };
     Ok(Box::new(Slabs::new(test, task)))
 }
 
-struct Forms<'a, T: Scalar> {
+struct FormTest<'a, T: Scalar> {
     kernel: &'a dyn Kernel<ContractSegments, T>,
     bounded: Option<&'a dyn Kernel<FindZeros, T>>,
 }
 
 /// Batches that kernels read and write.
 #[derive(Default)]
-struct Batch<T: Scalar> {
+struct Buffers<T: Scalar> {
     segments: Segments<T>,
     out: Contractions<T>,
     boxes: Boxes<T>,
 }
 
-impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
-    type Batch = Batch<T>;
+impl<T: Scalar> SlabTest<T> for FormTest<'_, T> {
+    type Buffers = Buffers<T>;
 
     #[inline(always)]
-    fn begin<S: Simd>(&self, simd: S, packet: &Packet<T>, batch: &mut Batch<T>) {
+    fn begin<S: Simd>(&self, simd: S, packet: &Packet<T>, batch: &mut Buffers<T>) {
         packet.lines(simd, &mut batch.segments);
     }
 
@@ -60,7 +60,7 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
         simd: S,
         packet: &Packet<T>,
         slab: &Slab<T>,
-        batch: &mut Batch<T>,
+        batch: &mut Buffers<T>,
         work: &mut KernelStats,
     ) -> Zeros {
         let Slab { planes, rays, is_last } = *slab;
@@ -69,17 +69,17 @@ impl<T: Scalar> SlabTest<T> for Forms<'_, T> {
         (segments.near, segments.far) = (Lanes::splat(planes[0]), Lanes::splat(planes[1]));
         segments.count = u16::BITS - rays.leading_zeros();
         self.kernel.eval(&batch.segments, &mut batch.out);
-        let mut told = Zeros { possible: batch.out.possible, ..Zeros::default() };
+        let mut result = Zeros { possible: batch.out.possible, ..Zeros::default() };
         if let Some(kernel) = self.bounded
             && is_last
-            && told.possible & rays != 0
+            && result.possible & rays != 0
         {
             work.interval.called(rays.count_ones());
             packet.boxes(simd, planes, rays, &mut batch.boxes);
             let mut zeros = Zeros::default();
             kernel.eval(&batch.boxes, &mut zeros);
-            told.unbounded = zeros.unbounded;
+            result.unbounded = zeros.unbounded;
         }
-        told
+        result
     }
 }

@@ -4,7 +4,7 @@
 
 use crate::kernel_stats::KernelStats;
 use crate::options::TraceOptions;
-use crate::packet::Lines;
+use crate::packet::RayLanes;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
@@ -27,14 +27,14 @@ pub(super) struct Refiner<'a, T: Scalar> {
 
 /// At most one part for each of up to [`LANES`] rays.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Parts {
+pub(super) struct RayParts {
     /// Rays that have a part, as bits.
     pub rays: u16,
     /// Values of t at the near and far ends, per ray.
     pub ends: [Lanes<f64>; 2],
 }
 
-impl Parts {
+impl RayParts {
     /// Sets the part of one ray.
     pub fn set(&mut self, ray: usize, [near, far]: [f64; 2]) {
         self.rays |= 1 << ray;
@@ -72,7 +72,7 @@ impl<'a, T: Scalar> Refiner<'a, T> {
 
     /// Returns the places in parts of these rays at which samples change sign; infinity for other
     /// rays.
-    pub fn places(&self, lines: &Lines, wanted: &Parts, work: &mut KernelStats) -> Lanes<f64> {
+    pub fn places(&self, lines: &RayLanes, wanted: &RayParts, work: &mut KernelStats) -> Lanes<f64> {
         let mut places = Lanes::splat(f64::INFINITY);
         if wanted.rays == 0 {
             return places;
@@ -93,7 +93,7 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         let enough = dispatch!(vectors, simd => enough::<T, _>(simd, lines, self.tolerance, &ends));
         let mut brackets = dispatch!(vectors, simd => Brackets::new(simd, ends, values, enough));
         for round in 0.. {
-            let found = dispatch!(vectors, simd => brackets.go_on(simd, live));
+            let found = dispatch!(vectors, simd => brackets.choose_next(simd, live));
             let done = if round == ROUNDS { live } else { live & found };
             for lane in ones(done) {
                 places[lane] = brackets.place(lane);
@@ -111,7 +111,7 @@ impl<'a, T: Scalar> Refiner<'a, T> {
 
 /// Writes points of rays to a batch.
 #[inline(always)]
-fn place<S: Simd, T: Scalar>(simd: S, lines: &Lines, at: &Lanes<f64>, points: &mut Points<T>) {
+fn place<S: Simd, T: Scalar>(simd: S, lines: &RayLanes, at: &Lanes<f64>, points: &mut Points<T>) {
     for axis in 0..3 {
         let (origin, direction) = (&lines.origin[axis], &lines.direction[axis]);
         let [mut low, mut high] = f64::wide(simd, direction);
@@ -126,7 +126,7 @@ fn place<S: Simd, T: Scalar>(simd: S, lines: &Lines, at: &Lanes<f64>, points: &m
 #[inline(always)]
 fn enough<T: Scalar, S: Simd>(
     simd: S,
-    lines: &Lines,
+    lines: &RayLanes,
     tolerance: f64,
     [near, far]: &[Lanes<f64>; 2],
 ) -> Lanes<f64> {
@@ -183,7 +183,7 @@ impl Brackets {
     /// first length, κ₂ = 2 and n₀ = 1. Returns which of the `live` lanes need no more samples, as
     /// bits.
     #[inline(always)]
-    fn go_on<S: Simd>(&mut self, simd: S, live: u16) -> u16 {
+    fn choose_next<S: Simd>(&mut self, simd: S, live: u16) -> u16 {
         let mut done = 0;
         for part in parts::<S, S::f64s>(simd, LANES - live.leading_zeros() as usize) {
             let zero = part.splat(0.0);
@@ -265,7 +265,7 @@ mod tests {
             Brackets::new(simd, all(ends), all(ends.map(&f)), Lanes::splat(1e-6))
         });
         let mut round = 0;
-        while dispatch!(Vectors::new(), simd => brackets.go_on(simd, u16::MAX)) == 0 {
+        while dispatch!(Vectors::new(), simd => brackets.choose_next(simd, u16::MAX)) == 0 {
             let values = Lanes(brackets.next.map(&f));
             dispatch!(Vectors::new(), simd => brackets.narrow(simd, &values, solid));
             round += 1;
@@ -314,7 +314,7 @@ mod tests {
             let mut brackets = dispatch!(level, simd => Brackets::new(simd, ends, values, enough));
             let (mut live, mut rounds) = (u16::MAX, 0);
             while live != 0 && rounds < 40 {
-                let done = live & dispatch!(level, simd => brackets.go_on(simd, live));
+                let done = live & dispatch!(level, simd => brackets.choose_next(simd, live));
                 for lane in ones(done) {
                     let off = brackets.place(lane) - root(lane);
                     assert!(off.abs() <= enough[lane], "{lane}: {off}");

@@ -6,10 +6,10 @@
 //! It proves misses only. A root is drawn where a slab of the last level may hold one, but it is
 //! not proven: such pixels are undecided. This module does not know how a slab is tested.
 
-use super::refine::{Parts, Refiner};
+use super::refine::{RayParts, Refiner};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start, Task, Tracer};
-use crate::packet::{Lines, Packet, RAYS};
+use crate::packet::{RayLanes, Packet, PACKET_RAYS};
 use crate::painted::ones;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::scalar::Scalar;
@@ -26,11 +26,11 @@ pub const MOST_STEPS: u64 = 1 << 15;
 /// A test which rays of a packet may meet a zero between two planes.
 pub(super) trait SlabTest<T: Scalar>: Sync {
     /// Buffers that are reused.
-    type Batch: Default;
+    type Buffers: Default;
 
     /// Prepares buffers for a packet: writes everything that all its slabs share.
     #[inline(always)]
-    fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Batch) {}
+    fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Buffers) {}
 
     /// Tests whether rays may meet a zero in a slab and, if the slab is of the last level, whether
     /// the function is bounded there. Bits of other rays are meaningless. Adds the kernel calls to
@@ -40,7 +40,7 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
         simd: V,
         packet: &Packet<T>,
         slab: &Slab<T>,
-        batch: &mut Self::Batch,
+        batch: &mut Self::Buffers,
         work: &mut KernelStats,
     ) -> Zeros;
 }
@@ -73,16 +73,16 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
 
 /// The outcomes of a packet's rays. Places are values of τ; sets of rays are bits.
 #[derive(Clone, Copy, Debug, Default)]
-struct Outcomes<T> {
+struct PacketOutcomes<T> {
     /// Rays on which a root is drawn.
     drawn: u16,
     /// Per ray, the values of τ between which its root is drawn: the slab and the next one. Bounds
     /// are wider than the function and reach 0 before it does.
-    ends: [[T; 2]; RAYS],
+    ends: [[T; 2]; PACKET_RAYS],
     /// Rays on which slabs were passed over.
     suppressed: u16,
     /// Per ray, τ at the start of the first slab that was passed over.
-    first: [T; RAYS],
+    first: [T; PACKET_RAYS],
 }
 
 impl<'a, T: Scalar, S: SlabTest<T>> Slabs<'a, T, S> {
@@ -107,11 +107,11 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
         found: &mut [RayResult],
         work: &mut KernelStats,
     ) {
-        let (mut batch, mut packet) = (S::Batch::default(), Packet::new(self.region));
-        for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
-            let (mut slabs, lines) = (Parts::default(), Lines::new(rays));
-            let room = (&mut packet, &mut batch);
-            self.some(rays, (0..rays.len(), &lines), room, start, found, &mut slabs, work);
+        let (mut batch, mut packet) = (S::Buffers::default(), Packet::new(self.region));
+        for (rays, found) in rays.chunks(PACKET_RAYS).zip(found.chunks_mut(PACKET_RAYS)) {
+            let (mut slabs, lines) = (RayParts::default(), RayLanes::new(rays));
+            let buffers = (&mut packet, &mut batch);
+            self.some(rays, (0..rays.len(), &lines), buffers, start, found, &mut slabs, work);
             let Some(refiner) = &self.refiner else { continue };
             let places = refiner.places(&lines, &slabs, work);
             for lane in ones(slabs.rays).filter(|lane| places[*lane].is_finite()) {
@@ -123,17 +123,17 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
 }
 
 impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
-    /// Follows some of up to [`RAYS`] rays, whose coordinates are `lines`. Writes their results to
+    /// Follows some of up to [`PACKET_RAYS`] rays, whose coordinates are `lines`. Writes their results to
     /// `found`, and the part of each in which a root is drawn to `slabs`.
     #[allow(clippy::too_many_arguments, reason = "memory that is used again and again")]
     fn some(
         &self,
         rays: &[Segment],
-        (some, lines): (Range<usize>, &Lines),
-        (packet, batch): (&mut Packet<T>, &mut S::Batch),
+        (some, lines): (Range<usize>, &RayLanes),
+        (packet, batch): (&mut Packet<T>, &mut S::Buffers),
         start: Start,
         found: &mut [RayResult],
-        slabs: &mut Parts,
+        slabs: &mut RayParts,
         work: &mut KernelStats,
     ) {
         let taken = dispatch!(self.vectors, simd => {
@@ -160,7 +160,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         let size = if some.len() > 4 { 4 } else { 1 };
         for first in some.clone().step_by(size) {
             let fewer = first..some.end.min(first + size);
-            let lines = Lines::new(&rays[fewer.clone()]);
+            let lines = RayLanes::new(&rays[fewer.clone()]);
             self.some(rays, (fewer, &lines), (packet, batch), start, found, slabs, work);
         }
     }
@@ -170,12 +170,12 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         &self,
         simd: V,
         packet: &Packet<T>,
-        batch: &mut S::Batch,
+        batch: &mut S::Buffers,
         start: Start,
         work: &mut KernelStats,
-    ) -> Outcomes<T> {
+    ) -> PacketOutcomes<T> {
         self.test.begin(simd, packet, batch);
-        let mut outcomes = Outcomes::default();
+        let mut outcomes = PacketOutcomes::default();
         let mut alive = packet.inside(simd);
         let mut leaving = match start {
             Start::Anywhere => 0,
@@ -192,14 +192,14 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             let from = T::integer(index) * size;
             let planes = [from, from + size];
             let active = alive & possible[level as usize] & packet.meets(simd, from, planes[1]);
-            let mut told = Zeros::default();
+            let mut result = Zeros::default();
             if active != 0 {
                 let slab = Slab { planes, rays: active, is_last: level == self.last };
-                told = self.test.eval(simd, packet, &slab, batch, &mut done);
+                result = self.test.eval(simd, packet, &slab, batch, &mut done);
             } else if alive & packet.meets(simd, from, T::integer(2)) == 0 {
                 break;
             }
-            let mut vanishing = told.possible & active;
+            let mut vanishing = result.possible & active;
             if start == Start::OnSurface {
                 // A ray is on the surface that it started from until it has passed an empty slab.
                 leaving &= !(active & !vanishing);
@@ -216,7 +216,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 vanishing &= !leaving;
                 // Bounds are wider than the function, so the root may be in the next slab.
                 let ends = [from, planes[1] + size];
-                alive &= !self.record(vanishing, told.unbounded, ends, &mut outcomes);
+                alive &= !self.record(vanishing, result.unbounded, ends, &mut outcomes);
                 if alive == 0 && !is_last {
                     break;
                 }
@@ -250,7 +250,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         vanishing: u16,
         unbounded: u16,
         ends: [T; 2],
-        outcomes: &mut Outcomes<T>,
+        outcomes: &mut PacketOutcomes<T>,
     ) -> u16 {
         let drawn = if self.suppress_asymptotes { vanishing & !unbounded } else { vanishing };
         outcomes.drawn |= drawn;
@@ -262,7 +262,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
     }
 }
 
-impl<T: Scalar> Outcomes<T> {
+impl<T: Scalar> PacketOutcomes<T> {
     /// Records that nothing is known about these rays from some τ on.
     #[inline(always)]
     fn pass_over(&mut self, rays: u16, from: T) {

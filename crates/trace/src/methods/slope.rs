@@ -12,7 +12,7 @@ use zeroset_eval::{
 use zeroset_interval::{Facts, Interval};
 
 /// Kernels that bound one function and its gradient.
-pub(super) struct Slopes<'a, T: Scalar> {
+pub(super) struct SlopeKernels<'a, T: Scalar> {
     values: &'a dyn Kernel<Enclose, T>,
     gradients: &'a dyn Kernel<EncloseGradient, T>,
     /// Per axis, the region's bounds as (−lo, hi), rounded outward.
@@ -22,7 +22,7 @@ pub(super) struct Slopes<'a, T: Scalar> {
 /// Bounds of three coordinates.
 pub(super) type Cuboid = [Interval; 3];
 
-impl<'a, T: Scalar> Slopes<'a, T> {
+impl<'a, T: Scalar> SlopeKernels<'a, T> {
     pub fn new(task: &Task<'a>) -> Result<Self, KernelError> {
         let kernels = T::kernels(task.surface);
         let (low, high) = (task.region.low(), task.region.high());

@@ -7,7 +7,7 @@
 //! Without a bound of the slope the method stops, and the ray is undecided.
 
 use super::local_ray::{LocalRay, bounds};
-use super::slope::Slopes;
+use super::slope::SlopeKernels;
 use crate::kernel_stats::KernelStats;
 use crate::options;
 use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
@@ -27,13 +27,13 @@ pub(crate) const METHOD: Method = Method {
 };
 
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
-    let slopes = Slopes::<T>::new(&task)?;
+    let slopes = SlopeKernels::<T>::new(&task)?;
     let TraceOptions { tolerance, steps, .. } = task.options;
     Ok(Box::new(Sphere { slopes, region: task.region, tolerance, steps }))
 }
 
 struct Sphere<'a, T: Scalar> {
-    slopes: Slopes<'a, T>,
+    slopes: SlopeKernels<'a, T>,
     region: &'a Region,
     tolerance: f64,
     /// Maximum number of steps along a ray.
@@ -42,16 +42,16 @@ struct Sphere<'a, T: Scalar> {
 
 /// Length of the first part in which the slope is bounded, as a share of the ray's length in the
 /// region.
-const FIRST: f64 = 0.125;
+const FIRST_PART: f64 = 0.125;
 /// Length of a part in multiples of the step before.
 const GROWTH: f64 = 2.0;
 /// Tolerance for shadow rays, as a share of their length: nobody sees where they end.
-const ROUGHLY: f64 = 1.0 / 4096.0;
+const SHADOW_TOLERANCE: f64 = 1.0 / 4096.0;
 
 /// State of a ray that is followed.
 struct Walk {
     lane: usize,
-    way: LocalRay,
+    local_ray: LocalRay,
     /// Value of s that it has reached.
     at: f64,
     /// Length of the next part, and its minimum.
@@ -70,7 +70,7 @@ struct Walk {
 }
 
 /// The end of the search along a ray. Places are values of s.
-enum End {
+enum SearchEnd {
     /// The ray meets no zero.
     Empty,
     /// Nothing is known from the first place on, for this reason. A root may be drawn at the second
@@ -80,19 +80,19 @@ enum End {
 
 impl<T: Scalar> Sphere<'_, T> {
     /// Creates the state of a ray at its start.
-    fn walk(&self, lane: usize, segment: &Segment, way: LocalRay, start: Start) -> Walk {
-        let length = way.span[1];
-        let size = way.origin.abs() + length * way.direction.abs();
+    fn walk(&self, lane: usize, segment: &Segment, local_ray: LocalRay, start: Start) -> Walk {
+        let length = local_ray.span[1];
+        let size = local_ray.origin.abs() + length * local_ray.direction.abs();
         // A shorter part is a box of rounding errors only.
-        let grain = 4.0 * T::UNIT * size.max_element() / way.direction.abs().max_element();
-        let tolerance = self.tolerance * segment.footprint(-way.start);
-        let enough = if tolerance.is_finite() { tolerance } else { ROUGHLY * length };
-        let [at, end] = [way.inside[0].max(0.0), way.inside[1].min(length)];
+        let grain = 4.0 * T::UNIT * size.max_element() / local_ray.direction.abs().max_element();
+        let tolerance = self.tolerance * segment.footprint(-local_ray.start);
+        let enough = if tolerance.is_finite() { tolerance } else { SHADOW_TOLERANCE * length };
+        let [at, end] = [local_ray.inside[0].max(0.0), local_ray.inside[1].min(length)];
         Walk {
             lane,
-            way,
+            local_ray,
             at,
-            part: FIRST * length,
+            part: FIRST_PART * length,
             least: grain,
             enough: enough.max(grain),
             steps: 0,
@@ -103,14 +103,14 @@ impl<T: Scalar> Sphere<'_, T> {
     }
 
     /// Tests whether rays may meet a zero at the region's faces.
-    fn look_at_faces(&self, walks: &mut [Walk], work: &mut KernelStats) {
+    fn test_faces(&self, walks: &mut [Walk], work: &mut KernelStats) {
         for end in [0, 1] {
             let mut boxes = [[Interval::ENTIRE; 3]; LANES];
             for (place, walk) in boxes.iter_mut().zip(&*walks) {
-                let [first, last] = walk.way.span;
+                let [first, last] = walk.local_ray.span;
                 let part = if end == 0 { [first, walk.at] } else { [walk.end, last] };
                 let part = if walk.at <= walk.end { part } else { [first, last] };
-                *place = bounds(&walk.way, part, self.region);
+                *place = bounds(&walk.local_ray, part, self.region);
             }
             let values = self.slopes.values(&boxes[..walks.len()], work);
             for (walk, value) in walks.iter_mut().zip(values) {
@@ -126,12 +126,12 @@ impl<T: Scalar> Sphere<'_, T> {
         let mut places = [[Interval::ENTIRE; 3]; LANES];
         let mut parts = places;
         for (slot, walk) in walks.iter().enumerate() {
-            places[slot] = bounds(&walk.way, [walk.at; 2], self.region);
-            parts[slot] = bounds(&walk.way, [walk.at, walk.to()], self.region);
+            places[slot] = bounds(&walk.local_ray, [walk.at; 2], self.region);
+            parts[slot] = bounds(&walk.local_ray, [walk.at, walk.to()], self.region);
         }
         let used = walks.len();
         let values = self.slopes.values(&places[..used], work);
-        let slopes = self.slopes.along(&parts[..used], |slot| walks[slot].way.direction, work);
+        let slopes = self.slopes.along(&parts[..used], |slot| walks[slot].local_ray.direction, work);
         let mut slot = 0;
         walks.retain_mut(|walk| {
             let end = walk.advance(values[slot], slopes[slot], self.steps);
@@ -152,11 +152,11 @@ impl Walk {
 
     /// Takes a step, given bounds of the value at its start and of the slope in the next part.
     /// Returns how the search ended, if it did. `most`: the maximum number of steps.
-    fn advance(&mut self, value: Interval, slope: Option<Interval>, most: u32) -> Option<End> {
+    fn advance(&mut self, value: Interval, slope: Option<Interval>, most: u32) -> Option<SearchEnd> {
         let (at, to) = (self.at, self.to());
-        let open = |reason, drawn| Some(End::Open(at, reason, drawn));
+        let open = |reason, drawn| Some(SearchEnd::Open(at, reason, drawn));
         if at >= self.end {
-            return Some(End::Empty);
+            return Some(SearchEnd::Empty);
         }
         self.steps += 1;
         if self.steps > most.max(2) {
@@ -199,14 +199,14 @@ impl Walk {
     }
 
     /// Returns the ray's result, given how the search in the region ended.
-    fn found(&self, end: &End) -> RayResult {
-        let place = |s: f64| s - self.way.start;
+    fn found(&self, end: &SearchEnd) -> RayResult {
+        let place = |s: f64| s - self.local_ray.start;
         let [before, behind] = self.open;
         let (at, reason, drawn) = match *end {
-            End::Open(at, reason, drawn) => (if before { 0.0 } else { at }, reason, drawn),
-            End::Empty if before => (0.0, UndecidedReason::Touching, None),
-            End::Empty if behind => (self.end.max(0.0), UndecidedReason::Touching, None),
-            End::Empty => return RayResult::MISS,
+            SearchEnd::Open(at, reason, drawn) => (if before { 0.0 } else { at }, reason, drawn),
+            SearchEnd::Empty if before => (0.0, UndecidedReason::Touching, None),
+            SearchEnd::Empty if behind => (self.end.max(0.0), UndecidedReason::Touching, None),
+            SearchEnd::Empty => return RayResult::MISS,
         };
         RayResult {
             status: Status::Undecided,
@@ -230,14 +230,14 @@ impl<T: Scalar> Tracer for Sphere<'_, T> {
             let mut walks = Vec::with_capacity(LANES);
             for (lane, segment) in rays.iter().enumerate() {
                 found[lane] = RayResult::MISS;
-                if let Some(way) = LocalRay::new(segment, self.region) {
-                    walks.push(self.walk(lane, segment, way, start));
+                if let Some(local_ray) = LocalRay::new(segment, self.region) {
+                    walks.push(self.walk(lane, segment, local_ray, start));
                 }
             }
             if walks.is_empty() {
                 continue;
             }
-            self.look_at_faces(&mut walks, work);
+            self.test_faces(&mut walks, work);
             while !walks.is_empty() {
                 self.step(&mut walks, found, work);
             }

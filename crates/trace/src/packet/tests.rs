@@ -63,7 +63,7 @@ fn scene(random: &mut Random) -> (Region, Vec<Segment>) {
         1 => 1e-3,
         _ => 0.3,
     };
-    let count = [1, 4, 7, RAYS][random.next() as usize % 4];
+    let count = [1, 4, 7, PACKET_RAYS][random.next() as usize % 4];
     let mut segment = || {
         let aim = target + half * random.vector(spread);
         let direction = (aim - origin) * random.scale(2);
@@ -108,12 +108,12 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
         let mut packet = Packet::<T>::new(&region);
         // All widths of vectors take turns.
         let level = levels[random.next() as usize % levels.len()];
-        if !dispatch!(level, simd => packet.take(simd, &segments, &Lines::new(&segments), &region))
+        if !dispatch!(level, simd => packet.take(simd, &segments, &RayLanes::new(&segments), &region))
         {
             refused += 1;
             continue;
         }
-        let Planes { k, start, extent, .. } = packet.planes;
+        let SlabAxis { k, start, extent, .. } = packet.planes;
         let any_inside = dispatch!(level, simd => packet.inside(simd));
         for _ in 0..6 {
             let depth = random.next() % u64::from(T::MAX_DEPTH - 4);
@@ -207,7 +207,7 @@ fn rays_that_do_not_advance_together_are_refused() {
     let packet = |other| {
         let rays = [ray(DVec3::X), ray(DVec3::X), ray(other)];
         let mut packet = Packet::<f32>::new(&region);
-        dispatch!(Level::new(), simd => packet.take(simd, &rays, &Lines::new(&rays), &region))
+        dispatch!(Level::new(), simd => packet.take(simd, &rays, &RayLanes::new(&rays), &region))
     };
     assert!(packet(DVec3::new(1.0, 0.5, 0.0)));
     assert!(!packet(DVec3::NEG_X));
@@ -237,7 +237,7 @@ fn from_very_far<T: Scalar>(seed: u64) {
             let segment =
                 Segment { ray: Ray { origin, direction }, to: f64::INFINITY, pixel: [0.0; 2] };
             let mut packet = Packet::<T>::new(&region);
-            let taken = dispatch!(Level::new(), simd => packet.take(simd, &[segment; 3], &Lines::new(&[segment; 3]), &region));
+            let taken = dispatch!(Level::new(), simd => packet.take(simd, &[segment; 3], &RayLanes::new(&[segment; 3]), &region));
             assert!(taken, "together");
             let half = T::halved(1);
             let (zero, one) = (T::integer(0), T::integer(1));

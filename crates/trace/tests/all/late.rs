@@ -11,21 +11,21 @@ use zeroset_space::Region;
 use zeroset_trace::{Camera, Driver, GBuffer, Method, Precision, Projection, Status, TraceOptions};
 
 /// A function without zeros, whose kernels take time to compile.
-struct Late;
+struct SlowKernels;
 
-impl<T: Real> Kernel<ContractTiles, T> for Late {
+impl<T: Real> Kernel<ContractTiles, T> for SlowKernels {
     fn eval(&self, _: &Tiles<T>, out: &mut Planes<T>) {
         *out = Planes::default();
     }
 }
 
-impl<T: Real> Kernel<ContractSegments, T> for Late {
+impl<T: Real> Kernel<ContractSegments, T> for SlowKernels {
     fn eval(&self, _: &Segments<T>, out: &mut Contractions<T>) {
         *out = Contractions::default();
     }
 }
 
-impl<T: Real> Kernels<T> for Late {
+impl<T: Real> Kernels<T> for SlowKernels {
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Ok(None)
     }
@@ -39,7 +39,7 @@ impl<T: Real> Kernels<T> for Late {
     }
 }
 
-impl SurfaceKernels for Late {
+impl SurfaceKernels for SlowKernels {
     fn single(&self) -> &dyn Kernels<f32> {
         self
     }
@@ -64,7 +64,7 @@ fn bands_do_not_wait_for_each_other() {
             TraceOptions { precision: Precision::Auto, tolerance: 1e-6, ..TraceOptions::default() };
         for _ in 0..10 {
             let affine = Method::named("affine").expect("a row");
-            let tracer = affine.prepare(&Late, &region, options).expect("kernels");
+            let tracer = affine.prepare(&SlowKernels, &region, options).expect("kernels");
             let mut buffer = GBuffer::new(SIZE, SIZE, 0);
             Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
             assert!(buffer.status.iter().all(|status| *status == Status::Miss));

@@ -63,9 +63,9 @@ impl Kernels<f32> for Stubborn {
 }
 
 /// x² + y² + z² = 1/2, with bounds that are rounded to nearest.
-struct Ball;
+struct BallKernels;
 
-impl Ball {
+impl BallKernels {
     fn possible(count: u32, bounds: impl Fn(usize) -> [[f32; 2]; 3]) -> u16 {
         let is_possible = |lane: usize| {
             let squares = bounds(lane).map(|[low, high]| {
@@ -79,7 +79,7 @@ impl Ball {
     }
 }
 
-impl Kernel<FindZeros> for Ball {
+impl Kernel<FindZeros> for BallKernels {
     fn eval(&self, boxes: &Boxes, zeros: &mut Zeros) {
         *zeros = Zeros::default();
         let bounds = |lane: usize| {
@@ -89,7 +89,7 @@ impl Kernel<FindZeros> for Ball {
     }
 }
 
-impl Kernel<ContractSegments> for Ball {
+impl Kernel<ContractSegments> for BallKernels {
     fn eval(&self, segments: &Segments, out: &mut Contractions) {
         *out = Contractions::default();
         let bounds = |lane: usize| {
@@ -103,7 +103,7 @@ impl Kernel<ContractSegments> for Ball {
     }
 }
 
-impl Kernels<f32> for Ball {
+impl Kernels<f32> for BallKernels {
     fn zeros(&self) -> KernelResult<'_, FindZeros, f32> {
         Ok(self)
     }
@@ -112,7 +112,7 @@ impl Kernels<f32> for Ball {
     }
 }
 
-impl SurfaceKernels for Ball {
+impl SurfaceKernels for BallKernels {
     fn single(&self) -> &dyn Kernels<f32> {
         self
     }
@@ -248,7 +248,7 @@ fn what_is_found_of_a_ray_does_not_hang_on_its_neighbours() {
     for method in ["knoll", "raa"] {
         let options = TraceOptions { precision: Precision::F32, ..TraceOptions::default() };
         let method = Method::named(method).expect("a row");
-        let tracer = method.prepare(&Ball, &region, options).expect("a kernel");
+        let tracer = method.prepare(&BallKernels, &region, options).expect("a kernel");
         let follow = |rays: &[Segment]| {
             let mut found = vec![RayResult::MISS; rays.len()];
             tracer.follow(rays, Start::Anywhere, &mut found, &mut KernelStats::default());

@@ -5,11 +5,11 @@
 //! other tiles.
 
 use super::level::Level;
-use super::pixels::Patch;
+use super::pixels::TilePixels;
 use super::plane::Plane;
-use super::pool::{ANYWHERE, Memory, TileRay};
+use super::pool::{ANYWHERE, RayBuffers, TileRay};
 use super::screens::{ends, outward};
-use super::tracer::Tracer;
+use super::tracer::BandTracer;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
@@ -19,7 +19,7 @@ use zeroset_eval::{LANES, Lanes};
 /// others.
 const FEW: u32 = 8;
 
-impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
+impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Follows the unfinished rays of a 4×4 tile, or puts them into the pool. `within`: the whole
     /// segment is in the region.
     #[inline(always)]
@@ -46,7 +46,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         if !within || live.count_ones() <= FEW {
             let mut rest = live;
             while rest != 0 {
-                let [from, to] = self.admit(&mut rest, rays, 0);
+                let [from, to] = self.add_to_pool(&mut rest, rays, 0);
                 if !within {
                     for (bit, to) in ones(from).zip(ones(to)) {
                         self.memory.pool.cut_at_faces(to, inside.each_ref().map(|ends| ends[bit]));
@@ -55,34 +55,34 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             }
             return;
         }
-        let Memory { fresh, contractions, .. } = &mut *self.memory;
-        fresh.longest = Lanes::splat(longest);
-        fresh.segments.count = LANES as u32 - live.leading_zeros();
-        self.method.follower.eval(&fresh.segments, contractions);
+        let RayBuffers { tile_rays, contractions, .. } = &mut *self.memory;
+        tile_rays.longest = Lanes::splat(longest);
+        tile_rays.segments.count = LANES as u32 - live.leading_zeros();
+        self.method.follower.eval(&tile_rays.segments, contractions);
         self.work.segments.called(live.count_ones());
         let limits = &self.limits;
-        let mut sifted = fresh.sift(self.simd, contractions, None, live, limits);
+        let mut classes = tile_rays.classify(self.simd, contractions, None, live, limits);
         if self.method.cleared {
-            sifted.doubt();
+            classes.leave_brackets_open();
         }
-        if sifted.short != 0 {
-            self.open[patch.index] &= !sifted.short;
+        if classes.short != 0 {
+            self.open[patch.index] &= !classes.short;
             let found = self.between(&patch);
-            self.write(&patch, sifted.short, &found);
+            self.write_hits(&patch, classes.short, &found);
         }
-        for bit in ones(sifted.open) {
+        for bit in ones(classes.open) {
             let ends = self.memory.left(bit);
             self.set_apart(rays.at(bit), ends.map(Into::into));
         }
         // The far ends are copied, since the pool may be evaluated before they are used.
         let last = self.memory.contractions.far;
-        let mut rest = sifted.shorter | sifted.cut;
+        let mut rest = classes.shorter | classes.cut;
         while rest != 0 {
-            let [from, to] = self.admit(&mut rest, rays, 1);
-            if from & sifted.cut != 0 {
+            let [from, to] = self.add_to_pool(&mut rest, rays, 1);
+            if from & classes.cut != 0 {
                 for (bit, to) in ones(from).zip(ones(to)) {
-                    if sifted.cut >> bit & 1 == 1 {
-                        let cut = self.memory.fresh.segments.far[bit];
+                    if classes.cut >> bit & 1 == 1 {
+                        let cut = self.memory.tile_rays.segments.far[bit];
                         self.memory.pool.put_aside(to, [cut, last[bit]]);
                     }
                 }
@@ -97,7 +97,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     #[inline(always)]
     fn place(
         &mut self,
-        patch: &Patch,
+        patch: &TilePixels,
         plane: &Plane<T>,
         segment: [f64; 2],
         within: bool,
@@ -109,7 +109,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         for (screens, at) in screens.into_iter().zip(&mut at) {
             T::narrow(screens, at);
         }
-        let batch = &mut self.memory.fresh.segments;
+        let batch = &mut self.memory.tile_rays.segments;
         let [near, far] = [&mut batch.near, &mut batch.far];
         [*near, *far] = segment.map(|end| Lanes::splat(T::nearest(end)));
         let mut left = plane.narrow(simd, (&at, None), [near, far]);

@@ -66,7 +66,7 @@ fn size(rng: &mut Rng, extreme: i32) -> f64 {
 }
 
 /// Returns the number itself, or a number at a distance between a few roundings and `size` / 8.
-fn beside(number: f64, size: f64, rng: &mut Rng) -> f64 {
+fn perturbed(number: f64, size: f64, rng: &mut Rng) -> f64 {
     match rng.u32(0..4) {
         0 => number,
         _ => number + signed(rng) * size * 2_f64.powi(-rng.i32(3..=54)),
@@ -114,14 +114,14 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
 }
 
 /// Random tiles with `side` pixels on a side: their first pixels, centers and half extents.
-struct Sixteen {
+struct SixteenTiles {
     side: usize,
     first: [[usize; 2]; LANES],
     centre: [Lanes<f64>; 2],
     half: [Lanes<f64>; 2],
 }
 
-impl Sixteen {
+impl SixteenTiles {
     fn random(rays: &RayGrid, side: u32, rng: &mut Rng) -> Self {
         let first = [(); LANES].map(|()| [(); 2].map(|()| rng.u32(0..=SIDE - side) as usize));
         let side = side as usize;
@@ -191,7 +191,7 @@ fn about(region: &Region, ray: &Ray, frame: &RayFrame) -> [f64; 2] {
 
 /// Returns segments to clip: the frame's span, or about where the tile is in the region.
 fn segments(
-    tiles: &Sixteen,
+    tiles: &SixteenTiles,
     (region, rays, frame): &(Region, RayGrid, RayFrame),
     rng: &mut Rng,
 ) -> [Lanes<f64>; 2] {
@@ -201,7 +201,7 @@ fn segments(
         for (lane, (from, to)) in nears.iter_mut().zip(fars.iter_mut()).enumerate() {
             let corner = tiles.corners(rays, lane)[rng.u32(0..4) as usize];
             let [near, far] = about(region, &corner, frame)
-                .map(|end| beside(end, frame.size(), rng).clamp(frame.span[0], frame.span[1]));
+                .map(|end| perturbed(end, frame.size(), rng).clamp(frame.span[0], frame.span[1]));
             (*from, *to) = (near, far.max(near));
         }
     }
@@ -214,7 +214,7 @@ fn clipped<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 4], String> {
     let mut counts = [0; 4];
     let Some(picture) = picture(rng) else { return Ok(counts) };
     let side = [1, 4, 16][rng.u32(0..3) as usize];
-    let tiles = Sixteen::random(&picture.1, side, rng);
+    let tiles = SixteenTiles::random(&picture.1, side, rng);
     let asked = segments(&tiles, &picture, rng);
     let (region, rays, frame) = &picture;
     let (mut left, mut alone) = (asked, asked);
@@ -508,7 +508,7 @@ fn rounded<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
             asked[k][lane] = end;
             left[k][lane] = match rng.u32(0..4) {
                 0 => end,
-                1 => beside(end, reach, rng).clamp(ends[0], ends[1]),
+                1 => perturbed(end, reach, rng).clamp(ends[0], ends[1]),
                 2 => ends[0].max(0.0).min(ends[1]) * 2_f64.powi(-rng.i32(0..=1000)),
                 _ => ends[0] + (ends[1] - ends[0]) * f64::uniform(rng),
             };

@@ -4,7 +4,7 @@
 //! Screen coordinates (a, b) are those of the [`RayGrid`]. s is the ray's t minus the t of a plane
 //! through the region's center. So `f32` resolves the region, and not the distance to it.
 
-use super::screens::{Ends, Rays};
+use super::screens::{Ends, ScreenRays};
 use crate::grid::RayGrid;
 use crate::scalar::{HALF, Scalar};
 use crate::simd_chunks::parts;
@@ -14,7 +14,7 @@ use zeroset_eval::{LANES, Lanes, Segments, Tiles};
 use zeroset_space::Region;
 
 /// Error of forms in multiples of the rounding error of their coordinates.
-pub(super) const BLURS: f64 = 4.0;
+pub(super) const FORM_BLUR: f64 = 4.0;
 
 /// The quantities that all rays of a picture share.
 pub(super) struct RayFrame {
@@ -70,7 +70,7 @@ impl RayFrame {
     /// Returns the shortest length along a ray that `T` resolves: that of the shortest segments, or
     /// a few times the rounding error of coordinates.
     pub fn resolution<T: Scalar>(&self) -> f64 {
-        (T::GRAIN * self.size()).max(BLURS * self.error_in::<T>(self.size()).max_element())
+        (T::GRAIN * self.size()).max(FORM_BLUR * self.error_in::<T>(self.size()).max_element())
     }
 
     /// Returns bounds on the error of coordinates that kernels compute from this frame in `T`, for
@@ -160,11 +160,11 @@ impl RayFrame {
     pub fn clip<S: Simd, T: Scalar>(
         &self,
         simd: S,
-        rays: Rays<'_, T>,
+        rays: ScreenRays<'_, T>,
         region: &Region,
         ends: &mut Ends,
     ) {
-        let rays = Wide::new(simd, rays);
+        let rays = TileVectors::new(simd, rays);
         let ([origin, direction], [low, high, error]) = (self.by_axis(), self.faces(region));
         let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
         for (k, (near, far)) in nears.iter_mut().zip(&mut fars).enumerate() {
@@ -209,10 +209,10 @@ impl RayFrame {
     ) -> [Lanes<T>; 2] {
         /// Minimum speed along an axis: reciprocals of lower ones may overflow. A slower ray is not
         /// clipped, and nowhere certainly between the faces, unless it stands still between them.
-        const LEVEL: f64 = 1e-200;
+        const MIN_SPEED: f64 = 1e-200;
         /// More than the rounding of these few operations.
         const ROUNDING: f64 = 1e-12;
-        let rays = Wide::new(simd, (screens, None));
+        let rays = TileVectors::new(simd, (screens, None));
         let ([origin, direction], [lows, highs, error]) = (self.by_axis(), self.faces(region));
         let zero = f64x8::splat(simd, 0.0);
         let [mut nears, mut fars] = [f64::wide(simd, &ends[0]), f64::wide(simd, &ends[1])];
@@ -230,7 +230,7 @@ impl RayFrame {
                 let off = slack * inverse.abs();
                 let before = off + ROUNDING * (enter.abs() + off);
                 let after = off + ROUNDING * (leave.abs() + off);
-                let is_level = !d.abs().simd_gt(LEVEL);
+                let is_level = !d.abs().simd_gt(MIN_SPEED);
                 let (low, high) = (low + slack, high - slack);
                 let is_between = d.simd_eq(0.0) & o.simd_ge(low) & o.simd_le(high);
                 *near = is_level.select(*near, near.max_precise(enter - before));
@@ -258,12 +258,12 @@ impl RayFrame {
     pub fn inside<S: Simd, T: Scalar>(
         &self,
         simd: S,
-        rays: Rays<'_, T>,
+        rays: ScreenRays<'_, T>,
         region: &Region,
         [nears, fars]: [[f64x8<S>; 2]; 2],
     ) -> u16 {
         let mut all = u16::MAX;
-        let rays = Wide::new(simd, rays);
+        let rays = TileVectors::new(simd, rays);
         let ([origin, direction], [low, high, error]) = (self.by_axis(), self.faces(region));
         let zero = f64x8::splat(simd, 0.0);
         let mut corners = [[[zero; 2]; 2]; 3];
@@ -306,14 +306,14 @@ fn largest(parts: &[DVec3; 3], reach: [f64; 2]) -> DVec3 {
 }
 
 /// Screen coordinates of tiles, as vectors of `f64`.
-struct Wide<S: Simd> {
+struct TileVectors<S: Simd> {
     centre: [[f64x8<S>; 2]; 2],
     half: [[f64x8<S>; 2]; 2],
 }
 
-impl<S: Simd> Wide<S> {
+impl<S: Simd> TileVectors<S> {
     #[inline(always)]
-    fn new<T: Scalar>(simd: S, (centre, half): Rays<'_, T>) -> Self {
+    fn new<T: Scalar>(simd: S, (centre, half): ScreenRays<'_, T>) -> Self {
         let zero = [f64x8::splat(simd, 0.0); 2];
         Self {
             centre: [T::wide(simd, &centre[0]), T::wide(simd, &centre[1])],

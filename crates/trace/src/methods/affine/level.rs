@@ -1,8 +1,8 @@
 //! Up to sixteen tiles at once: their places, and the segments that remain to be examined.
 
 use super::plane::{Plane, PlaneLanes};
-use super::screens::{Stack, UNMOVED, ends, outward, packed, saves_a_vector, spread};
-use super::tracer::{LAST, SIDES, Tracer};
+use super::screens::{PendingSegments, LANE_INDICES, ends, outward, packed, saves_a_vector, spread};
+use super::tracer::{LAST, SIDES, BandTracer};
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*, u8x16};
@@ -25,7 +25,7 @@ pub(super) struct Level<T: Scalar> {
     /// Per lane, how often its tile was evaluated.
     asked: [u8; LANES],
     /// Per tile, the segments put aside, the nearest last.
-    later: [Stack<T>; LANES],
+    later: [PendingSegments<T>; LANES],
     /// Lanes whose tiles have segments put aside, as bits.
     waiting: u16,
     pub batch: Tiles<T>,
@@ -36,7 +36,7 @@ pub(super) struct Level<T: Scalar> {
 
 /// Number of evaluations after which a tile is split along all of its remaining segment. Otherwise
 /// a tile that is far deeper than wide would be cut into a million segments.
-const PATIENCE: u8 = 64;
+const MAX_EVALUATIONS: u8 = 64;
 
 /// Columns and rows of the tiles in a square of sixteen.
 const SQUARE: [[u8; 2]; LANES] = {
@@ -63,7 +63,7 @@ impl<T: Scalar> Level<T> {
     #[inline(always)]
     pub fn start(
         &mut self,
-        tracer: &Tracer<'_, '_, '_, T, impl Simd>,
+        tracer: &BandTracer<'_, '_, '_, T, impl Simd>,
         places: [Range<usize>; 2],
         level: usize,
         segment: [f64; 2],
@@ -88,19 +88,19 @@ impl<T: Scalar> Level<T> {
             }
         }
         self.live &= self.shorten(tracer, plane);
-        self.live &= !tracer.hidden(self, self.live, level);
+        self.live &= !tracer.hidden_lanes(self, self.live, level);
     }
 
     /// Sets the places of some tiles. Returns the lanes of the open ones, as bits.
     #[inline(always)]
     fn take(
         &mut self,
-        tracer: &Tracer<'_, '_, '_, T, impl Simd>,
+        tracer: &BandTracer<'_, '_, '_, T, impl Simd>,
         [columns, rows]: [Range<usize>; 2],
         level: usize,
     ) -> u16 {
         self.first = [columns.start, rows.start];
-        self.tiles = UNMOVED;
+        self.tiles = LANE_INDICES;
         let mut across = [[0.0; 2]; LANES];
         for (extent, column) in across.iter_mut().zip(columns.clone()) {
             *extent = tracer.across(column, level);
@@ -133,12 +133,12 @@ impl<T: Scalar> Level<T> {
     #[inline(always)]
     fn take_square(
         &mut self,
-        tracer: &Tracer<'_, '_, '_, T, impl Simd>,
+        tracer: &BandTracer<'_, '_, '_, T, impl Simd>,
         [column, row]: [usize; 2],
     ) -> u16 {
         self.first = [column, row];
         self.places = SQUARE;
-        self.tiles = UNMOVED;
+        self.tiles = LANE_INDICES;
         let side = SIDES[LAST];
         // A tile's center is given by the sum of its first and last pixel.
         let across = tracer.rays.screens(0, 2 * side * column + side - 1, 2 * side);
@@ -156,7 +156,7 @@ impl<T: Scalar> Level<T> {
     #[inline(always)]
     fn shorten<S: Simd>(
         &mut self,
-        tracer: &Tracer<'_, '_, '_, T, S>,
+        tracer: &BandTracer<'_, '_, '_, T, S>,
         plane: Option<&Plane<T>>,
     ) -> u16 {
         let simd = tracer.simd;
@@ -184,17 +184,17 @@ impl<T: Scalar> Level<T> {
     }
 
     /// Counts one evaluation of each tile. Returns the lanes of tiles that were evaluated
-    /// [`PATIENCE`] times, as bits.
+    /// [`MAX_EVALUATIONS`] times, as bits.
     #[inline(always)]
-    pub fn tire(&mut self, simd: impl Simd) -> u16 {
+    pub fn count_evaluation(&mut self, simd: impl Simd) -> u16 {
         let asked = u8x16::simd_from(simd, self.asked) + 1;
         asked.store_slice(&mut self.asked);
-        asked.simd_ge(PATIENCE).to_bitmask() as u16
+        asked.simd_ge(MAX_EVALUATIONS).to_bitmask() as u16
     }
 
     /// Joins all segments that were put aside for the tile in a lane into one.
     #[inline(always)]
-    pub fn join(&mut self, lane: usize) {
+    pub fn merge_later(&mut self, lane: usize) {
         let later = &mut self.later[usize::from(self.tiles[lane])];
         if let ([_, far], Some([near, _])) =
             (later.first().copied().unwrap_or_default(), later.pop())
@@ -207,7 +207,7 @@ impl<T: Scalar> Level<T> {
     /// Keeps the segments in these lanes and drops the others. Returns the dropped lanes whose
     /// tiles have segments put aside, as bits.
     #[inline(always)]
-    pub fn keep(&mut self, kept: u16) -> u16 {
+    pub fn retain(&mut self, kept: u16) -> u16 {
         let done = self.live & !kept;
         self.live &= kept;
         done & self.waiting
@@ -216,7 +216,7 @@ impl<T: Scalar> Level<T> {
     /// Continues with the next segment that was put aside for the tile in a lane. If the tile is
     /// not open, drops all of them.
     #[inline(always)]
-    pub fn go_on(&mut self, lane: usize, is_open: bool) {
+    pub fn resume(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);
         if !is_open {
             self.later[tile].clear();

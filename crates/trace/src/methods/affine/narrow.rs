@@ -1,6 +1,6 @@
 //! Segments of up to sixteen rays, narrowed and cut until each ray meets a zero or nothing is left.
 
-use super::screens::Stack;
+use super::screens::PendingSegments;
 use crate::kernel_stats::KernelStats;
 use crate::method::Task;
 use crate::methods::local_ray::{CUT, LocalRay, bounds};
@@ -16,7 +16,7 @@ use zeroset_space::Region;
 
 /// Why a segment was followed no further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stop {
+pub(super) enum StopReason {
     /// It is as short as precision allows.
     Arithmetic,
     /// The effort allowed for a ray is spent.
@@ -27,13 +27,13 @@ pub(super) enum Stop {
 
 /// Result of following a ray.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Step {
+pub(super) enum FollowResult {
     /// The ray meets no zero.
     Empty,
     /// A bracket that holds the first zero.
     Hit([f64; 2]),
     /// A segment about which nothing is proven. The rest of the ray was not examined.
-    Open([f64; 2], Stop),
+    Open([f64; 2], StopReason),
     /// Up to this value of s there is no zero.
     Resumed(f64),
 }
@@ -50,35 +50,35 @@ pub(super) struct Narrower<'a, T: Scalar> {
     /// [`crate::TraceOptions::least`].
     least: f64,
     /// True if open segments are examined again in `f64`.
-    hands_on: bool,
+    refined_later: bool,
 }
 
 /// Reused buffers, and per ray the segments that remain to be examined, the nearest last.
 #[derive(Default)]
 pub(super) struct Scratch<T: Scalar> {
-    stacks: [Stack; LANES],
+    stacks: [PendingSegments; LANES],
     batch: Segments<T>,
     out: Contractions<T>,
 }
 
 /// A segment that stays longer than this share of its length before is cut.
-pub(super) const STALLED: f64 = 0.6;
+pub(super) const STALL_RATIO: f64 = 0.6;
 /// A segment that got shorter than this share of its length before had a form as good as linear.
-pub(super) const STEADY: f64 = 0.35;
+pub(super) const LINEAR_RATIO: f64 = 0.35;
 /// Maximum length of a bracket whose form was not as good as linear, as a share of that of others.
-pub(super) const UNSTEADY: f64 = 1.0 / 32.0;
+pub(super) const NONLINEAR_SHARE: f64 = 1.0 / 32.0;
 /// Segments that stall at no more than this many times the minimum length stall because of
 /// rounding. Higher precision narrows them further.
-pub(super) const COARSE: f64 = 32.0;
+pub(super) const STALL_LENGTH: f64 = 32.0;
 /// Open segments no longer than this many times the minimum length lack precision, not effort.
-const SPENT: f64 = 1024.0;
+const EFFORT_LENGTH: f64 = 1024.0;
 /// Minimum length of segments as a share of the rounding error of their coordinates.
-pub(super) const BLURRED: f64 = 0.125;
+pub(super) const MIN_BLUR_SHARE: f64 = 0.125;
 /// Number of segments examined on one ray before their minimum length grows.
-const PATIENCE: u32 = 96;
+const SEGMENTS_BEFORE_GROWTH: u32 = 96;
 
 impl<'a, T: Scalar> Narrower<'a, T> {
-    pub fn new(task: Task<'a>, hands_on: bool) -> Result<Self, KernelError> {
+    pub fn new(task: Task<'a>, refined_later: bool) -> Result<Self, KernelError> {
         let Task { surface, region, options } = task;
         let kernels = T::kernels(surface);
         let cleared = match kernels.cleared()? {
@@ -89,33 +89,33 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             segments: kernels.segments()?,
             cleared,
             // Open segments that are examined in `f64` anyway need no test by intervals before.
-            zeros: if options.intervals && !hands_on { kernels.zeros().ok() } else { None },
+            zeros: if options.intervals && !refined_later { kernels.zeros().ok() } else { None },
             region,
             contracts: options.contract,
             least: options.least,
-            hands_on,
+            refined_later,
         })
     }
 
     /// Follows each ray along its segment, if it has one, and writes to `steps` how far.
     pub fn narrow(
         &self,
-        ways: &[LocalRay],
+        local_rays: &[LocalRay],
         segments: &[Option<[f64; 2]>; LANES],
         scratch: &mut Scratch<T>,
-        steps: &mut [Step; LANES],
+        steps: &mut [FollowResult; LANES],
         work: &mut KernelStats,
     ) {
         let Scratch { stacks, batch, out } = scratch;
         let (mut grain, mut least) = ([0.0; LANES], [0.0; LANES]);
-        let mut looked = [0_u32; LANES];
+        let mut examined = [0_u32; LANES];
         for stack in stacks.iter_mut() {
             stack.clear();
         }
         for (lane, segment) in segments.iter().enumerate() {
-            steps[lane] = Step::Empty;
+            steps[lane] = FollowResult::Empty;
             if let Some(segment) = *segment {
-                least[lane] = begin::<T>(&ways[lane], segment, &mut stacks[lane]);
+                least[lane] = push_outward::<T>(&local_rays[lane], segment, &mut stacks[lane]);
                 grain[lane] = least[lane];
             }
         }
@@ -125,7 +125,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         while !lanes.is_empty() {
             if moved {
                 for (slot, &lane) in lanes.iter().enumerate() {
-                    place(batch, slot, &ways[lane]);
+                    place(batch, slot, &local_rays[lane]);
                 }
                 batch.count = lanes.len() as u32;
             }
@@ -141,8 +141,8 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 let Some([near, far]) = stack.pop() else { continue };
                 work.segments.lanes += 1;
                 if out.possible >> slot & 1 == 1 {
-                    looked[lane] += 1;
-                    if looked[lane] > PATIENCE {
+                    examined[lane] += 1;
+                    if examined[lane] > SEGMENTS_BEFORE_GROWTH {
                         grain[lane] *= 1.5;
                     }
                     let new = if self.contracts {
@@ -150,42 +150,42 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     } else {
                         [near, far]
                     };
-                    let way = &ways[lane];
-                    let within = way.inside[0] <= near && far <= way.inside[1];
+                    let local_ray = &local_rays[lane];
+                    let within = local_ray.inside[0] <= near && far <= local_ray.inside[1];
                     let crossing = out.crossing >> slot & 1 == 1 && within;
                     let (length, shorter) = (far - near, new[1] - new[0]);
-                    let enough = enough(way.longest, !self.contracts || shorter <= STEADY * length)
+                    let enough = enough(local_ray.longest, !self.contracts || shorter <= LINEAR_RATIO * length)
                         .max(grain[lane]);
                     if shorter < 0.0 {
                         // No part is left.
-                    } else if crossing && shorter <= enough && self.is_zero(way, new) {
-                        steps[lane] = Step::Hit(new);
+                    } else if crossing && shorter <= enough && self.is_zero(local_ray, new) {
+                        steps[lane] = FollowResult::Hit(new);
                         stack.clear();
                     } else if shorter <= grain[lane] {
-                        if self.may_vanish(way, new) {
-                            let spent = shorter > SPENT * least[lane];
-                            let stop = if spent { Stop::Effort } else { Stop::Arithmetic };
-                            steps[lane] = Step::Open(new, stop);
+                        if self.may_vanish(local_ray, new) {
+                            let spent = shorter > EFFORT_LENGTH * least[lane];
+                            let stop = if spent { StopReason::Effort } else { StopReason::Arithmetic };
+                            steps[lane] = FollowResult::Open(new, stop);
                             stack.clear();
                         }
-                    } else if self.hands_on
-                        && shorter > STALLED * length
-                        && shorter <= COARSE * grain[lane]
+                    } else if self.refined_later
+                        && shorter > STALL_RATIO * length
+                        && shorter <= STALL_LENGTH * grain[lane]
                     {
-                        steps[lane] = Step::Open(new, Stop::Arithmetic);
+                        steps[lane] = FollowResult::Open(new, StopReason::Arithmetic);
                         stack.clear();
-                    } else if !shorter.is_finite() || shorter > STALLED * length {
+                    } else if !shorter.is_finite() || shorter > STALL_RATIO * length {
                         let cut: f64 = T::nearest(new[0] + CUT * shorter).into();
-                        if shorter <= self.least * way.longest {
-                            if self.may_vanish(way, new) {
-                                steps[lane] = Step::Open(new, Stop::Preview);
+                        if shorter <= self.least * local_ray.longest {
+                            if self.may_vanish(local_ray, new) {
+                                steps[lane] = FollowResult::Open(new, StopReason::Preview);
                                 stack.clear();
                             }
                         } else if is_progress(new, cut, length) {
                             stack.push([cut, new[1]]);
                             stack.push([new[0], cut]);
                         } else {
-                            steps[lane] = Step::Open(new, Stop::Arithmetic);
+                            steps[lane] = FollowResult::Open(new, StopReason::Arithmetic);
                             stack.clear();
                         }
                     } else {
@@ -204,9 +204,9 @@ impl<'a, T: Scalar> Narrower<'a, T> {
     }
 
     /// Returns whether a bracket of a zero of the form holds a zero of the function.
-    fn is_zero(&self, way: &LocalRay, segment: [f64; 2]) -> bool {
+    fn is_zero(&self, local_ray: &LocalRay, segment: [f64; 2]) -> bool {
         let Some([function, denominator]) = self.cleared else { return true };
-        let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
+        let boxes = Boxes::around(&[bounds(local_ray, segment, self.region)]);
         let [function, denominator] =
             [function, denominator].map(|kernel| kernel.eval_all(&boxes).remove(0));
         let away = denominator.neg_lo[0] < T::default() || denominator.hi[0] < T::default();
@@ -216,9 +216,9 @@ impl<'a, T: Scalar> Narrower<'a, T> {
 
     /// Returns whether a segment may hold a zero, by intervals, or branch by branch where the
     /// function jumps.
-    fn may_vanish(&self, way: &LocalRay, segment: [f64; 2]) -> bool {
+    fn may_vanish(&self, local_ray: &LocalRay, segment: [f64; 2]) -> bool {
         let Some(kernel) = self.zeros else { return true };
-        let boxes = Boxes::around(&[bounds(way, segment, self.region)]);
+        let boxes = Boxes::around(&[bounds(local_ray, segment, self.region)]);
         let mut zeros = Zeros::default();
         kernel.eval(&boxes[0], &mut zeros);
         zeros.possible & 1 == 1
@@ -227,7 +227,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
 
 /// Puts a ray's segment on its stack with ends rounded outward. Returns the minimum length of
 /// segments.
-fn begin<T: Scalar>(way: &LocalRay, [near, far]: [f64; 2], stack: &mut Stack) -> f64 {
+fn push_outward<T: Scalar>(local_ray: &LocalRay, [near, far]: [f64; 2], stack: &mut PendingSegments) -> f64 {
     let slack = T::PATH_ERROR * (near.abs() + far.abs());
     let outward = |end: f64, slack: f64| {
         let float: f64 = T::nearest(end).into();
@@ -237,7 +237,7 @@ fn begin<T: Scalar>(way: &LocalRay, [near, far]: [f64; 2], stack: &mut Stack) ->
     let (near, far) = (outward(near, -slack), outward(far, slack));
     // No sign is known where the ray leaves the region. Ends that are rounded to outside of it are
     // examined separately.
-    let mut inside = way.inside;
+    let mut inside = local_ray.inside;
     let within = inside[0] <= near && far <= inside[1];
     if !within {
         inside = [T::above(inside[0]).into(), -T::above(-inside[1]).into()];
@@ -254,8 +254,8 @@ fn begin<T: Scalar>(way: &LocalRay, [near, far]: [f64; 2], stack: &mut Stack) ->
     } else {
         stack.push([near, far]);
     }
-    let blur = (rounding::<T>(way) + way.error).max_element() / way.direction.length();
-    (T::GRAIN * near.abs().max(far.abs()).max(way.span[1] - way.span[0])).max(BLURRED * blur)
+    let blur = (rounding::<T>(local_ray) + local_ray.error).max_element() / local_ray.direction.length();
+    (T::GRAIN * near.abs().max(far.abs()).max(local_ray.span[1] - local_ray.span[0])).max(MIN_BLUR_SHARE * blur)
 }
 
 /// Returns the maximum length of a hit's bracket. Where a segment got much shorter at once, the
@@ -263,7 +263,7 @@ fn begin<T: Scalar>(way: &LocalRay, [near, far]: [f64; 2], stack: &mut Stack) ->
 /// roots are close together or multiple, and normals depend on where exactly they are computed.
 #[inline]
 fn enough(longest: f64, steady: bool) -> f64 {
-    if steady { longest } else { UNSTEADY * longest }
+    if steady { longest } else { NONLINEAR_SHARE * longest }
 }
 
 /// Returns whether the parts of a cut segment are shorter than the segment was before narrowing.
@@ -285,19 +285,19 @@ pub(super) fn are_progress<S: Simd, V: SimdFloat<S>>(
 }
 
 /// Writes a ray to a lane.
-fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, way: &LocalRay) {
-    let rounding = rounding::<T>(way);
+fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, local_ray: &LocalRay) {
+    let rounding = rounding::<T>(local_ray);
     for axis in 0..3 {
-        batch.origin[axis][lane] = T::nearest(way.origin[axis]);
-        batch.direction[axis][lane] = T::nearest(way.direction[axis]);
-        batch.error[axis][lane] = T::nearest(1.0001 * (way.error[axis] + rounding[axis]));
+        batch.origin[axis][lane] = T::nearest(local_ray.origin[axis]);
+        batch.direction[axis][lane] = T::nearest(local_ray.direction[axis]);
+        batch.error[axis][lane] = T::nearest(1.0001 * (local_ray.error[axis] + rounding[axis]));
     }
 }
 
 /// Returns the rounding error of a ray's coordinates in `T`.
-pub(super) fn rounding<T: Scalar>(way: &LocalRay) -> DVec3 {
-    let most = way.span[0].abs().max(way.span[1].abs());
+pub(super) fn rounding<T: Scalar>(local_ray: &LocalRay) -> DVec3 {
+    let most = local_ray.span[0].abs().max(local_ray.span[1].abs());
     let least: f64 = T::LEAST_NORMAL.into();
-    (T::PATH_ERROR + T::UNIT) * (way.origin.abs() + most * way.direction.abs())
+    (T::PATH_ERROR + T::UNIT) * (local_ray.origin.abs() + most * local_ray.direction.abs())
         + 4.0 * least * (1.0 + most)
 }

@@ -2,9 +2,9 @@
 
 use super::super::local_ray::{self, LocalRay};
 use super::plane::Plane;
-use super::pool::{TileAt, TileRay, place_of, tile_at};
+use super::pool::{TilePlace, TileRay, place_of, tile_place};
 use super::screens::spread;
-use super::tracer::Tracer;
+use super::tracer::BandTracer;
 use crate::method::Start;
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -16,9 +16,9 @@ use zeroset_eval::{Contractions, LANES, Lanes};
 pub(super) const ROUNDED: f64 = 1e-13;
 
 /// A tile of 4×4 pixels. Its lanes and bits are pixels, row by row.
-pub(super) struct Patch {
-    pub tile: TileAt,
-    /// Index of its bits in [`Tracer::open`].
+pub(super) struct TilePixels {
+    pub tile: TilePlace,
+    /// Index of its bits in [`BandTracer::open`].
     pub index: usize,
     /// First column and row.
     first: [usize; 2],
@@ -29,7 +29,7 @@ pub(super) struct Patch {
     pub upward: [f64; 4],
 }
 
-impl Patch {
+impl TilePixels {
     /// Returns the screen coordinates of its rays.
     #[inline(always)]
     pub(super) fn screens<S: Simd>(&self, simd: S) -> [[f64x8<S>; 2]; 2] {
@@ -48,9 +48,9 @@ impl Patch {
     }
 }
 
-impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
+impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     #[inline(always)]
-    pub(super) fn patch(&self, [column, row]: [usize; 2]) -> Patch {
+    pub(super) fn patch(&self, [column, row]: [usize; 2]) -> TilePixels {
         let (mut first, mut next) = ([4 * column, 4 * row], [0, 1]);
         let [across, upward] = match self.rays.patch(self.band.top + row) {
             Some(patch) => {
@@ -61,7 +61,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             None => [self.screens[0][column], self.screens[1][row]],
         };
         let index = row * self.across + column;
-        Patch { tile: tile_at([column, row]), index, first, next, across, upward }
+        TilePixels { tile: tile_place([column, row]), index, first, next, across, upward }
     }
 
     /// Returns the column and row in the band of a ray's pixel, and the ray's screen coordinates.
@@ -79,14 +79,14 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// Marks the pixel of a ray as finished.
     #[inline(always)]
-    fn close(&mut self, ray: &TileRay<T>) {
+    fn mark_finished(&mut self, ray: &TileRay<T>) {
         let [column, row] = place_of(ray.tile);
         self.open[row * self.across + column] &= !(1 << ray.bit);
     }
 
     /// Writes the hits that a tile's form proves on the rays of its pixels.
     #[inline(always)]
-    pub(super) fn emit(&mut self, plane: &Plane<T>, depth: usize, place: [usize; 2]) {
+    pub(super) fn write_plane_hits(&mut self, plane: &Plane<T>, depth: usize, place: [usize; 2]) {
         let ([columns, rows], is_patched) = (self.pixels(place, depth), self.rays.is_patched());
         let (columns, rows) = if is_patched {
             (place[0]..=place[0], place[1]..=place[1])
@@ -100,15 +100,15 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 if bits == 0 {
                     continue;
                 }
-                let found = self.on_plane(plane, &patch);
-                self.write(&patch, bits, &found);
+                let found = self.plane_hits(plane, &patch);
+                self.write_hits(&patch, bits, &found);
             }
         }
     }
 
     /// Returns the distances at which rays meet a plane, and how far from there a zero may be.
     #[inline(always)]
-    fn on_plane(&self, plane: &Plane<T>, patch: &Patch) -> [Lanes<f64>; 2] {
+    fn plane_hits(&self, plane: &Plane<T>, patch: &TilePixels) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
         let reach: f64 = plane.reach.into();
         let (mut distance, mut off) = (plane.at(patch.screens(self.simd)), self.lengths(patch));
@@ -123,7 +123,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// Returns the distances of the middles of the remaining brackets, and half their lengths.
     #[inline(always)]
-    pub(super) fn between(&self, patch: &Patch) -> [Lanes<f64>; 2] {
+    pub(super) fn between(&self, patch: &TilePixels) -> [Lanes<f64>; 2] {
         let simd = self.simd;
         let mut found = [Lanes::splat(0.0); 2];
         let Contractions { near, far, .. } = &self.memory.contractions;
@@ -147,13 +147,13 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         let off = 0.5 * (far - near) + ROUNDED * middle.abs();
         let ([column, row], screen) = self.pixel_of(ray);
         let length = self.length(screen);
-        self.close(ray);
+        self.mark_finished(ray);
         self.band.add_hit(column, row, middle * length, off * length);
     }
 
     /// Returns the lengths of the rays' directions.
     #[inline(always)]
-    fn lengths(&self, patch: &Patch) -> [f64x8<S>; 2] {
+    fn lengths(&self, patch: &TilePixels) -> [f64x8<S>; 2] {
         let simd = self.simd;
         if self.rays.parallel {
             return [f64x8::splat(simd, 1.0); 2];
@@ -169,7 +169,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// Writes hits at these distances on the rays with these bits.
     #[inline(always)]
-    pub(super) fn write(&mut self, patch: &Patch, bits: u16, [distance, off]: &[Lanes<f64>; 2]) {
+    pub(super) fn write_hits(&mut self, patch: &TilePixels, bits: u16, [distance, off]: &[Lanes<f64>; 2]) {
         let [distance, off] = [distance.as_chunks::<4>().0, off.as_chunks::<4>().0];
         let [column, row] = patch.first;
         let is_whole = bits == u16::MAX && patch.next == [0, 1];
@@ -212,7 +212,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
-        let (mut ways, mut lanes) = ([LocalRay::default(); LANES], [0; LANES]);
+        let (mut local_rays, mut lanes) = ([LocalRay::default(); LANES], [0; LANES]);
         let mut count = 0;
         for (lane, (ray, span)) in rays.iter().enumerate() {
             let [origin, direction] = self.frame.ray(screen(lane));
@@ -236,7 +236,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 continue;
             }
             let longest = ray.longest.into();
-            ways[count] =
+            local_rays[count] =
                 LocalRay { origin, direction, error, start: -start, span, inside, longest };
             lanes[count] = lane;
             count += 1;
@@ -246,14 +246,14 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
         let follower = &self.method.follower;
         let scratch = &mut self.memory.scratch;
-        let outcomes = follower.follow(&ways[..count], Start::Anywhere, scratch, self.work);
+        let outcomes = follower.follow(&local_rays[..count], Start::Anywhere, scratch, self.work);
         for (outcome, lane) in outcomes[..count].iter().zip(lanes) {
             let found = outcome.found(start);
             if found.is_miss() {
                 continue;
             }
             if found.drawn.is_finite() {
-                self.close(&rays[lane].0);
+                self.mark_finished(&rays[lane].0);
             }
             let found = found.scaled(self.length(screen(lane)));
             let [column, row] = pixels[lane];

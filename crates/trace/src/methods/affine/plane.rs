@@ -1,7 +1,7 @@
 //! Planes from the forms of tiles. The zeros on a tile's rays lie near a plane in screen
 //! coordinates and s.
 
-use super::screens::Rays;
+use super::screens::ScreenRays;
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
 use fearless_simd::{f64x8, prelude::*};
@@ -100,7 +100,7 @@ impl<T: Scalar> Plane<T> {
     pub fn narrow<S: Simd>(
         &self,
         simd: S,
-        (centre, half): Rays<'_, T>,
+        (centre, half): ScreenRays<'_, T>,
         [near, far]: [&mut Lanes<T>; 2],
     ) -> u16 {
         let rounding = T::nearest(T::PATH_ERROR);

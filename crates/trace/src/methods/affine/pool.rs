@@ -10,32 +10,32 @@
 //! A ray is here at most once: the next segment of its tile waits until the ray is finished.
 
 use super::narrow::Scratch;
-use super::screens::{Stack, UNMOVED, packed, saves_a_vector};
-use super::sift::Asked;
+use super::screens::{PendingSegments, LANE_INDICES, packed, saves_a_vector};
+use super::classify::EvaluatedSegments;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{mask8x16, mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
 /// Place of a 4×4 tile in its band: its row in the upper half of the bits, its column in the lower.
-pub(super) type TileAt = u32;
+pub(super) type TilePlace = u32;
 
 /// Returns the place of the tile in this column and row.
 #[inline(always)]
-pub(super) fn tile_at([column, row]: [usize; 2]) -> TileAt {
-    (row << 16 | column) as TileAt
+pub(super) fn tile_place([column, row]: [usize; 2]) -> TilePlace {
+    (row << 16 | column) as TilePlace
 }
 
 /// Returns the column and row of a tile.
 #[inline(always)]
-pub(super) fn place_of(tile: TileAt) -> [usize; 2] {
+pub(super) fn place_of(tile: TilePlace) -> [usize; 2] {
     [tile as usize & 0xffff, tile as usize >> 16]
 }
 
 /// A ray of a 4×4 tile.
 #[derive(Clone, Copy, Default)]
 pub(super) struct TileRay<T> {
-    pub tile: TileAt,
+    pub tile: TilePlace,
     /// Index of its bit among the tile's pixels.
     pub bit: u32,
     /// Maximum length of a hit's bracket.
@@ -57,17 +57,17 @@ impl<T> TileRay<T> {
 pub(super) struct Pool<T: Scalar> {
     /// Lanes in use, as bits.
     pub live: u16,
-    pub asked: Asked<T>,
+    pub evaluated: EvaluatedSegments<T>,
     /// Per lane, the values of s between which the ray is certainly in the region.
     pub inside: [Lanes<T>; 2],
-    pub tiles: [TileAt; LANES],
+    pub tiles: [TilePlace; LANES],
     pub bits: [u32; LANES],
     /// [`TileRay::within`], as bits by lane.
     within: u16,
     /// Per lane, how often the ray was evaluated.
     pub rounds: [u8; LANES],
     /// Per lane, the segments put aside, the nearest last.
-    later: [Stack<T>; LANES],
+    later: [PendingSegments<T>; LANES],
     /// Lanes that have segments put aside, as bits.
     waiting: u16,
     /// Rays that are followed one by one, each between two values of s.
@@ -76,9 +76,9 @@ pub(super) struct Pool<T: Scalar> {
 
 /// Buffers that are used for one band after another.
 #[derive(Default)]
-pub(super) struct Memory<T: Scalar> {
+pub(super) struct RayBuffers<T: Scalar> {
     /// The rays of one tile.
-    pub fresh: Asked<T>,
+    pub tile_rays: EvaluatedSegments<T>,
     pub contractions: Contractions<T>,
     pub pool: Pool<T>,
     pub scratch: Scratch<T>,
@@ -87,11 +87,11 @@ pub(super) struct Memory<T: Scalar> {
 /// Values of [`Pool::inside`] for a ray whose whole segment is in the region.
 pub(super) const ANYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
-impl<T: Scalar> Memory<T> {
+impl<T: Scalar> RayBuffers<T> {
     /// Sets the error of the rays' coordinates.
     pub fn set_error(&mut self, error: [Lanes<T>; 3]) {
-        self.fresh.segments.error = error;
-        self.pool.asked.segments.error = error;
+        self.tile_rays.segments.error = error;
+        self.pool.evaluated.segments.error = error;
     }
 
     /// Returns the segment that the kernel left in a lane.
@@ -111,7 +111,7 @@ impl<T: Scalar> Pool<T> {
     /// is known where a ray leaves the region, so the parts are evaluated separately. All but the
     /// nearest are put aside.
     pub fn cut_at_faces(&mut self, lane: usize, [first, last]: [T; 2]) {
-        let segments = &self.asked.segments;
+        let segments = &self.evaluated.segments;
         (self.inside[0][lane], self.inside[1][lane]) = (first, last);
         let (near, far) = (segments.near[lane], segments.far[lane]);
         let is_within = first <= near && far <= last;
@@ -127,12 +127,12 @@ impl<T: Scalar> Pool<T> {
             self.put_aside(lane, [first, here]);
             here = first;
         }
-        self.asked.segments.far[lane] = here;
+        self.evaluated.segments.far[lane] = here;
     }
 
     /// Frees a lane. Returns its ray, and the far end of the segments put aside for it, if any.
     #[inline(always)]
-    pub fn finish(&mut self, lane: usize) -> (TileRay<T>, Option<T>) {
+    pub fn free_lane(&mut self, lane: usize) -> (TileRay<T>, Option<T>) {
         self.live &= !(1 << lane);
         let mut last = None;
         if self.waiting >> lane & 1 == 1 {
@@ -143,7 +143,7 @@ impl<T: Scalar> Pool<T> {
         let ray = TileRay {
             tile: self.tiles[lane],
             bit: self.bits[lane],
-            longest: self.asked.longest[lane],
+            longest: self.evaluated.longest[lane],
             within: self.within >> lane & 1 == 1,
         };
         (ray, last)
@@ -151,11 +151,11 @@ impl<T: Scalar> Pool<T> {
 
     /// Continues with the segments that were put aside for these lanes. Frees lanes without any.
     #[inline(always)]
-    pub fn go_on(&mut self, done: u16) {
+    pub fn resume(&mut self, done: u16) {
         self.live &= !done;
         for lane in ones(done & self.waiting) {
             if let Some([near, far]) = self.later[lane].pop() {
-                let Segments { near: nears, far: fars, .. } = &mut self.asked.segments;
+                let Segments { near: nears, far: fars, .. } = &mut self.evaluated.segments;
                 (nears[lane], fars[lane]) = (near, far);
                 self.live |= 1 << lane;
             }
@@ -169,8 +169,8 @@ impl<T: Scalar> Pool<T> {
     /// `finer` is the number of low bits in which the places of its 4×4 tiles may differ.
     #[inline(always)]
     pub fn has_ray_of<S: Simd>(&self, simd: S, place: [usize; 2], finer: u32) -> bool {
-        let counts = !tile_at([(1 << finer) - 1; 2]);
-        let tile = tile_at(place.map(|place| place << finer));
+        let counts = !tile_place([(1 << finer) - 1; 2]);
+        let tile = tile_place(place.map(|place| place << finer));
         let tiles = u32x16::simd_from(simd, self.tiles) & counts;
         let same = tiles.simd_eq(tile).to_bitmask() as u16;
         same & self.live != 0 || self.apart.iter().any(|(ray, _)| ray.tile & counts == tile)
@@ -187,7 +187,7 @@ impl<T: Scalar> Pool<T> {
         [from, to]: [u16; 2],
         rounds: u8,
     ) {
-        let Asked { segments, longest } = &mut self.asked;
+        let EvaluatedSegments { segments, longest } = &mut self.evaluated;
         for axis in 0..3 {
             T::copy(simd, &batch.origin[axis], from, &mut segments.origin[axis], to);
             T::copy(simd, &batch.direction[axis], from, &mut segments.direction[axis], to);
@@ -201,7 +201,7 @@ impl<T: Scalar> Pool<T> {
         let wide = mask32x16::from_bitmask(simd, u64::from(to));
         let tiles = u32x16::simd_from(simd, self.tiles);
         wide.select(u32x16::splat(simd, rays.tile), tiles).store_slice(&mut self.tiles);
-        let bits = u32x16::simd_from(simd, UNMOVED.map(u32::from));
+        let bits = u32x16::simd_from(simd, LANE_INDICES.map(u32::from));
         let bits = bits.compress(mask32x16::from_bitmask(simd, u64::from(from)));
         let bits = bits.expand_merge(wide, u32x16::simd_from(simd, self.bits));
         bits.store_slice(&mut self.bits);
@@ -220,7 +220,7 @@ impl<T: Scalar> Pool<T> {
         }
         // A local copy need not be read again for each quantity.
         let kept = self.live;
-        let (Asked { segments, longest }, [first, last]) = (&mut self.asked, &mut self.inside);
+        let (EvaluatedSegments { segments, longest }, [first, last]) = (&mut self.evaluated, &mut self.inside);
         let Segments { origin, direction, near, far, .. } = segments;
         let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
         for lanes in [ox, oy, oz, dx, dy, dz, near, far, longest, first, last] {

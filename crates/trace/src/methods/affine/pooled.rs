@@ -1,8 +1,8 @@
 //! Following the rays in the pool, and the rays that were set apart.
 
-use super::pool::{Memory, Pool, TileRay};
-use super::screens::UNMOVED;
-use super::tracer::Tracer;
+use super::pool::{RayBuffers, Pool, TileRay};
+use super::screens::LANE_INDICES;
+use super::tracer::BandTracer;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{mask32x16, prelude::*, u8x16, u32x16};
@@ -14,30 +14,30 @@ const ROUNDS: u8 = 64;
 /// Returns the lowest `count` of the bits that are set.
 #[inline(always)]
 fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
-    let first = u32x16::simd_from(simd, UNMOVED.map(u32::from)).simd_lt(count);
+    let first = u32x16::simd_from(simd, LANE_INDICES.map(u32::from)).simd_lt(count);
     let first = first.select(u32x16::splat(simd, 1), u32x16::splat(simd, 0));
     let spread = first.expand(mask32x16::from_bitmask(simd, u64::from(bits)));
     spread.simd_gt(0).to_bitmask() as u16
 }
 
-impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
+impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Puts rays of a tile into the pool: as many as it has lanes for, and at least one. `rest`
     /// holds their lanes in the tile's batch, which are also their bits; admitted rays are removed
     /// from it. `rounds`: how often they were evaluated. Returns their lanes in the batch and in
     /// the pool, in the same order.
     #[inline(always)]
-    pub(super) fn admit(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
+    pub(super) fn add_to_pool(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
         while self.memory.pool.live == u16::MAX {
-            self.ask_pool();
+            self.evaluate_pool();
         }
-        let Memory { fresh, pool, .. } = &mut *self.memory;
+        let RayBuffers { tile_rays, pool, .. } = &mut *self.memory;
         let (wanted, free) = (rest.count_ones(), pool.live.count_zeros());
         let mut from = *rest;
         if free < wanted {
             from = lowest(self.simd, from, free);
         }
         let to = lowest(self.simd, !pool.live, wanted);
-        pool.take(self.simd, rays, &fresh.segments, [from, to], rounds);
+        pool.take(self.simd, rays, &tile_rays.segments, [from, to], rounds);
         *rest &= !from;
         [from, to]
     }
@@ -52,8 +52,8 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     }
 
     /// Follows all rays in the pool and all rays set apart to the end.
-    pub(super) fn empty_pool(&mut self) {
-        while !self.over && self.follow_more() {}
+    pub(super) fn drain_pool(&mut self) {
+        while !self.over && self.advance_pending() {}
     }
 
     /// Gives up the rays in the pool and the rays set apart.
@@ -71,9 +71,9 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// Evaluates the pool once or, if it is empty, follows the rays set apart. Returns `false` if
     /// there was no ray to follow.
     #[inline(always)]
-    pub(super) fn follow_more(&mut self) -> bool {
+    pub(super) fn advance_pending(&mut self) -> bool {
         if self.memory.pool.live != 0 {
-            self.ask_pool();
+            self.evaluate_pool();
         } else if self.memory.pool.apart.is_empty() {
             return false;
         } else {
@@ -84,7 +84,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// Follows the rays that were set apart.
     fn follow_apart(&mut self) {
-        if self.is_over() {
+        if self.is_cancelled() {
             return;
         }
         let mut apart = std::mem::take(&mut self.memory.pool.apart);
@@ -97,48 +97,48 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
 
     /// Evaluates the segments in the pool once.
     #[inline(always)]
-    fn ask_pool(&mut self) {
+    fn evaluate_pool(&mut self) {
         // A function of its own, since many places call it; compiled for the same vectors.
         self.simd.vectorize(
             #[inline(always)]
-            || self.ask_pool_once(),
+            || self.evaluate_pool_once(),
         );
     }
 
     #[inline(always)]
-    fn ask_pool_once(&mut self) {
-        let Memory { pool, contractions, .. } = &mut *self.memory;
+    fn evaluate_pool_once(&mut self) {
+        let RayBuffers { pool, contractions, .. } = &mut *self.memory;
         pool.pack(self.simd);
         let live = pool.live;
-        pool.asked.segments.count = LANES as u32 - live.leading_zeros();
-        self.method.follower.eval(&pool.asked.segments, contractions);
+        pool.evaluated.segments.count = LANES as u32 - live.leading_zeros();
+        self.method.follower.eval(&pool.evaluated.segments, contractions);
         self.work.segments.called(live.count_ones());
         let limits = &self.limits;
         let simd = self.simd;
-        let mut sifted = pool.asked.sift(simd, contractions, Some(&pool.inside), live, limits);
+        let mut classes = pool.evaluated.classify(simd, contractions, Some(&pool.inside), live, limits);
         if self.method.cleared {
-            sifted.doubt();
+            classes.leave_brackets_open();
         }
         let rounds = u8x16::simd_from(simd, pool.rounds) + 1;
         rounds.store_slice(&mut pool.rounds);
-        let tired = rounds.simd_eq(ROUNDS).to_bitmask() as u16;
-        for lane in ones(sifted.cut) {
-            pool.put_aside(lane, [pool.asked.segments.far[lane], contractions.far[lane]]);
+        let exhausted = rounds.simd_eq(ROUNDS).to_bitmask() as u16;
+        for lane in ones(classes.cut) {
+            pool.put_aside(lane, [pool.evaluated.segments.far[lane], contractions.far[lane]]);
         }
-        pool.go_on(sifted.empty);
-        for lane in ones(sifted.short) {
+        pool.resume(classes.empty);
+        for lane in ones(classes.short) {
             let ends = self.memory.left(lane);
-            let (ray, _) = self.memory.pool.finish(lane);
+            let (ray, _) = self.memory.pool.free_lane(lane);
             self.add_hit(&ray, ends.map(Into::into));
         }
-        let over = tired & self.memory.pool.live & !sifted.open;
-        for lane in ones(sifted.open | over) {
+        let over = exhausted & self.memory.pool.live & !classes.open;
+        for lane in ones(classes.open | over) {
             let mut ends = self.memory.left(lane);
             if over >> lane & 1 == 1 {
-                let Segments { near, far, .. } = &self.memory.pool.asked.segments;
+                let Segments { near, far, .. } = &self.memory.pool.evaluated.segments;
                 ends = [near[lane], far[lane]];
             }
-            let (ray, last) = self.memory.pool.finish(lane);
+            let (ray, last) = self.memory.pool.free_lane(lane);
             // The part that stays open reaches to the end of the segments put aside.
             let [near, far] = [ends[0], last.unwrap_or(ends[1])];
             self.set_apart(ray, [near.into(), far.into()]);

@@ -1,14 +1,14 @@
 //! Single rays, sixteen at a time, followed to a proven hit, to the end, or to an open segment.
 
-use super::FINE;
-use super::frame::BLURS;
-use super::narrow::{Narrower, Scratch, Step, Stop, rounding};
+use super::MIN_BRACKET;
+use super::frame::FORM_BLUR;
+use super::narrow::{Narrower, Scratch, FollowResult, StopReason, rounding};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Start, Task};
 use crate::options::Precision;
-use crate::methods::bracket_gap::Bridge;
-use crate::methods::local_ray::{LocalRay, OPEN_PARTS, bounds};
-use crate::methods::outcome::{Outcome, reason};
+use crate::methods::bracket_gap::RayFunction;
+use crate::methods::local_ray::{LocalRay, MAX_OPEN_PARTS, bounds};
+use crate::methods::outcome::{RayOutcome, reason};
 use crate::ray_result::UndecidedReason;
 use crate::scalar::Scalar;
 use std::sync::OnceLock;
@@ -16,8 +16,8 @@ use zeroset_eval::{Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Seg
 use zeroset_interval::Facts;
 
 /// Returns whether a ray's bracket must be so short that `T` would narrow its segments in vain.
-fn is_blurred<T: Scalar>(way: &LocalRay) -> bool {
-    way.longest * way.direction.length() < FINE * BLURS * rounding::<T>(way).max_element()
+fn is_blurred<T: Scalar>(local_ray: &LocalRay) -> bool {
+    local_ray.longest * local_ray.direction.length() < MIN_BRACKET * FORM_BLUR * rounding::<T>(local_ray).max_element()
 }
 
 /// Follows single rays.
@@ -54,20 +54,20 @@ impl<'a, T: Scalar> Follower<'a, T> {
     /// Follows up to [`LANES`] rays, and returns their outcomes.
     pub fn follow(
         &self,
-        ways: &[LocalRay],
+        local_rays: &[LocalRay],
         start: Start,
         scratch: &mut Scratch<T>,
         work: &mut KernelStats,
-    ) -> [Outcome; LANES] {
-        let mut outcomes = [Outcome::default(); LANES];
+    ) -> [RayOutcome; LANES] {
+        let mut outcomes = [RayOutcome::default(); LANES];
         let mut parts = [0; LANES];
         let mut stretch = [0.0; LANES];
         let mut pending: [Option<[f64; 2]>; LANES] =
-            std::array::from_fn(|lane| ways.get(lane).map(|way| way.span));
+            std::array::from_fn(|lane| local_rays.get(lane).map(|local_ray| local_ray.span));
         let mut blurred = [false; LANES];
         if self.refines {
-            for (blurred, way) in blurred.iter_mut().zip(ways) {
-                *blurred = is_blurred::<T>(way);
+            for (blurred, local_ray) in blurred.iter_mut().zip(local_rays) {
+                *blurred = is_blurred::<T>(local_ray);
             }
         }
         let finer = blurred.contains(&true).then(|| self.double()).flatten();
@@ -77,60 +77,60 @@ impl<'a, T: Scalar> Follower<'a, T> {
             let part = |fine: bool| -> [Option<[f64; 2]>; LANES] {
                 std::array::from_fn(|lane| pending[lane].filter(|_| is_finer(lane) == fine))
             };
-            let mut steps = [Step::Empty; LANES];
+            let mut steps = [FollowResult::Empty; LANES];
             let rest = part(false);
             if rest.iter().any(Option::is_some) {
-                self.narrower.narrow(ways, &rest, scratch, &mut steps, work);
-                self.refine(ways, &mut steps, &mut stretch, work);
+                self.narrower.narrow(local_rays, &rest, scratch, &mut steps, work);
+                self.refine(local_rays, &mut steps, &mut stretch, work);
             }
             if let Some(double) = finer {
-                let mut fine = [Step::Empty; LANES];
-                double.narrow(ways, &part(true), &mut Scratch::default(), &mut fine, work);
+                let mut fine = [FollowResult::Empty; LANES];
+                double.narrow(local_rays, &part(true), &mut Scratch::default(), &mut fine, work);
                 for lane in (0..LANES).filter(|lane| is_finer(*lane)) {
                     steps[lane] = fine[lane];
                 }
             }
-            for (lane, way) in ways.iter().enumerate() {
+            for (lane, local_ray) in local_rays.iter().enumerate() {
                 if pending[lane].is_none() {
                     continue;
                 }
                 let outcome = &mut outcomes[lane];
-                let rest = |from: f64| (from < way.span[1]).then_some([from, way.span[1]]);
+                let rest = |from: f64| (from < local_ray.span[1]).then_some([from, local_ray.span[1]]);
                 pending[lane] = match steps[lane] {
-                    Step::Empty => None,
+                    FollowResult::Empty => None,
                     // The zero on which a ray starts does not count. Its segment in `f64` may be
                     // too short for `T` to get past it.
-                    Step::Hit([near, far]) | Step::Open([near, far], _)
-                        if start == Start::OnSurface && near <= way.span[0] =>
+                    FollowResult::Hit([near, far]) | FollowResult::Open([near, far], _)
+                        if start == Start::OnSurface && near <= local_ray.span[0] =>
                     {
-                        let grain = 2.0 * T::GRAIN * (way.span[1] - way.span[0]);
-                        rest(far.max(way.span[0] + grain))
+                        let grain = 2.0 * T::GRAIN * (local_ray.span[1] - local_ray.span[0]);
+                        rest(far.max(local_ray.span[0] + grain))
                     }
-                    Step::Hit(bracket) => {
+                    FollowResult::Hit(bracket) => {
                         outcome.hit = Some(bracket);
                         None
                     }
-                    Step::Resumed(from) => rest(from),
-                    Step::Open(segment, _)
+                    FollowResult::Resumed(from) => rest(from),
+                    FollowResult::Open(segment, _)
                         if outcome.open.is_none()
-                            && let Some(bracket) = self.bridge(way, segment) =>
+                            && let Some(bracket) = self.bracket_across_gap(local_ray, segment) =>
                     {
                         outcome.hit = Some(bracket);
                         None
                     }
-                    Step::Open([near, far], stop) => {
-                        let (reason, likely) = self.judge(way, [near, far], stop);
+                    FollowResult::Open([near, far], stop) => {
+                        let (reason, likely) = self.classify_open(local_ray, [near, far], stop);
                         outcome.open.get_or_insert((near, reason));
                         parts[lane] += 1;
                         if likely {
                             outcome.likely = Some(near);
                             None
-                        } else if parts[lane] == OPEN_PARTS {
+                        } else if parts[lane] == MAX_OPEN_PARTS {
                             work.given_up += 1;
                             None
                         } else {
                             let passed = (far - near) * GROWTH.powi(parts[lane] as i32 - 1);
-                            rest(far + passed.min(way.longest))
+                            rest(far + passed.min(local_ray.longest))
                         }
                     }
                 };
@@ -143,8 +143,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
     /// below the rounding of `f32`, so are many. Each stretch is longer than the one before.
     fn refine(
         &self,
-        ways: &[LocalRay],
-        steps: &mut [Step; LANES],
+        local_rays: &[LocalRay],
+        steps: &mut [FollowResult; LANES],
         stretch: &mut [f64; LANES],
         work: &mut KernelStats,
     ) {
@@ -153,8 +153,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
             // Also in a preview: the segment may be a jump, or out of the range of `T`.
-            Step::Open([near, far], _) => {
-                let [first, longest] = ways[lane].span;
+            FollowResult::Open([near, far], _) => {
+                let [first, longest] = local_rays[lane].span;
                 // In `T` the segment may begin before its ray.
                 let near = near.max(first);
                 // Long enough that another segment in `T` begins behind it.
@@ -169,11 +169,11 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return;
         }
         let Some(double) = self.double() else { return };
-        let mut refined = [Step::Empty; LANES];
-        double.narrow(ways, &open, &mut Scratch::default(), &mut refined, work);
+        let mut refined = [FollowResult::Empty; LANES];
+        double.narrow(local_rays, &open, &mut Scratch::default(), &mut refined, work);
         for ((step, open), refined) in steps.iter_mut().zip(&open).zip(refined) {
             if let Some([_, far]) = *open {
-                *step = if let Step::Empty = refined { Step::Resumed(far) } else { refined };
+                *step = if let FollowResult::Empty = refined { FollowResult::Resumed(far) } else { refined };
             }
         }
     }
@@ -185,39 +185,39 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     /// Returns why a part stays open, and whether it is likely a zero.
-    fn judge(&self, way: &LocalRay, segment: [f64; 2], stop: Stop) -> (UndecidedReason, bool) {
+    fn classify_open(&self, local_ray: &LocalRay, segment: [f64; 2], stop: StopReason) -> (UndecidedReason, bool) {
         if self.refines {
-            self.judge_in::<f64>(way, segment, stop)
+            self.classify_open_in::<f64>(local_ray, segment, stop)
         } else {
-            self.judge_in::<T>(way, segment, stop)
+            self.classify_open_in::<T>(local_ray, segment, stop)
         }
     }
 
     /// Returns a bracket of the first zero, if it lies in an open segment or close behind it.
-    fn bridge(&self, way: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
+    fn bracket_across_gap(&self, local_ray: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
         if self.refines {
-            self.bridge_in::<f64>(way, segment)
+            self.bracket_across_gap_in::<f64>(local_ray, segment)
         } else {
-            self.bridge_in::<T>(way, segment)
+            self.bracket_across_gap_in::<T>(local_ray, segment)
         }
     }
 
-    fn bridge_in<U: Scalar>(&self, way: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
+    fn bracket_across_gap_in<U: Scalar>(&self, local_ray: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
         // A preview paints the place anyway.
         if !self.task.options.intervals || self.task.options.least > 0.0 {
             return None;
         }
         let kernel = U::kernels(self.task.surface).bounds().ok()?;
-        Bridge { kernel, way, region: self.task.region }.bracket(segment)
+        RayFunction { kernel, local_ray, region: self.task.region }.bracket(segment)
     }
 
-    fn judge_in<U: Scalar>(
+    fn classify_open_in<U: Scalar>(
         &self,
-        way: &LocalRay,
+        local_ray: &LocalRay,
         segment: [f64; 2],
-        stop: Stop,
+        stop: StopReason,
     ) -> (UndecidedReason, bool) {
-        let boxes = Boxes::around(&[bounds(way, segment, self.task.region)]);
+        let boxes = Boxes::around(&[bounds(local_ray, segment, self.task.region)]);
         let kernels = U::kernels(self.task.surface);
         let mut zeros = Zeros::default();
         if let Ok(kernel) = kernels.zeros() {
@@ -233,9 +233,9 @@ impl<'a, T: Scalar> Follower<'a, T> {
             facts = Kernel::<Enclose, U>::eval_all(kernel, &boxes)[0].facts(0);
             if let Ok(Some([_, denominator])) = kernels.cleared() {
                 is_gap =
-                    Bridge { kernel, way, region: self.task.region }.is_gap(segment, denominator);
+                    RayFunction { kernel, local_ray, region: self.task.region }.is_gap(segment, denominator);
             }
         }
-        (reason(facts, stop == Stop::Effort), !(asymptote || is_gap))
+        (reason(facts, stop == StopReason::Effort), !(asymptote || is_gap))
     }
 }

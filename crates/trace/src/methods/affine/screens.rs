@@ -5,7 +5,7 @@ use fearless_simd::{f64x4, f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes};
 
 /// Screen coordinates of rays; or of the centers of tiles, and their half extents.
-pub(super) type Rays<'a, T> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
+pub(super) type ScreenRays<'a, T> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
 
 /// Returns the screen coordinates of a square of sixteen, row by row, from those of its columns and
 /// rows.
@@ -18,10 +18,10 @@ pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[
 }
 
 /// Segments that remain to be examined, the nearest last.
-pub(super) type Stack<T = f64> = Vec<[T; 2]>;
+pub(super) type PendingSegments<T = f64> = Vec<[T; 2]>;
 
 /// Index of each lane: the order of lanes before any has moved.
-pub(super) const UNMOVED: [u8; LANES] = {
+pub(super) const LANE_INDICES: [u8; LANES] = {
     let mut things = [0; LANES];
     let mut lane = 1;
     while lane < LANES {

@@ -3,10 +3,10 @@
 use super::Affine;
 use super::frame::RayFrame;
 use super::level::Level;
-use super::narrow::{BLURRED, COARSE, are_progress};
-use super::pool::Memory;
-use super::sift::Limits;
-use super::tracer::{LAST, SIDES, Tracer};
+use super::narrow::{MIN_BLUR_SHARE, STALL_LENGTH, are_progress};
+use super::pool::RayBuffers;
+use super::classify::LengthLimits;
+use super::tracer::{LAST, SIDES, BandTracer};
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
@@ -28,15 +28,15 @@ const SLENDER_PATCH: f64 = 12.0;
 const TILTED: f64 = 2.0;
 /// A segment that stays longer than this share of its length before is not evaluated again. Its
 /// tile is split, or it is cut.
-const STALLED: f64 = 0.85;
+const STALL_RATIO: f64 = 0.85;
 
 /// Buffers that a thread needs for a band. They are used for one band after another: to create them
 /// takes a few hundred allocations.
 #[derive(Default)]
-pub(super) struct Room<T: Scalar> {
+pub(super) struct BandBuffers<T: Scalar> {
     levels: [Level<T>; SIDES.len()],
-    memory: Memory<T>,
-    /// [`Tracer::screens`].
+    memory: RayBuffers<T>,
+    /// [`BandTracer::screens`].
     screens: [Vec<[f64; 4]>; 2],
 }
 
@@ -67,8 +67,8 @@ fn trace_with<T: Scalar, S: Simd>(
     let mut open =
         if is_patched { vec![u16::MAX; band.height] } else { open_pixels(band.width, band.height) };
     close_unasked(&mut open, band, across, is_patched);
-    let mut room = method.rooms.take().unwrap_or_default();
-    let Room { levels, memory, screens } = &mut *room;
+    let mut buffers = method.buffers.take().unwrap_or_default();
+    let BandBuffers { levels, memory, screens } = &mut *buffers;
     for level in levels.iter_mut() {
         level.batch = frame.tiles();
     }
@@ -83,9 +83,9 @@ fn trace_with<T: Scalar, S: Simd>(
         }
     }
     let size = frame.size();
-    let blur = BLURRED * frame.error_in::<T>(size).max_element();
-    let coarse = (COARSE * T::GRAIN * size).max(blur);
-    let mut tracer = Tracer {
+    let blur = MIN_BLUR_SHARE * frame.error_in::<T>(size).max_element();
+    let coarse = (STALL_LENGTH * T::GRAIN * size).max(blur);
+    let mut tracer = BandTracer {
         method,
         rays,
         band,
@@ -93,12 +93,12 @@ fn trace_with<T: Scalar, S: Simd>(
         across,
         screens,
         size,
-        limits: Limits { grain: T::nearest(T::GRAIN * size), coarse: T::nearest(coarse) },
+        limits: LengthLimits { grain: T::nearest(T::GRAIN * size), coarse: T::nearest(coarse) },
         memory,
         frame,
         work,
         over: false,
-        polled: 0,
+        calls_at_check: 0,
         simd,
     };
     // Rounded outward once. All later ends are floats of `T`.
@@ -125,12 +125,12 @@ fn trace_with<T: Scalar, S: Simd>(
             tracer.run::<0>(levels);
         }
     }
-    tracer.empty_pool();
+    tracer.drain_pool();
     if tracer.over {
         tracer.give_up_pool();
         tracer.band.give_up(if is_patched { 0 } else { SIDES[0] * unreached });
     } else {
-        method.rooms.hand_back(room);
+        method.buffers.hand_back(buffers);
     }
 }
 
@@ -170,7 +170,7 @@ fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: b
 
 /// Decisions about tiles that may hold a zero. At most one of the first four masks has a lane's
 /// bit.
-struct Verdicts<T> {
+struct TileClasses<T> {
     /// Tiles whose form proves a zero on each ray, and locates it closely enough.
     flat: u16,
     /// Tiles whose segment got much shorter, and is evaluated once more.
@@ -180,49 +180,49 @@ struct Verdicts<T> {
     /// Tiles whose segment is cut in two.
     cut: u16,
     /// Tiles of `finer` that were evaluated so often that they are not cut again.
-    tired: u16,
+    exhausted: u16,
     /// Tiles whose remaining segment lies in the region.
     within: u16,
     /// Far ends of the remaining segments.
     far: Lanes<T>,
 }
 
-impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
+impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     #[inline(always)]
     fn run<const DEPTH: usize>(&mut self, levels: &mut [Level<T>]) {
         let (level, finer) = levels.split_first_mut().expect("a level");
-        while level.live != 0 && !self.is_over() {
+        while level.live != 0 && !self.is_cancelled() {
             level.pack(self.simd);
             self.method.tiles.eval(&level.batch, &mut level.out);
             self.work.tiles.called(level.live.count_ones());
             let possible = level.live & level.out.possible;
-            let tired = level.tire(self.simd);
+            let exhausted = level.count_evaluation(self.simd);
             let mut kept = 0;
             if possible != 0 {
-                let verdicts = self.verdicts::<DEPTH>(level, possible, tired);
-                kept = verdicts.shorter | verdicts.cut;
-                self.act::<DEPTH>(level, finer, &verdicts);
+                let tile_classes = self.tile_classes::<DEPTH>(level, possible, exhausted);
+                kept = tile_classes.shorter | tile_classes.cut;
+                self.apply_classes::<DEPTH>(level, finer, &tile_classes);
             }
-            let later = level.keep(kept);
-            self.go_on(level, later, DEPTH);
+            let later = level.retain(kept);
+            self.resume(level, later, DEPTH);
         }
     }
 
     /// Continues with the segments that were put aside for the tiles in these lanes. A tile waits
     /// until none of its rays is being followed.
     #[inline(always)]
-    fn go_on(&mut self, level: &mut Level<T>, mut lanes: u16, depth: usize) {
+    fn resume(&mut self, level: &mut Level<T>, mut lanes: u16, depth: usize) {
         while lanes != 0 && !self.over {
             for lane in ones(lanes) {
                 let place = level.place(lane);
                 // Column and row numbers of each finer level have two more bits.
                 let finer = 2 * (LAST - depth) as u32;
                 if !self.memory.pool.has_ray_of(self.simd, place, finer) {
-                    level.go_on(lane, self.is_open(place, depth));
+                    level.resume(lane, self.is_open(place, depth));
                     lanes &= !(1 << lane);
                 }
             }
-            let is_done = lanes == 0 || self.follow_more();
+            let is_done = lanes == 0 || self.advance_pending();
             assert!(is_done, "rays that are followed are in the pool or set apart");
         }
     }
@@ -230,12 +230,12 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// Decides about the tiles that may hold a zero. Replaces each segment by its remaining part,
     /// or by the nearer part if it is cut.
     #[inline(always)]
-    fn verdicts<const DEPTH: usize>(
+    fn tile_classes<const DEPTH: usize>(
         &self,
         level: &mut Level<T>,
         possible: u16,
-        tired: u16,
-    ) -> Verdicts<T> {
+        exhausted: u16,
+    ) -> TileClasses<T> {
         let simd = self.simd;
         let contracts = self.method.task.options.contract;
         let Level { batch, out, .. } = level;
@@ -249,7 +249,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
             T::GRAIN * self.size,
         ]
         .map(T::nearest);
-        let [twice, stalled, share, tilted] = [2.0, STALLED, CUT, TILTED].map(T::nearest);
+        let [twice, stalled, share, tilted] = [2.0, STALL_RATIO, CUT, TILTED].map(T::nearest);
         let (mut empty, mut fine, mut shorter, mut short, mut whole) = (0, 0, 0, 0, 0);
         let (mut narrowed, mut cut) = (0, Lanes::splat(T::default()));
         let asked = [batch.near, batch.far];
@@ -282,12 +282,12 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
         }
         let (last, crossing) = (!whole, out.crossing);
         let mut possible = possible & !empty;
-        possible &= !self.hidden(level, possible, DEPTH);
+        possible &= !self.hidden_lanes(level, possible, DEPTH);
         let is_flat = contracts && !self.method.cleared;
         let mut flat = if is_flat { possible & crossing & fine } else { 0 };
         let shorter = possible & shorter & !last;
-        let tired = tired & possible & !shorter;
-        let finer = possible & (crossing | short | last) & !shorter | tired;
+        let exhausted = exhausted & possible & !shorter;
+        let finer = possible & (crossing | short | last) & !shorter | exhausted;
         let mut within = u16::MAX;
         if !level.within {
             let region = self.method.task.region;
@@ -319,37 +319,37 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
                 part.store(far, &mut level.batch.far);
             }
         }
-        Verdicts { flat, shorter, finer, cut: cuts, tired: tired & finer, within, far }
+        TileClasses { flat, shorter, finer, cut: cuts, exhausted: exhausted & finer, within, far }
     }
 
     /// Carries out the decisions about tiles.
     #[inline(always)]
-    fn act<const DEPTH: usize>(
+    fn apply_classes<const DEPTH: usize>(
         &mut self,
         level: &mut Level<T>,
         finer: &mut [Level<T>],
-        verdicts: &Verdicts<T>,
+        tile_classes: &TileClasses<T>,
     ) {
-        for lane in ones(verdicts.cut) {
+        for lane in ones(tile_classes.cut) {
             let cut = level.batch.far[lane];
             if !self.is_hidden(level.place(lane), DEPTH, cut.into()) {
-                level.put_aside(lane, [cut, verdicts.far[lane]]);
+                level.put_aside(lane, [cut, tile_classes.far[lane]]);
             }
         }
-        if verdicts.flat | verdicts.finer != 0 && self.method.task.options.contract {
+        if tile_classes.flat | tile_classes.finer != 0 && self.method.task.options.contract {
             let Level { planes, batch, out, .. } = &mut *level;
             planes.find(self.simd, batch, out, self.frame.reach);
         }
-        for lane in ones(verdicts.flat) {
+        for lane in ones(tile_classes.flat) {
             let plane = level.planes.of(&level.batch, lane);
-            self.emit(&plane, DEPTH, level.place(lane));
+            self.write_plane_hits(&plane, DEPTH, level.place(lane));
         }
-        for lane in ones(verdicts.tired) {
-            level.join(lane);
+        for lane in ones(tile_classes.exhausted) {
+            level.merge_later(lane);
         }
-        for lane in ones(verdicts.finer) {
-            let segment = [level.batch.near[lane].into(), verdicts.far[lane].into()];
-            let within = verdicts.within >> lane & 1 == 1;
+        for lane in ones(tile_classes.finer) {
+            let segment = [level.batch.near[lane].into(), tile_classes.far[lane].into()];
+            let within = tile_classes.within >> lane & 1 == 1;
             if DEPTH == LAST {
                 self.follow(level, lane, segment, within);
             } else {

@@ -4,8 +4,8 @@ use super::Affine;
 use super::frame::RayFrame;
 use super::level::Level;
 use super::pixels::ROUNDED;
-use super::pool::Memory;
-use super::sift::Limits;
+use super::pool::RayBuffers;
+use super::classify::LengthLimits;
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
@@ -21,10 +21,10 @@ pub(super) const SIDES: [usize; 2] = [16, 4];
 pub(super) const LAST: usize = SIDES.len() - 1;
 
 /// Minimum number of kernel calls between two checks whether the band is still wanted.
-const POLLED: u64 = 16;
+const CALLS_PER_CHECK: u64 = 16;
 
 /// The state while a band is traced.
-pub(super) struct Tracer<'a, 'b, 'm, T: Scalar, S> {
+pub(super) struct BandTracer<'a, 'b, 'm, T: Scalar, S> {
     pub method: &'a Affine<'m, T>,
     pub rays: &'a RayGrid,
     pub frame: RayFrame,
@@ -37,18 +37,18 @@ pub(super) struct Tracer<'a, 'b, 'm, T: Scalar, S> {
     pub screens: &'a [Vec<[f64; 4]>; 2],
     /// Largest |s| of a segment's end.
     pub size: f64,
-    pub limits: Limits<T>,
-    pub memory: &'a mut Memory<T>,
+    pub limits: LengthLimits<T>,
+    pub memory: &'a mut RayBuffers<T>,
     pub work: &'a mut KernelStats,
     /// True if the rest of the band is not wanted any more.
     pub over: bool,
     /// Number of kernel calls when this was last checked.
-    pub polled: u64,
+    pub calls_at_check: u64,
     /// Vector instructions of the processor.
     pub simd: S,
 }
 
-impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
+impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Returns the first and last column and row of a tile's pixels in the band.
     #[inline(always)]
     pub(super) fn pixels(&self, [column, row]: [usize; 2], level: usize) -> [[usize; 2]; 2] {
@@ -127,7 +127,7 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// Returns which of these lanes hold tiles whose remaining segments lie behind hits of other
     /// surfaces, as bits.
     #[inline(always)]
-    pub(super) fn hidden(&self, level: &Level<T>, lanes: u16, depth: usize) -> u16 {
+    pub(super) fn hidden_lanes(&self, level: &Level<T>, lanes: u16, depth: usize) -> u16 {
         if self.band.before.0.is_empty() {
             return 0;
         }
@@ -192,10 +192,10 @@ impl<T: Scalar, S: Simd> Tracer<'_, '_, '_, T, S> {
     /// Returns whether the rest of the band is not wanted any more. This is not checked each time,
     /// since reading a clock takes as long as a short call.
     #[inline(always)]
-    pub(super) fn is_over(&mut self) -> bool {
+    pub(super) fn is_cancelled(&mut self) -> bool {
         let calls = self.work.tiles.calls + self.work.segments.calls;
-        if calls >= self.polled + POLLED {
-            (self.polled, self.over) = (calls, self.over || !self.band.is_wanted());
+        if calls >= self.calls_at_check + CALLS_PER_CHECK {
+            (self.calls_at_check, self.over) = (calls, self.over || !self.band.is_wanted());
         }
         self.over
     }

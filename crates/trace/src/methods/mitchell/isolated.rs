@@ -2,7 +2,7 @@
 
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::{LocalRay, bounds};
-use crate::methods::slope::Slopes;
+use crate::methods::slope::SlopeKernels;
 use crate::scalar::Scalar;
 use zeroset_interval::Interval;
 use zeroset_space::Region;
@@ -15,7 +15,7 @@ pub(super) struct Isolated {
     values: [f64; 2],
     is_above: [bool; 2],
     /// Stretch in which the sign is uncertain; the root is likely there.
-    unsure: Option<[f64; 2]>,
+    uncertain: Option<[f64; 2]>,
     /// Index of the end that was moved last.
     moved: usize,
     /// Length at which the part is short enough.
@@ -26,12 +26,12 @@ pub(super) struct Isolated {
 /// ray's length: the resolution of `f32`.
 const ROUNDS: u32 = 66;
 /// Distance from the end that was moved last to the next place, as a share of the tolerance.
-const BEYOND: f64 = 0.75;
+const STEP_BEYOND: f64 = 0.75;
 
 /// Refines roots to the tolerance.
 pub(super) fn refine<T: Scalar>(
     all: &mut [(&LocalRay, &mut Isolated)],
-    slopes: &Slopes<'_, T>,
+    slopes: &SlopeKernels<'_, T>,
     region: &Region,
     work: &mut KernelStats,
 ) {
@@ -44,7 +44,7 @@ pub(super) fn refine<T: Scalar>(
         let boxes: Vec<_> = left
             .iter()
             .zip(&places)
-            .map(|((way, _), &place)| bounds(way, [place; 2], region))
+            .map(|((local_ray, _), &place)| bounds(local_ray, [place; 2], region))
             .collect();
         let values = slopes.values(&boxes, work);
         for (lane, (_, isolated)) in left.iter_mut().enumerate() {
@@ -67,7 +67,7 @@ impl Isolated {
     /// Creates a part from bounds of the values at its ends, which have opposite signs.
     pub fn new(ends: [f64; 2], values: [Interval; 2], enough: f64) -> Self {
         let is_above = values.map(|value| value.lo > 0.0);
-        Self { ends, values: values.map(middle), is_above, unsure: None, moved: 0, enough }
+        Self { ends, values: values.map(middle), is_above, uncertain: None, moved: 0, enough }
     }
 
     pub fn ends(&self) -> [f64; 2] {
@@ -78,7 +78,7 @@ impl Isolated {
     /// stretch.
     fn longer(&self) -> [f64; 2] {
         let [near, far] = self.ends;
-        match self.unsure {
+        match self.uncertain {
             None => [near, far],
             Some([first, last]) if first - near >= far - last => [near, first],
             Some([_, last]) => [last, far],
@@ -91,7 +91,7 @@ impl Isolated {
         let is_short = self.ends[1] - self.ends[0] <= self.enough;
         // The uncertain stretch does not shrink. The ends are near enough to it once they are
         // within a share of the tolerance.
-        let is_near = self.unsure.is_some() && far - near <= 0.125 * self.enough;
+        let is_near = self.uncertain.is_some() && far - near <= 0.125 * self.enough;
         is_short || is_near || !(near < middle && middle < far)
     }
 
@@ -101,13 +101,13 @@ impl Isolated {
         let ([near, far], [a, b]) = (self.ends, self.values);
         let [from, to] = self.longer();
         let middle = 0.5 * (from + to);
-        if self.unsure.is_some() {
+        if self.uncertain.is_some() {
             return middle;
         }
         let next = match round % 3 {
             0 => near - a * ((far - near) / (b - a)),
-            1 if self.moved == 0 => near + BEYOND * self.enough,
-            1 => far - BEYOND * self.enough,
+            1 if self.moved == 0 => near + STEP_BEYOND * self.enough,
+            1 => far - STEP_BEYOND * self.enough,
             _ => middle,
         };
         if near < next && next < far { next } else { middle }
@@ -119,10 +119,10 @@ impl Isolated {
             (self.ends[end], self.values[end], self.moved) = (place, middle(value), end);
             // The root may lie outside the uncertain stretch, which is then dropped.
             let [near, far] = self.ends;
-            self.unsure = self.unsure.filter(|[first, last]| near <= *first && *last <= far);
+            self.uncertain = self.uncertain.filter(|[first, last]| near <= *first && *last <= far);
         } else {
-            let [first, last] = self.unsure.unwrap_or([place; 2]);
-            self.unsure = Some([first.min(place), last.max(place)]);
+            let [first, last] = self.uncertain.unwrap_or([place; 2]);
+            self.uncertain = Some([first.min(place), last.max(place)]);
         }
     }
 }

@@ -3,10 +3,10 @@
 use super::isolated::{Isolated, refine, sign};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Start, Task};
-use crate::methods::bracket_gap::Bridge;
-use crate::methods::local_ray::{CUT, LocalRay, OPEN_PARTS, bounds};
-use crate::methods::outcome::{Outcome, reason};
-use crate::methods::slope::{Cuboid, Slopes};
+use crate::methods::bracket_gap::RayFunction;
+use crate::methods::local_ray::{CUT, LocalRay, MAX_OPEN_PARTS, bounds};
+use crate::methods::outcome::{RayOutcome, reason};
+use crate::methods::slope::{Cuboid, SlopeKernels};
 use crate::scalar::Scalar;
 use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Zeros};
 use zeroset_interval::Interval;
@@ -14,36 +14,36 @@ use zeroset_space::Region;
 
 /// Searches for roots in `T`.
 pub(super) struct Searcher<'a, T: Scalar> {
-    slopes: Slopes<'a, T>,
+    slopes: SlopeKernels<'a, T>,
     zeros: &'a dyn Kernel<FindZeros, T>,
     region: &'a Region,
     suppress_asymptotes: bool,
 }
 
 /// Number of parts examined on a ray before the minimum length of its parts grows.
-const PATIENCE: u32 = 256;
+const PARTS_BEFORE_GROWTH: u32 = 256;
 /// Factor by which the minimum length grows with each further part.
-const HASTE: f64 = 1.5;
+const GRAIN_GROWTH: f64 = 1.5;
 
 /// State of the search along one ray.
 struct Search<'a> {
-    way: &'a LocalRay,
+    local_ray: &'a LocalRay,
     /// Parts that remain to be examined, the nearest last.
     parts: Vec<[f64; 2]>,
     /// Minimum length of the parts that are cut.
     grain: f64,
-    looked: u32,
-    opened: u32,
+    examined: u32,
+    open_parts: u32,
     /// True while the ray is on the surface that it started from.
     leaving: bool,
-    outcome: Outcome,
+    outcome: RayOutcome,
     /// A part that holds one root, once it is found.
     isolated: Option<Isolated>,
 }
 
 /// A part of a ray that is examined.
 #[derive(Clone, Copy)]
-struct Candidate {
+struct RayPart {
     /// Index of the ray.
     ray: usize,
     ends: [f64; 2],
@@ -56,36 +56,36 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     pub fn new(task: Task<'a>) -> Result<Self, KernelError> {
         let suppress_asymptotes = task.options.suppress_asymptotes;
         let zeros = T::kernels(task.surface).zeros()?;
-        Ok(Self { slopes: Slopes::new(&task)?, zeros, region: task.region, suppress_asymptotes })
+        Ok(Self { slopes: SlopeKernels::new(&task)?, zeros, region: task.region, suppress_asymptotes })
     }
 
     /// Returns the outcomes of up to [`LANES`] rays.
-    pub fn search(&self, ways: &[LocalRay], start: Start, work: &mut KernelStats) -> Vec<Outcome> {
-        let mut rays: Vec<Search> = ways.iter().map(|way| Search::new::<T>(way, start)).collect();
+    pub fn search(&self, local_rays: &[LocalRay], start: Start, work: &mut KernelStats) -> Vec<RayOutcome> {
+        let mut rays: Vec<Search> = local_rays.iter().map(|local_ray| Search::new::<T>(local_ray, start)).collect();
         loop {
             let parts = self.possible(&mut rays, work);
             if parts.is_empty() && rays.iter().all(|ray| ray.parts.is_empty()) {
                 break;
             }
-            self.look(&mut rays, &parts, work);
+            self.classify(&mut rays, &parts, work);
         }
         let mut isolated: Vec<_> =
-            rays.iter_mut().filter_map(|ray| Some((ray.way, ray.isolated.as_mut()?))).collect();
+            rays.iter_mut().filter_map(|ray| Some((ray.local_ray, ray.isolated.as_mut()?))).collect();
         refine(&mut isolated, &self.slopes, self.region, work);
         let outcome = |ray: Search| match ray.isolated {
-            Some(isolated) => Outcome { hit: Some(isolated.ends()), ..ray.outcome },
+            Some(isolated) => RayOutcome { hit: Some(isolated.ends()), ..ray.outcome },
             None => ray.outcome,
         };
         rays.into_iter().map(outcome).collect()
     }
 
     /// Takes the next part of each ray, and returns the parts that may hold a zero.
-    fn possible(&self, rays: &mut [Search], work: &mut KernelStats) -> Vec<Candidate> {
+    fn possible(&self, rays: &mut [Search], work: &mut KernelStats) -> Vec<RayPart> {
         let mut parts = Vec::with_capacity(LANES);
         for (number, ray) in rays.iter_mut().enumerate() {
             if let Some(ends) = ray.parts.pop() {
-                let cuboid = bounds(ray.way, ends, self.region);
-                parts.push(Candidate { ray: number, ends, cuboid, unbounded: false });
+                let cuboid = bounds(ray.local_ray, ends, self.region);
+                parts.push(RayPart { ray: number, ends, cuboid, unbounded: false });
             }
         }
         if parts.is_empty() {
@@ -106,18 +106,18 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Isolates the root of each part, cuts it in two, or finds it empty.
-    fn look(&self, rays: &mut [Search], parts: &[Candidate], work: &mut KernelStats) {
+    fn classify(&self, rays: &mut [Search], parts: &[RayPart], work: &mut KernelStats) {
         let slopes =
-            self.slopes.along(&cuboids(parts), |lane| rays[parts[lane].ray].way.direction, work);
+            self.slopes.along(&cuboids(parts), |lane| rays[parts[lane].ray].local_ray.direction, work);
         let is_steady = |slope: Option<Interval>| slope.is_some_and(|s| s.lo > 0.0 || s.hi < 0.0);
         let mut steady = Vec::with_capacity(LANES);
         for (part, slope) in parts.iter().zip(slopes) {
             let ray = &mut rays[part.ray];
-            ray.looked += 1;
-            if ray.looked > PATIENCE {
-                ray.grain *= HASTE;
+            ray.examined += 1;
+            if ray.examined > PARTS_BEFORE_GROWTH {
+                ray.grain *= GRAIN_GROWTH;
             }
-            let [first, last] = ray.way.inside;
+            let [first, last] = ray.local_ray.inside;
             let within = first <= part.ends[0] && part.ends[1] <= last;
             if within && is_steady(slope) {
                 steady.push(*part);
@@ -129,7 +129,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         // otherwise.
         let values = [0, 1].map(|end| {
             let place =
-                |part: &Candidate| bounds(rays[part.ray].way, [part.ends[end]; 2], self.region);
+                |part: &RayPart| bounds(rays[part.ray].local_ray, [part.ends[end]; 2], self.region);
             self.slopes.values(&steady.iter().map(place).collect::<Vec<_>>(), work)
         });
         for (lane, part) in steady.iter().enumerate() {
@@ -140,7 +140,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
                 // The only root in this part is the one that the ray starts on.
                 [Some(_), Some(_)] if ray.leaving => ray.leaving = false,
                 [Some(_), Some(_)] => {
-                    let enough = ray.way.longest.max(ray.grain);
+                    let enough = ray.local_ray.longest.max(ray.grain);
                     ray.isolated = Some(Isolated::new(part.ends, ends, enough));
                     ray.parts.clear();
                 }
@@ -150,7 +150,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Cuts a part in two, or leaves it open if it is as short as precision allows.
-    fn cut(&self, ray: &mut Search, part: &Candidate, work: &mut KernelStats) {
+    fn cut(&self, ray: &mut Search, part: &RayPart, work: &mut KernelStats) {
         let [near, far] = part.ends;
         let cut = near + CUT * (far - near);
         if far - near > ray.grain && near < cut && cut < far {
@@ -161,10 +161,10 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         if ray.leaving {
             return;
         }
-        let spent = ray.looked > PATIENCE;
-        let bridge = Bridge { kernel: self.slopes.kernel(), way: ray.way, region: self.region };
+        let spent = ray.examined > PARTS_BEFORE_GROWTH;
+        let ray_function = RayFunction { kernel: self.slopes.kernel(), local_ray: ray.local_ray, region: self.region };
         if ray.outcome.open.is_none()
-            && let Some(bracket) = bridge.bracket(part.ends)
+            && let Some(bracket) = ray_function.bracket(part.ends)
         {
             ray.outcome.hit = Some(bracket);
             ray.parts.clear();
@@ -173,11 +173,11 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         let facts = self.slopes.facts(&part.cuboid, work);
         let reason = reason(facts, spent);
         ray.outcome.open.get_or_insert((near, reason));
-        ray.opened += 1;
+        ray.open_parts += 1;
         if !(self.suppress_asymptotes && part.unbounded) {
             ray.outcome.likely = Some(near);
             ray.parts.clear();
-        } else if ray.opened == OPEN_PARTS {
+        } else if ray.open_parts == MAX_OPEN_PARTS {
             work.given_up += 1;
             ray.parts.clear();
         }
@@ -185,9 +185,9 @@ impl<'a, T: Scalar> Searcher<'a, T> {
 }
 
 impl<'a> Search<'a> {
-    fn new<T: Scalar>(way: &'a LocalRay, start: Start) -> Self {
-        let [near, far] = way.span;
-        let [first, last] = [way.inside[0].max(near), way.inside[1].min(far)];
+    fn new<T: Scalar>(local_ray: &'a LocalRay, start: Start) -> Self {
+        let [near, far] = local_ray.span;
+        let [first, last] = [local_ray.inside[0].max(near), local_ray.inside[1].min(far)];
         // No sign is known where the ray crosses the region's faces. Rounding leaves the ends there
         // open, so they are separate parts.
         let mut parts = Vec::with_capacity(16);
@@ -197,22 +197,22 @@ impl<'a> Search<'a> {
         } else {
             parts.push([near, far]);
         }
-        let size = (way.origin.abs() + far.abs() * way.direction.abs()).max_element();
-        let rounding = 4.0 * T::UNIT * size / way.direction.abs().max_element();
+        let size = (local_ray.origin.abs() + far.abs() * local_ray.direction.abs()).max_element();
+        let rounding = 4.0 * T::UNIT * size / local_ray.direction.abs().max_element();
         let grain = (T::GRAIN * far.abs()).max(rounding);
         Self {
-            way,
+            local_ray,
             parts,
             grain,
-            looked: 0,
-            opened: 0,
+            examined: 0,
+            open_parts: 0,
             leaving: start == Start::OnSurface,
-            outcome: Outcome::default(),
+            outcome: RayOutcome::default(),
             isolated: None,
         }
     }
 }
 
-fn cuboids(parts: &[Candidate]) -> Vec<Cuboid> {
+fn cuboids(parts: &[RayPart]) -> Vec<Cuboid> {
     parts.iter().map(|part| part.cuboid).collect()
 }

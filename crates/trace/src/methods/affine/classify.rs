@@ -1,14 +1,14 @@
 //! Segments of rays that were evaluated together, classified by the remaining parts.
 
 use super::super::local_ray::CUT;
-use super::narrow::{STALLED, STEADY, UNSTEADY, are_progress};
+use super::narrow::{STALL_RATIO, LINEAR_RATIO, NONLINEAR_SHARE, are_progress};
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
 use fearless_simd::prelude::*;
 use zeroset_eval::{Contractions, Lanes, Segments};
 
 /// Lengths of segments that decide between classes. All rays have the same.
-pub(super) struct Limits<T> {
+pub(super) struct LengthLimits<T> {
     /// Length of the shortest segments.
     pub grain: T,
     /// Length of the shortest segments that are cut. Shorter ones stay long because of rounding.
@@ -17,14 +17,14 @@ pub(super) struct Limits<T> {
 
 /// Segments that are evaluated together, and how short their brackets must be.
 #[derive(Default)]
-pub(super) struct Asked<T: Scalar> {
+pub(super) struct EvaluatedSegments<T: Scalar> {
     pub segments: Segments<T>,
     /// Maximum length of a hit's bracket.
     pub longest: Lanes<T>,
 }
 
 /// Classes of segments. A live lane's bit is set in exactly one of them.
-pub(super) struct Sifted {
+pub(super) struct SegmentClasses {
     /// Nothing is left.
     pub empty: u16,
     /// The rest is a bracket: its ends have opposite signs, and it is short enough. The limit is
@@ -38,28 +38,28 @@ pub(super) struct Sifted {
     pub open: u16,
 }
 
-impl Sifted {
+impl SegmentClasses {
     /// Leaves brackets open: a zero of a numerator need not be one of the function.
-    pub fn doubt(&mut self) {
+    pub fn leave_brackets_open(&mut self) {
         self.open |= std::mem::take(&mut self.short);
     }
 }
 
-impl<T: Scalar> Asked<T> {
+impl<T: Scalar> EvaluatedSegments<T> {
     /// Classifies the segments in the `live` lanes by the kernel's results. Replaces each by its
     /// remaining part, or by the nearer half of that if it is cut. `inside`: the values of s
     /// between which each ray is certainly in the region, unless all segments are.
     #[inline(always)]
-    pub fn sift<S: Simd>(
+    pub fn classify<S: Simd>(
         &mut self,
         simd: S,
         out: &Contractions<T>,
         inside: Option<&[Lanes<T>; 2]>,
         live: u16,
-        limits: &Limits<T>,
-    ) -> Sifted {
-        let Limits { grain, coarse } = *limits;
-        let [stalled, steady, unsteady, share] = [STALLED, STEADY, UNSTEADY, CUT].map(T::nearest);
+        limits: &LengthLimits<T>,
+    ) -> SegmentClasses {
+        let LengthLimits { grain, coarse } = *limits;
+        let [stalled, steady, unsteady, share] = [STALL_RATIO, LINEAR_RATIO, NONLINEAR_SHARE, CUT].map(T::nearest);
         let (mut empty, mut short, mut shorter, mut cut) = (0, 0, 0, 0);
         let mut within = if inside.is_some() { 0 } else { u16::MAX };
         let Self { segments, longest } = self;
@@ -88,6 +88,6 @@ impl<T: Scalar> Asked<T> {
         let short = left & short & out.crossing & within;
         let shorter = left & shorter & !short;
         let cut = left & cut & !short & !shorter;
-        Sifted { empty: live & !left, short, shorter, cut, open: left & !short & !shorter & !cut }
+        SegmentClasses { empty: live & !left, short, shorter, cut, open: left & !short & !shorter & !cut }
     }
 }
