@@ -32,7 +32,7 @@ fn what_is_written_elsewhere_has_its_row() {
         .skip(2)
         .take_while(|line| line.starts_with('|'))
         .collect();
-    let expected = zeroset_live::COMING
+    let expected = zeroset_live::EQUIVALENTS
         .iter()
         .map(|(from, there, here)| format!("| {from} | `{there}` | {here} |"));
     assert_eq!(rows, expected.collect::<Vec<_>>());

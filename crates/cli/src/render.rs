@@ -15,9 +15,9 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_render::framing;
 use zeroset_render::model::{Model, Strip};
-use zeroset_render::overlay::Around;
-use zeroset_render::overlay::Shown;
-use zeroset_render::picture::{Open, Picture, Precision, Settings};
+use zeroset_render::overlay::Overlay;
+use zeroset_render::overlay::PictureView;
+use zeroset_render::picture::{UndecidedStatistics, Picture, Precision, Settings};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, DomainChoice};
@@ -41,7 +41,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let around = Around::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
+    let around = Overlay::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
     let render = || -> Result<_> {
         let document = &subject.document;
         let wanted = settings.has_time_to_choose();
@@ -73,7 +73,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
             let seen = overview.unwrap_or(&*picture);
-            let shown = Shown { camera: &camera, region: &region, picture: seen };
+            let shown = PictureView { camera: &camera, region: &region, picture: seen };
             marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
             files.add(picture)
         };
@@ -220,7 +220,7 @@ fn remark(
         let are = if pixels.undecided == 1 { "is" } else { "are" };
         notes::note(&format!("{} of {all} pixels {are} undecided: {why}", pixels.undecided));
     }
-    let Open { blank, unreached, .. } = picture.statistics.open;
+    let UndecidedStatistics { blank, unreached, .. } = picture.statistics.open;
     if let Some(budget) = settings.budget.filter(|_| unreached > 0) {
         notes::note(&format!(
             "{unreached} of these were not reached within {} s and are not drawn: a larger --budget \

@@ -14,8 +14,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use zeroset_render::model::Model;
-use zeroset_render::overlay::Around;
-use zeroset_render::overlay::Shown;
+use zeroset_render::overlay::Overlay;
+use zeroset_render::overlay::PictureView;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
 use zeroset_scene::view;
@@ -240,7 +240,7 @@ struct Maker<'a> {
     sequence: &'a Sequence,
     settings: &'a Settings,
     stage: Stage,
-    around: Around,
+    around: Overlay,
     progress: Progress,
 }
 
@@ -271,7 +271,7 @@ impl<'a> Maker<'a> {
             bail!("nothing that is drawn depends on '{name}', so all frames would be the same");
         }
         let around =
-            Around::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
+            Overlay::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
         let (text, place) = (&subject.source.text, (subject.domain, arguments.cut()));
         let choice = arguments.camera.choice();
         let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;
@@ -298,7 +298,7 @@ impl<'a> Maker<'a> {
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
         let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
-        let shown = Shown { camera: &camera, region: &stage.region, picture: &picture };
+        let shown = PictureView { camera: &camera, region: &stage.region, picture: &picture };
         picture.rgb = self.around.over(shown);
         self.subject.document = document;
         *last = Some(model);

@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zeroset_live::{Axes, DocumentSource, Live, Refusal, Reply, Request};
-use zeroset_render::overlay::Around;
+use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::{example, examples};
 
@@ -396,7 +396,7 @@ impl Session {
         let picture = finished
             .context("not saved: the picture was changed before it was finished, or never was")?;
         let buffer = &picture.picture.buffer;
-        let rgb = Around::said(&picture.document).over((&*picture).into());
+        let rgb = Overlay::said(&picture.document).over((&*picture).into());
         let name = path.display().to_string();
         let command = picture.command(&name);
         let size = [buffer.width, buffer.height];

@@ -27,7 +27,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         let (kept, new) = (without_lines(base, word), line);
         // These apply to the drawings below them, so the line goes to the top.
         return if matches!(word, "color" | "opacity" | "hidden") {
-            let (comment, rest) = kept.split_at(heading(&kept));
+            let (comment, rest) = kept.split_at(leading_comments(&kept));
             format!("{comment}{new}\n{rest}")
         } else {
             format!("{kept}\n{new}")
@@ -39,9 +39,9 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let start = base.len() + 1;
     // Statements that the parser adds, such as definitions of coordinates, have no place in the
     // text.
-    let typed = statements.iter().map(|one| (extent(one), one)).filter(|(_, one)| is_typed(one));
+    let typed = statements.iter().map(|one| (statement_span(one), one)).filter(|(_, one)| is_typed(one));
     let (old, new): (Vec<_>, Vec<_>) = typed.partition(|(span, _)| span.start < start);
-    if let Some(text) = revalued(base, line, &old, &new) {
+    if let Some(text) = with_value_replaced(base, line, &old, &new) {
         return text;
     }
     let draws = new.iter().any(|(_, one)| matches!(one, Statement::Draw { .. }));
@@ -51,7 +51,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     };
     let mut kept = joined.clone();
     for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
-        kept.replace_range(piece(&joined, span), "");
+        kept.replace_range(statement_piece(&joined, span), "");
     }
     // Removing a function may break a program, so both stay. The later definition takes effect.
     if parse(&kept, &limits).is_err() {
@@ -96,7 +96,7 @@ pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize
         return Err(drawings.len());
     };
     let mut kept = text.to_owned();
-    kept.replace_range(piece(text, span), "");
+    kept.replace_range(statement_piece(text, span), "");
     Ok(kept.trim_start_matches('\n').trim_end().to_owned())
 }
 
@@ -104,7 +104,7 @@ pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize
 fn drawings(text: &str) -> Vec<Range<usize>> {
     let statements = parse(text, &Limits::default()).unwrap_or_default();
     let draws = |one: &&Statement| matches!(one, Statement::Draw { .. }) && is_typed(one);
-    statements.iter().filter(draws).map(extent).collect()
+    statements.iter().filter(draws).map(statement_span).collect()
 }
 
 /// Returns whether entering a line into a text adds a drawing. Alone, `x = r` may define `r`; in a
@@ -135,7 +135,7 @@ fn is_typed(statement: &Statement) -> bool {
 
 /// The text with one value replaced in place, so that parameters keep their order. `None` if `line`
 /// is anything but one definition of a value that the text has once.
-fn revalued(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> Option<String> {
+fn with_value_replaced(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> Option<String> {
     let value = |(_, one): &Placed<'_>| match one {
         Statement::Define(value) if value.parameters.is_none() => Some(value.name.text.clone()),
         Statement::Define(_) | Statement::Draw { .. } => None,
@@ -190,11 +190,11 @@ fn scene_word(line: &str) -> Option<&'static str> {
 }
 
 /// Length in bytes of the comment lines at the start of a text.
-fn heading(text: &str) -> usize {
+fn leading_comments(text: &str) -> usize {
     text.split_inclusive('\n').take_while(|line| line.starts_with('#')).map(str::len).sum()
 }
 
-fn extent(statement: &Statement) -> Range<usize> {
+fn statement_span(statement: &Statement) -> Range<usize> {
     match statement {
         Statement::Draw { expr, restrictions, .. } => {
             let ends = restrictions.iter().map(|one| one.span.end);
@@ -209,7 +209,7 @@ fn extent(statement: &Statement) -> Range<usize> {
 
 /// The part of the text that holds a statement: from the last line break or semicolon before it
 /// through the break or comment after it.
-fn piece(text: &str, span: &Range<usize>) -> Range<usize> {
+fn statement_piece(text: &str, span: &Range<usize>) -> Range<usize> {
     let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
     let rest = &text[span.end..];
     let end = end_of_statement(rest).map_or(rest.len(), |at| {

@@ -6,7 +6,7 @@ use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused};
 use super::session::Live;
 use super::source::DocumentSource;
-use super::undo::{Gesture, Said};
+use super::undo::{Gesture, Checkpoint};
 use super::values::{self, TIME, defined};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -31,9 +31,9 @@ impl Live {
     /// Draws the document as it would be with `line` entered, while it is still being typed. `None`
     /// draws the document itself.
     pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
-        let shown = |Said { request, readable, .. }: &Said| {
+        let shown = |Checkpoint { request, readable, .. }: &Checkpoint| {
             Ok(match line {
-                Some(line) => (after(request, readable, line, adding).0.into(), defined(line)),
+                Some(line) => (with_line(request, readable, line, adding).0.into(), defined(line)),
                 None => (Arc::clone(&request.text), Vec::new()),
             })
         };
@@ -48,7 +48,7 @@ impl Live {
     /// Enters a line into the document.
     pub(super) fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
         let document = self.edit(None, |request, readable| {
-            let (text, is_another) = after(request, readable, line, adding);
+            let (text, is_another) = with_line(request, readable, line, adding);
             let edit = Edit::checked(request, text, defined(line))?;
             Ok(Edit { source: is_another.then_some(DocumentSource::Typed), ..edit })
         })?;
@@ -91,13 +91,13 @@ impl Live {
         gesture: Option<Gesture>,
         work: impl Fn(&Request, &str) -> Result<Edit, Refusal>,
     ) -> Result<Option<Document>, Refusal> {
-        let work = |said: &Said| {
-            let edit = work(&said.request, &said.readable)?;
-            let dragged = said.dragged_in(&edit.text);
+        let work = |checkpoint: &Checkpoint| {
+            let edit = work(&checkpoint.request, &checkpoint.readable)?;
+            let dragged = checkpoint.dragged_in(&edit.text);
             Ok((edit, dragged))
         };
         self.change_after(work, |state, (Edit { text, defined, source, document }, dragged)| {
-            let before = state.said();
+            let before = state.checkpoint();
             state.request.forget_given(&defined);
             state.request.text = Arc::clone(&text);
             state.readable = Arc::clone(&text);
@@ -107,7 +107,7 @@ impl Live {
             }
             state.shown = if document.is_some() { text } else { "".into() };
             state.typed.clear();
-            self.say(state, before, gesture);
+            self.record(state, before, gesture);
             document
         })
     }
@@ -143,7 +143,7 @@ impl Edit {
 
 /// The text with `line` entered, and whether it is another document. A formula that replaces a
 /// gallery surface also removes the gallery's domain, view and comments.
-fn after(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
+fn with_line(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
     let base = base(request, readable, line);
     match request.source {
         DocumentSource::Gallery(came) if !adding && draws(&base, line) => {

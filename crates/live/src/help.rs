@@ -1,7 +1,7 @@
 //! The help of the prompt, built from the tables of commands, of functions and of equivalents in
 //! other programs.
 
-use super::coming;
+use super::equivalents;
 use super::command::COMMANDS;
 use super::reply::{Refusal, Reply, refused, say};
 use super::status_words;
@@ -11,7 +11,7 @@ use zeroset_style::COLOR_MAPS;
 use zeroset_syntax::{WordKind, language_names, word_help, words};
 
 /// The topic that lists equivalents in other programs.
-const ELSEWHERE: &str = "coming";
+const EQUIVALENTS_TOPIC: &str = "coming";
 
 /// The command whose help also explains the words of the window's status line.
 const STATUS: &str = "status";
@@ -21,8 +21,8 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     if name.is_empty() {
         return say(everything());
     }
-    if name == ELSEWHERE {
-        return say(coming::listed());
+    if name == EQUIVALENTS_TOPIC {
+        return say(equivalents::listed());
     }
     let bare = name.trim_start_matches(':');
     if let Some(row) = COMMANDS.iter().find(|row| row.name == bare) {

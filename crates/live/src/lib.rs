@@ -18,7 +18,7 @@
 //! # Ok::<(), zeroset_live::Refusal>(())
 //! ```
 
-mod coming;
+mod equivalents;
 mod command;
 mod cut;
 mod draft;
@@ -37,7 +37,7 @@ mod surfaces;
 mod undo;
 mod values;
 
-pub use coming::COMING;
+pub use equivalents::EQUIVALENTS;
 pub use command::{COMMANDS, CommandRow};
 pub use draft::entered;
 pub use orbit::Orbit;
@@ -48,4 +48,4 @@ pub use slider::Slider;
 pub use source::DocumentSource;
 pub use status::{FLAT, fallback_notes, quote};
 pub use status_words::status_words;
-pub use surfaces::Listed;
+pub use surfaces::SurfaceEntry;

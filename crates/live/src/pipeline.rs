@@ -7,7 +7,7 @@
 
 mod glide;
 mod pace;
-mod rooms;
+mod domain_hysteresis;
 mod view;
 mod worker;
 
@@ -19,7 +19,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use zeroset_render::model::Model;
-use zeroset_render::overlay::Shown;
+use zeroset_render::overlay::PictureView;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
@@ -113,7 +113,7 @@ pub struct Rendering {
     pub searched: Option<AutoDomain>,
     /// The region that views are relative to: that of the formula's first picture, even if
     /// parameters have moved since.
-    pub seat: Region,
+    pub view_anchor: Region,
     /// Camera of the picture.
     pub camera: Camera,
     /// Why the picture is blank, if it is.
@@ -128,7 +128,7 @@ pub struct Rendering {
     pub latency: Duration,
 }
 
-impl<'a> From<&'a Rendering> for Shown<'a> {
+impl<'a> From<&'a Rendering> for PictureView<'a> {
     fn from(rendering: &'a Rendering) -> Self {
         let (camera, picture) = (&rendering.camera, &rendering.picture);
         Self { camera, region: rendering.model.region(), picture }
@@ -150,17 +150,17 @@ pub struct Fault {
     pub revision: u64,
     /// The request.
     pub request: Arc<Request>,
-    reason: Reason,
+    reason: FaultReason,
 }
 
 #[derive(Debug)]
-enum Reason {
+enum FaultReason {
     Text(Errors),
     Scene(SceneError),
     Bug,
 }
 
-impl<E: Into<SceneError>> From<E> for Reason {
+impl<E: Into<SceneError>> From<E> for FaultReason {
     fn from(error: E) -> Self {
         Self::Scene(error.into())
     }
@@ -170,30 +170,30 @@ impl Fault {
     /// The error on one line.
     pub fn message(&self) -> String {
         match &self.reason {
-            Reason::Text(errors) => {
+            FaultReason::Text(errors) => {
                 errors.iter().next().map(|error| error.message()).unwrap_or_default()
             }
-            Reason::Scene(error) => error.to_string(),
-            Reason::Bug => "internal error: this is a bug in zeroset, not in your formula".into(),
+            FaultReason::Scene(error) => error.to_string(),
+            FaultReason::Bug => "internal error: this is a bug in zeroset, not in your formula".into(),
         }
     }
 
     /// The single letter without a value, if that is the only error.
     pub fn missing_letter(&self) -> Option<char> {
         match &self.reason {
-            Reason::Text(errors) => missing_letter(errors),
-            Reason::Scene(_) | Reason::Bug => None,
+            FaultReason::Text(errors) => missing_letter(errors),
+            FaultReason::Scene(_) | FaultReason::Bug => None,
         }
     }
 
     /// The error message, with carets under the text if the text is at fault.
     pub fn render(&self, color: bool) -> String {
         match &self.reason {
-            Reason::Text(errors) => {
+            FaultReason::Text(errors) => {
                 let Request { source, text, .. } = &*self.request;
                 errors.render(Some(&source.to_string()), text, color)
             }
-            Reason::Scene(_) | Reason::Bug => format!("error: {}", self.message()),
+            FaultReason::Scene(_) | FaultReason::Bug => format!("error: {}", self.message()),
         }
     }
 }
@@ -236,11 +236,11 @@ struct State {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum NextView {
     /// At once: someone who types waits for a picture.
-    Unmoved,
+    Immediate,
     /// Not while a value moves, although a new view is due.
-    Outgrown,
+    Deferred,
     /// By gliding, after a value has moved.
-    Glides,
+    Gliding,
 }
 
 impl Shared {
@@ -259,7 +259,7 @@ impl Pipeline {
             requested: Instant::now(),
             snapshot: Snapshot::default(),
             moving: false,
-            next_view: NextView::Unmoved,
+            next_view: NextView::Immediate,
             stop: false,
         };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
@@ -281,9 +281,9 @@ impl Pipeline {
     pub fn set_moving(&self, moving: bool) -> bool {
         let mut state = self.shared.lock();
         state.moving = moving;
-        let is_due = !moving && state.next_view == NextView::Outgrown;
+        let is_due = !moving && state.next_view == NextView::Deferred;
         if is_due {
-            state.next_view = NextView::Glides;
+            state.next_view = NextView::Gliding;
         }
         is_due
     }

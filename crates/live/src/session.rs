@@ -5,7 +5,7 @@ use super::orbit::Orbit;
 use super::pipeline::{Axes, Pipeline, Rendering, Request, Snapshot, same_document};
 use super::reply::Refusal;
 use super::source::DocumentSource;
-use super::undo::{Dragged, Gesture, Said, Undo};
+use super::undo::{Dragged, Gesture, Checkpoint, Undo};
 use super::values::right_side;
 use std::mem;
 use std::path::Path;
@@ -49,24 +49,24 @@ pub(super) struct State {
     waiting: Vec<(Gesture, Move)>,
     revision: u64,
     /// The revision at which the document last became empty. Results up to it are not shown.
-    cleared: u64,
+    cleared_at: u64,
 }
 
 impl State {
-    pub fn said(&self) -> Said {
+    pub fn checkpoint(&self) -> Checkpoint {
         let Self { request, readable, dragged, .. } = self;
-        Said { request: request.clone(), readable: Arc::clone(readable), dragged: dragged.clone() }
+        Checkpoint { request: request.clone(), readable: Arc::clone(readable), dragged: dragged.clone() }
     }
 
     /// Returns whether the document is unchanged since this snapshot.
-    fn keeps_document(&self, said: &Said) -> bool {
-        same_document(&self.request, &said.request)
-            && self.readable == said.readable
-            && self.dragged == said.dragged
+    fn has_same_document(&self, checkpoint: &Checkpoint) -> bool {
+        same_document(&self.request, &checkpoint.request)
+            && self.readable == checkpoint.readable
+            && self.dragged == checkpoint.dragged
     }
 }
 
-impl Said {
+impl Checkpoint {
     /// The dragged values whose definitions in `text` are the same as in this snapshot. A value
     /// whose definition has changed no longer counts as dragged.
     pub fn dragged_in(&self, text: &str) -> Vec<Dragged> {
@@ -78,16 +78,16 @@ impl Said {
 }
 
 /// Blocks moves of values during an edit. The waiting moves run when it is dropped.
-struct First<'a>(&'a Live);
+struct MoveBlock<'a>(&'a Live);
 
-impl<'a> First<'a> {
-    fn before_values(live: &'a Live) -> Self {
+impl<'a> MoveBlock<'a> {
+    fn begin(live: &'a Live) -> Self {
         live.lock().first += 1;
         Self(live)
     }
 }
 
-impl Drop for First<'_> {
+impl Drop for MoveBlock<'_> {
     fn drop(&mut self) {
         loop {
             let mut state = self.0.lock();
@@ -126,11 +126,11 @@ impl Live {
 
     /// The picture and the error to show. Both are `None` while the document is empty.
     pub fn snapshot(&self) -> Snapshot {
-        let cleared = self.lock().cleared;
+        let cleared_at = self.lock().cleared_at;
         let Snapshot { rendering, fault, settled } = self.pipeline.snapshot();
         Snapshot {
-            rendering: rendering.filter(|seen| seen.revision > cleared),
-            fault: fault.filter(|fault| fault.revision > cleared),
+            rendering: rendering.filter(|seen| seen.revision > cleared_at),
+            fault: fault.filter(|fault| fault.revision > cleared_at),
             settled,
         }
     }
@@ -213,22 +213,22 @@ impl Live {
     /// has changed by then, `work` runs again. From the third try on, moves of values are blocked.
     pub(super) fn change_after<W, R>(
         &self,
-        work: impl Fn(&Said) -> Result<W, Refusal>,
+        work: impl Fn(&Checkpoint) -> Result<W, Refusal>,
         apply: impl FnOnce(&mut State, W) -> R,
     ) -> Result<R, Refusal> {
         let mut tries = 0;
         let mut _first = None;
         loop {
-            let said = self.lock().said();
-            let result = work(&said)?;
+            let checkpoint = self.lock().checkpoint();
+            let result = work(&checkpoint)?;
             let mut state = self.lock();
-            if state.keeps_document(&said) {
+            if state.has_same_document(&checkpoint) {
                 return Ok(apply(&mut state, result));
             }
             drop(state);
             tries += 1;
             if tries == 2 {
-                _first = Some(First::before_values(self));
+                _first = Some(MoveBlock::begin(self));
             }
         }
     }
@@ -256,8 +256,8 @@ impl Live {
     pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
-        let merged = |said: &Said| {
-            let mut dragged = said.dragged.clone();
+        let merged = |checkpoint: &Checkpoint| {
+            let mut dragged = checkpoint.dragged.clone();
             if !(again && is_readable) {
                 return Ok((Some(Arc::clone(&given)), dragged));
             }
@@ -265,12 +265,12 @@ impl Live {
                 right_side(text, &one.name).map_or(String::new(), |(_, side)| side) == one.side
             });
             // Equal right after the program has saved the document.
-            let is_same = text.trim_end() == said.request.text.trim_end();
-            let text = || with_dragged(text, &said.readable, &dragged).into();
+            let is_same = text.trim_end() == checkpoint.request.text.trim_end();
+            let text = || with_dragged(text, &checkpoint.readable, &dragged).into();
             Ok(((!is_same).then(text), dragged))
         };
         let _never_refused = self.change_after(merged, |state, (text, dragged)| {
-            let before = state.said();
+            let before = state.checkpoint();
             state.kept = Arc::clone(&given);
             state.dragged = dragged;
             let Some(text) = text else { return };
@@ -293,7 +293,7 @@ impl Live {
                 state.dragged.clear();
             }
             state.shown = text;
-            self.say(state, before, None);
+            self.record(state, before, None);
         });
     }
 
@@ -332,7 +332,7 @@ impl Live {
         self.change_by(Some(Gesture::View), |request| {
             // The requested orbit may be ahead of the visible one.
             let orbit =
-                request.orbit.get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.seat));
+                request.orbit.get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.view_anchor));
             turn(orbit);
         });
     }
@@ -342,7 +342,7 @@ impl Live {
     pub fn fit(&self) {
         let Some(seen) = self.snapshot().rendering else { return };
         let Settings { width, height, .. } = self.settings();
-        self.turn(|orbit| orbit.fit(seen.model.region(), &seen.seat, width, height));
+        self.turn(|orbit| orbit.fit(seen.model.region(), &seen.view_anchor, width, height));
     }
 
     /// Returns to the view that the document sets.
@@ -377,9 +377,9 @@ impl Live {
     /// Like [`Live::change`], as part of a gesture.
     pub(super) fn change_by(&self, gesture: Option<Gesture>, change: impl FnOnce(&mut Request)) {
         let mut state = self.lock();
-        let before = state.said();
+        let before = state.checkpoint();
         change(&mut state.request);
-        self.say(&mut state, before, gesture);
+        self.record(&mut state, before, gesture);
     }
 
     /// Undoes the last step: a line entered, a setting, a turn or a drag. Returns whether there was
@@ -393,13 +393,13 @@ impl Live {
         self.step(Undo::forth)
     }
 
-    fn step(&self, step: impl FnOnce(&mut Undo, &Said) -> Option<Said>) -> bool {
+    fn step(&self, step: impl FnOnce(&mut Undo, &Checkpoint) -> Option<Checkpoint>) -> bool {
         let mut state = self.lock();
-        let now = state.said();
-        let Some(said) = step(&mut state.undo, &now) else { return false };
-        let text = Arc::clone(&said.request.text);
+        let now = state.checkpoint();
+        let Some(checkpoint) = step(&mut state.undo, &now) else { return false };
+        let text = Arc::clone(&checkpoint.request.text);
         (state.request, state.readable, state.dragged) =
-            (said.request, said.readable, said.dragged);
+            (checkpoint.request, checkpoint.readable, checkpoint.dragged);
         state.typed.clear();
         self.show(&mut state, text);
         true
@@ -412,8 +412,8 @@ impl Live {
     }
 
     /// Requests a picture of the current state, and records the state before as a step to undo.
-    pub(super) fn say(&self, state: &mut State, before: Said, gesture: Option<Gesture>) {
-        let now = state.said();
+    pub(super) fn record(&self, state: &mut State, before: Checkpoint, gesture: Option<Gesture>) {
+        let now = state.checkpoint();
         state.undo.note(before, &now, gesture);
         let shown = Arc::clone(&state.shown);
         self.show(state, shown);
@@ -422,7 +422,7 @@ impl Live {
     pub(super) fn show(&self, state: &mut State, shown: Arc<str>) {
         state.shown = shown;
         if state.shown.trim().is_empty() {
-            state.cleared = state.revision;
+            state.cleared_at = state.revision;
             return;
         }
         let mut request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };
@@ -469,7 +469,7 @@ mod tests {
     }
 
     /// Waits until `done` holds, and panics after [`LIMIT`].
-    fn soon(done: impl Fn() -> bool) {
+    fn wait_until(done: impl Fn() -> bool) {
         let started = Instant::now();
         while !done() {
             assert!(started.elapsed() < LIMIT, "it waits");
@@ -482,7 +482,7 @@ mod tests {
         let (live, slider) = ball();
         let live = Arc::new(live);
         let tries = AtomicUsize::new(0);
-        let work = |said: &Said| {
+        let work = |checkpoint: &Checkpoint| {
             let value = tries.fetch_add(1, Ordering::Relaxed) as f64 + 1.0;
             // Like the window's event loop, which must never wait.
             let (live, slider) = (Arc::clone(&live), slider.clone());
@@ -491,8 +491,8 @@ mod tests {
                 live.drag(&slider, value);
                 live.turn(|orbit| orbit.turn(1.0, 1.0, 8));
             });
-            soon(|| moves.is_finished());
-            Ok(format!("{}\nz = 0", said.request.text))
+            wait_until(|| moves.is_finished());
+            Ok(format!("{}\nz = 0", checkpoint.request.text))
         };
         let changed = live.change_after(work, |state, text| state.request.text = text.into());
         assert!(changed.is_ok());
@@ -508,7 +508,7 @@ mod tests {
     fn an_edit_that_is_refused_late_leaves_no_value_waiting() {
         let (live, slider) = ball();
         let tries = AtomicUsize::new(0);
-        let work = |_: &Said| {
+        let work = |_: &Checkpoint| {
             let number = tries.fetch_add(1, Ordering::Relaxed) + 1;
             live.drag(&slider, number as f64);
             if number < 3 { Ok(()) } else { Err(Refusal::Command("no".to_owned())) }

@@ -77,12 +77,12 @@ pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<R
         let extent = 2.0 * seen.model.region().half_extent();
         format!(": slabs of at most {:.2e}", extent * 0.5_f64.powi(settings.options.depth as i32))
     });
-    let unread = unread(&settings, option);
-    say(format!("{}{}{unread}", (option.describe)(&settings.options), slabs.unwrap_or_default()))
+    let unused_note = unused_note(&settings, option);
+    say(format!("{}{}{unused_note}", (option.describe)(&settings.options), slabs.unwrap_or_default()))
 }
 
 /// A remark if the current method ignores an option; else empty.
-fn unread(settings: &Settings, option: &MethodOption) -> String {
+fn unused_note(settings: &Settings, option: &MethodOption) -> String {
     let method = settings.method;
     if method.reads.contains(option) {
         return String::new();

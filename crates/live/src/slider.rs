@@ -5,8 +5,8 @@ use super::draft::with_value;
 use super::edit::base;
 use super::pipeline::Rendering;
 use super::session::Live;
-use super::undo::{Dragged, Gesture, Said};
-use super::values::{right_side, written};
+use super::undo::{Dragged, Gesture, Checkpoint};
+use super::values::{right_side, format_value};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use zeroset_scene::view::{self, nearest};
@@ -34,7 +34,7 @@ impl Slider {
         let (low, high) = match &parameter.range {
             Some((low, high)) => (nearest(low), nearest(high)),
             None if is_time => (0.0, TAU),
-            None => room(value),
+            None => default_range(value),
         };
         // A value from the command line may lie outside the range.
         let (low, high) = (low.min(value), high.max(value));
@@ -87,7 +87,7 @@ impl Slider {
 }
 
 /// The default range of a value: from 0 to twice the value, or [-1, 1] around 0.
-fn room(value: f64) -> (f64, f64) {
+fn default_range(value: f64) -> (f64, f64) {
     if value == 0.0 {
         (-1.0, 1.0)
     } else {
@@ -113,12 +113,12 @@ impl Live {
     ///
     /// Consecutive calls are one step of [`Live::undo`].
     pub fn drag(&self, slider: &Slider, value: f64) -> u64 {
-        self.put(slider, &written(slider.within(value)), true)
+        self.request_value(slider, &format_value(slider.within(value)), true)
     }
 
     /// Like [`Live::drag`], for the clock: no step to undo.
     pub fn pass(&self, slider: &Slider, value: f64) -> u64 {
-        self.put(slider, &written(slider.within(value)), false)
+        self.request_value(slider, &format_value(slider.within(value)), false)
     }
 
     /// Restores the value that the document had before it was dragged. Returns whether it was
@@ -126,25 +126,25 @@ impl Live {
     pub fn restore(&self, slider: &Slider) -> bool {
         let before = |one: &Dragged| (one.name == slider.name).then(|| one.value.clone());
         let Some(value) = self.lock().dragged.iter().find_map(before) else { return false };
-        self.put(slider, &value, true);
+        self.request_value(slider, &value, true);
         true
     }
 
-    fn put(&self, slider: &Slider, value: &str, is_step: bool) -> u64 {
+    fn request_value(&self, slider: &Slider, value: &str, is_step: bool) -> u64 {
         let (slider, value) = (slider.clone(), value.to_owned());
         self.move_value(Gesture::Value(slider.name.clone()), move |live, gesture| {
-            live.put_now(&slider, &value, is_step, gesture);
+            live.apply_value(&slider, &value, is_step, gesture);
         });
         self.revision()
     }
 
-    fn put_now(&self, slider: &Slider, value: &str, is_step: bool, gesture: Gesture) {
+    fn apply_value(&self, slider: &Slider, value: &str, is_step: bool, gesture: Gesture) {
         let Slider { name, low, high, .. } = slider;
         let range = match (slider.is_time, *low, *high) {
             (true, 0.0, TAU) => "[0, 2pi]".to_owned(),
-            (_, low, high) => format!("[{}, {}]", written(low), written(high)),
+            (_, low, high) => format!("[{}, {}]", format_value(low), format_value(high)),
         };
-        let moved = |Said { request, readable, .. }: &Said| {
+        let moved = |Checkpoint { request, readable, .. }: &Checkpoint| {
             let base = base(request, readable, "");
             let typed = right_side(&request.text, name);
             Ok(with_value(&base, name, value, &range).map(|new| (new, typed)))
@@ -152,12 +152,12 @@ impl Live {
         let _never_refused = self.change_after(moved, |state, moved| {
             let Some((text, typed)) = moved else { return };
             let text: Arc<str> = text.into();
-            let before = is_step.then(|| state.said());
+            let before = is_step.then(|| state.checkpoint());
             if state.dragged.iter().all(|other| other.name != *name) {
                 let given = state.request.overrides.iter().find(|(other, _)| other == name);
                 let time = state.request.time.filter(|_| slider.is_time);
-                let (typed, side) = typed.unwrap_or_else(|| (written(slider.value), String::new()));
-                let value = given.map(|(_, value)| value.clone()).or(time.map(written));
+                let (typed, side) = typed.unwrap_or_else(|| (format_value(slider.value), String::new()));
+                let value = given.map(|(_, value)| value.clone()).or(time.map(format_value));
                 let value = value.unwrap_or(typed);
                 state.dragged.push(Dragged { name: name.clone(), value, side });
             }
@@ -167,8 +167,8 @@ impl Live {
             state.request.text = Arc::clone(&text);
             state.readable = text;
             state.request.forget_given(std::slice::from_ref(name));
-            let before = before.unwrap_or_else(|| state.said());
-            self.say(state, before, Some(gesture));
+            let before = before.unwrap_or_else(|| state.checkpoint());
+            self.record(state, before, Some(gesture));
         });
     }
 }
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_value_without_a_range_has_room_on_both_sides() {
-        assert_eq!([room(2.0), room(-0.5), room(0.0)], [(0.0, 4.0), (-1.0, 0.0), (-1.0, 1.0)]);
-        assert!(room(f64::MAX).1.is_finite());
+        assert_eq!([default_range(2.0), default_range(-0.5), default_range(0.0)], [(0.0, 4.0), (-1.0, 0.0), (-1.0, 1.0)]);
+        assert!(default_range(f64::MAX).1.is_finite());
     }
 }

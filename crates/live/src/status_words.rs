@@ -1,6 +1,6 @@
 //! The window's status line in plain words, and what the words mean.
 
-use super::coming;
+use super::equivalents;
 use super::pipeline::Rendering;
 use super::status::ms;
 use zeroset_render::picture::Settings;
@@ -39,7 +39,7 @@ const WORDS: [(&str, &str); 12] = [
 
 /// The explanation of the status line, and the table of equivalents in other programs.
 pub fn status_words() -> String {
-    format!("{}\n\nComing from another program\n{}", explained(), coming::listed())
+    format!("{}\n\nComing from another program\n{}", explained(), equivalents::listed())
 }
 
 /// The words of the status line, explained.

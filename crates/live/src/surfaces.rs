@@ -12,14 +12,14 @@ use zeroset_shade::{LinearRgb, SurfaceColors};
 use zeroset_syntax::{Document, Options, SurfaceColor};
 
 /// First words of style lines. These apply to the drawings below them.
-const WORDS: [&str; 3] = ["color", "opacity", "hidden"];
+const STYLE_WORDS: [&str; 3] = ["color", "opacity", "hidden"];
 
 /// Number of sample colors of a color map in a list.
 const SWATCH: usize = 6;
 
 /// A surface as a list shows it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Listed {
+pub struct SurfaceEntry {
     /// The formula as it was read.
     pub echo: String,
     /// Sample colors, from left to right, as sRGB bytes.
@@ -32,7 +32,7 @@ pub struct Listed {
 
 impl Rendering {
     /// The surfaces, in document order.
-    pub fn surfaces(&self) -> Vec<Listed> {
+    pub fn surfaces(&self) -> Vec<SurfaceEntry> {
         let surfaces = self.document.surfaces.iter().enumerate();
         let listed = |(number, surface): (usize, &zeroset_syntax::Surface)| {
             let own = || {
@@ -49,7 +49,7 @@ impl Rendering {
                 None => own(),
             };
             let (echo, opacity, hidden) = (surface.echo.clone(), surface.opacity, surface.hidden);
-            Listed { echo, colors, opacity, hidden }
+            SurfaceEntry { echo, colors, opacity, hidden }
         };
         surfaces.map(listed).collect()
     }
@@ -57,7 +57,7 @@ impl Rendering {
 
 /// A drawing in a text, with the style that applies to it.
 #[derive(Clone, Debug, PartialEq)]
-struct Drawn {
+struct StyledDrawing {
     /// Formula, as typed.
     body: String,
     /// Arguments of the `color` line, without an opacity.
@@ -67,17 +67,17 @@ struct Drawn {
 }
 
 /// The style without any style lines: color, opacity, hidden.
-const USUAL: (&str, f64, bool) = ("auto", 1.0, false);
+const DEFAULT_STYLE: (&str, f64, bool) = ("auto", 1.0, false);
 
-impl Drawn {
+impl StyledDrawing {
     fn all(text: &str, document: &Document) -> Vec<Self> {
         let surfaces = document.surfaces.iter().enumerate();
         let one = |(number, surface): (usize, &zeroset_syntax::Surface)| {
             let line = document.line_for("color", number);
-            let color = line.map_or(USUAL.0, |line| {
+            let color = line.map_or(DEFAULT_STYLE.0, |line| {
                 let end = line.share.map_or(line.span.end, |share| share.start);
                 let whole = text[line.span.start..end].trim();
-                whole.split_once(char::is_whitespace).map_or(USUAL.0, |(_, color)| color.trim())
+                whole.split_once(char::is_whitespace).map_or(DEFAULT_STYLE.0, |(_, color)| color.trim())
             });
             Self {
                 body: text[surface.span.range()].to_owned(),
@@ -93,7 +93,7 @@ impl Drawn {
     /// `words` are written.
     fn lines(&self, before: Option<&Self>, words: &[&str]) -> Vec<String> {
         let (color, opacity, hidden) =
-            before.map_or(USUAL, |one| (one.color.as_str(), one.opacity, one.hidden));
+            before.map_or(DEFAULT_STYLE, |one| (one.color.as_str(), one.opacity, one.hidden));
         let mut lines = Vec::new();
         if words.contains(&"color") && self.color != color {
             lines.push(format!("color {}", self.color));
@@ -120,15 +120,15 @@ fn changed(
     text: &str,
     options: &Options<'_>,
     words: &[&str],
-    change: impl FnOnce(&mut Vec<Drawn>),
+    change: impl FnOnce(&mut Vec<StyledDrawing>),
 ) -> Option<(String, Document)> {
     let document = zeroset_syntax::read(text, options).ok()?;
     let slots: Vec<Range<usize>> =
         document.surfaces.iter().map(|surface| surface.span.range()).collect();
-    let mut drawn = Drawn::all(text, &document);
+    let mut drawn = StyledDrawing::all(text, &document);
     change(&mut drawn);
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
-    for line in document.lines.iter().filter(|line| WORDS.contains(&line.word)) {
+    for line in document.lines.iter().filter(|line| STYLE_WORDS.contains(&line.word)) {
         if words.contains(&line.word) {
             edits.push((whole(text, &line.span.range()), String::new()));
         } else if let Some(share) = line.share.filter(|_| words.contains(&"opacity")) {
@@ -161,13 +161,13 @@ fn changed(
         new.replace_range(range, &with);
     }
     let is_said = |said: &Document| {
-        let alike = |(one, other): (&Drawn, &Drawn)| {
+        let alike = |(one, other): (&StyledDrawing, &StyledDrawing)| {
             one.body == other.body
                 && one.color == other.color
                 && one.hidden == other.hidden
                 && percent(one.opacity) == percent(other.opacity)
         };
-        let now = Drawn::all(&new, said);
+        let now = StyledDrawing::all(&new, said);
         now.len() == drawn.len() && now.iter().zip(&drawn).all(alike)
     };
     let said = zeroset_syntax::read(&new, options).ok().filter(is_said)?;
@@ -224,7 +224,7 @@ impl Live {
     /// # Errors
     /// If there is no such surface or place, or no style line can express the change.
     pub fn move_surface(&self, from: usize, to: usize) -> Result<(), Refusal> {
-        self.restyle(from.max(to), &WORDS, None, |drawn| {
+        self.restyle(from.max(to), &STYLE_WORDS, None, |drawn| {
             let one = drawn.remove(from - 1);
             drawn.insert(to - 1, one);
         })
@@ -245,7 +245,7 @@ impl Live {
         number: usize,
         words: &[&str],
         gesture: Option<Gesture>,
-        change: impl Fn(&mut Vec<Drawn>),
+        change: impl Fn(&mut Vec<StyledDrawing>),
     ) -> Result<(), Refusal> {
         let work = |request: &Request, readable: &str| {
             let base = base(request, readable, "");
@@ -273,7 +273,7 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     let plain = without_drawing(text, number)?;
     let look = |text: &str| {
         let document = zeroset_syntax::read(text, options).ok()?;
-        let styles = Drawn::all(text, &document);
+        let styles = StyledDrawing::all(text, &document);
         Some(styles.into_iter().map(|one| (one.color, one.opacity, one.hidden)).collect::<Vec<_>>())
     };
     let mut wanted = look(text).unwrap_or_default();
@@ -285,10 +285,10 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     }
     // Style lines with no drawing below them apply to the drawings above. So the drawing is first
     // moved to the end, with the style of the one before it.
-    let last = changed(text, options, &WORDS, |drawn| {
+    let last = changed(text, options, &STYLE_WORDS, |drawn| {
         let one = drawn.remove(number - 1);
         let like = drawn.last().unwrap_or(&one).clone();
-        drawn.push(Drawn { body: one.body, ..like });
+        drawn.push(StyledDrawing { body: one.body, ..like });
     });
     let moved = last.and_then(|(text, _)| without_drawing(&text, wanted.len() + 1).ok());
     Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
@@ -307,7 +307,7 @@ pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
 mod tests {
     use super::*;
 
-    fn edited(text: &str, words: &[&str], change: impl FnOnce(&mut Vec<Drawn>)) -> Option<String> {
+    fn edited(text: &str, words: &[&str], change: impl FnOnce(&mut Vec<StyledDrawing>)) -> Option<String> {
         changed(text, &Options::default(), words, change).map(|(text, _)| text)
     }
 
@@ -357,7 +357,7 @@ mod tests {
     #[test]
     fn what_is_moved_keeps_its_looks() {
         let text = "x = 1 # first\ncolor red 50%\ny = 1\nhidden\nz = 1";
-        let moved = edited(text, &WORDS, |drawn| drawn.rotate_left(1)).expect("moved");
+        let moved = edited(text, &STYLE_WORDS, |drawn| drawn.rotate_left(1)).expect("moved");
         assert_eq!(
             moved,
             "color red\nopacity 50%\ny = 1 # first\nhidden\nz = 1\ncolor auto\nopacity 100%\n\

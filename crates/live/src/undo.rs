@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Number of steps kept.
-const KEPT: usize = 200;
+const MAX_STEPS: usize = 200;
 
 /// Longest pause between changes of one gesture.
 const PAUSE: Duration = Duration::from_secs(1);
@@ -34,22 +34,22 @@ pub(super) struct Dragged {
 
 /// State of the document and its view, for undo.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Said {
+pub(super) struct Checkpoint {
     pub request: Request,
     /// The last text that parsed.
     pub readable: Arc<str>,
     pub dragged: Vec<Dragged>,
 }
 
-impl Said {
+impl Checkpoint {
     /// Returns whether both are the same, except for the picture's size and the axes.
     fn is_same(&self, other: &Self) -> bool {
         let mut framed = self.clone();
-        framed.take_frame(other);
+        framed.copy_size_and_axes(other);
         framed == *other
     }
 
-    fn take_frame(&mut self, other: &Self) {
+    fn copy_size_and_axes(&mut self, other: &Self) {
         self.request.axes = other.request.axes;
         let size = &other.request.settings;
         let settings = &mut self.request.settings;
@@ -60,8 +60,8 @@ impl Said {
 /// The history: steps to undo and steps to redo.
 #[derive(Default)]
 pub(super) struct Undo {
-    past: Vec<Said>,
-    future: Vec<Said>,
+    past: Vec<Checkpoint>,
+    future: Vec<Checkpoint>,
     last: Option<(Gesture, Instant)>,
     /// Set while a mouse button is held. A gesture then continues through any pause.
     held: bool,
@@ -69,7 +69,7 @@ pub(super) struct Undo {
 
 impl Undo {
     /// Records that the state changed from `before` to `now`.
-    pub fn note(&mut self, before: Said, now: &Said, gesture: Option<Gesture>) {
+    pub fn note(&mut self, before: Checkpoint, now: &Checkpoint, gesture: Option<Gesture>) {
         if before.is_same(now) {
             return;
         }
@@ -81,7 +81,7 @@ impl Undo {
             return;
         }
         self.future.clear();
-        if self.past.len() == KEPT {
+        if self.past.len() == MAX_STEPS {
             self.past.remove(0);
         }
         self.past.push(before);
@@ -95,16 +95,16 @@ impl Undo {
     }
 
     /// Returns the previous state and stores `now` for redo. `None` if there is nothing to undo.
-    pub fn back(&mut self, now: &Said) -> Option<Said> {
+    pub fn back(&mut self, now: &Checkpoint) -> Option<Checkpoint> {
         let mut other = self.past.pop()?;
-        other.take_frame(now);
+        other.copy_size_and_axes(now);
         self.future.push(now.clone());
         self.last = None;
         Some(other)
     }
 
     /// Returns the state that was last undone. `None` if there is nothing to redo.
-    pub fn forth(&mut self, now: &Said) -> Option<Said> {
+    pub fn forth(&mut self, now: &Checkpoint) -> Option<Checkpoint> {
         mem::swap(&mut self.past, &mut self.future);
         let other = self.back(now);
         mem::swap(&mut self.past, &mut self.future);
@@ -116,27 +116,27 @@ impl Undo {
 mod tests {
     use super::*;
 
-    fn said(text: &str) -> Said {
+    fn checkpoint(text: &str) -> Checkpoint {
         let request = Request { text: text.into(), ..Request::default() };
-        Said { request, readable: text.into(), dragged: Vec::new() }
+        Checkpoint { request, readable: text.into(), dragged: Vec::new() }
     }
 
     #[test]
     fn steps_are_taken_back_and_forth_and_gestures_whole() {
         let mut undo = Undo::default();
-        undo.note(said("a"), &said("b"), None);
+        undo.note(checkpoint("a"), &checkpoint("b"), None);
         for (before, now) in [("b", "c"), ("c", "d")] {
-            undo.note(said(before), &said(now), Some(Gesture::View));
+            undo.note(checkpoint(before), &checkpoint(now), Some(Gesture::View));
         }
-        undo.note(said("d"), &said("d"), None);
-        assert_eq!(undo.back(&said("d")), Some(said("b")));
-        assert_eq!(undo.back(&said("b")), Some(said("a")));
-        assert_eq!(undo.back(&said("a")), None);
-        assert_eq!(undo.forth(&said("a")), Some(said("b")));
+        undo.note(checkpoint("d"), &checkpoint("d"), None);
+        assert_eq!(undo.back(&checkpoint("d")), Some(checkpoint("b")));
+        assert_eq!(undo.back(&checkpoint("b")), Some(checkpoint("a")));
+        assert_eq!(undo.back(&checkpoint("a")), None);
+        assert_eq!(undo.forth(&checkpoint("a")), Some(checkpoint("b")));
         // A new change clears the redo steps.
-        undo.note(said("b"), &said("e"), None);
-        assert_eq!(undo.forth(&said("e")), None);
-        assert_eq!(undo.back(&said("e")), Some(said("b")));
+        undo.note(checkpoint("b"), &checkpoint("e"), None);
+        assert_eq!(undo.forth(&checkpoint("e")), None);
+        assert_eq!(undo.back(&checkpoint("e")), Some(checkpoint("b")));
     }
 
     #[test]
@@ -144,26 +144,26 @@ mod tests {
         let mut undo = Undo::default();
         for (before, now) in [("a", "b"), ("b", "c")] {
             undo.hold(true);
-            undo.note(said(before), &said(now), Some(Gesture::View));
+            undo.note(checkpoint(before), &checkpoint(now), Some(Gesture::View));
             undo.hold(false);
         }
-        assert_eq!(undo.back(&said("c")), Some(said("b")));
+        assert_eq!(undo.back(&checkpoint("c")), Some(checkpoint("b")));
     }
 
     #[test]
     fn a_picture_of_another_size_is_no_step() {
         let mut undo = Undo::default();
-        let mut larger = said("a");
+        let mut larger = checkpoint("a");
         larger.request.settings.width = 9;
-        undo.note(said("a"), &larger, None);
+        undo.note(checkpoint("a"), &larger, None);
         assert_eq!(undo.back(&larger), None);
     }
 
     #[test]
     fn the_oldest_steps_are_forgotten() {
         let mut undo = Undo::default();
-        (0..KEPT + 9).for_each(|n| undo.note(said(&n.to_string()), &said("now"), None));
-        assert_eq!(undo.past.len(), KEPT);
-        assert_eq!(undo.past[0], said("9"));
+        (0..MAX_STEPS + 9).for_each(|n| undo.note(checkpoint(&n.to_string()), &checkpoint("now"), None));
+        assert_eq!(undo.past.len(), MAX_STEPS);
+        assert_eq!(undo.past[0], checkpoint("9"));
     }
 }

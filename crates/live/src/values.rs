@@ -72,7 +72,7 @@ pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
 }
 
 /// The shortest text that reads as this number.
-pub(super) fn written(value: f64) -> String {
+pub(super) fn format_value(value: f64) -> String {
     let size = value.abs();
     // Avoids `-0`.
     if value == 0.0 {
@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn numbers_are_written_so_that_they_are_read() {
         for value in [0.0, -0.0, 1.5, -2.25e-9, 3e18, 1e-6, 0.1 + 0.2] {
-            assert_eq!(number(&written(value)), Some(value), "{value}");
+            assert_eq!(number(&format_value(value)), Some(value), "{value}");
         }
     }
 }

@@ -24,7 +24,7 @@ const FILLED: f64 = 0.86;
 const FILLED_BY_DOMAIN: f64 = 0.8;
 
 /// Radius, in pixels, that a painted pixel of the small picture stands for.
-const REACH: f64 = 0.75;
+const SPOT_RADIUS: f64 = 0.75;
 
 /// With fewer painted pixels than this, the whole region is shown.
 const LEAST: usize = 8;
@@ -146,12 +146,12 @@ fn usual(
     region: &Region,
     choice: &CameraChoice,
     settings: &Settings,
-) -> Result<(Camera, Option<View>), SceneError> {
+) -> Result<(Camera, Option<FreeView>), SceneError> {
     let usual = view::camera(document, region, choice)?;
     let view = match usual.projection() {
         Projection::Perspective { fov } if !is_chosen(document, choice) => {
             let aspect = settings.width as f64 / settings.height as f64;
-            Some(View { fov, up: usual.up(), aspect })
+            Some(FreeView { fov, up: usual.up(), aspect })
         }
         Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
     };
@@ -204,14 +204,14 @@ fn corners(region: &Region) -> Vec<Spot> {
 }
 
 /// Properties of a camera besides its position.
-struct View {
+struct FreeView {
     fov: f64,
     up: DVec3,
     /// Aspect ratio: width divided by height.
     aspect: f64,
 }
 
-impl View {
+impl FreeView {
     /// The visible points in small pictures of the models, seen from the direction `back`. `None`
     /// if that is no longer wanted.
     fn seen(
@@ -247,7 +247,7 @@ impl View {
                 let ray = rays.ray_of(pixel);
                 let at = ray.at(ray.parameter(picture.buffer.drawn[pixel]));
                 let depth = (at - camera.eye()).dot(forward);
-                Spot { at, radius: REACH * depth * 2.0 * slope / SIDE as f64 }
+                Spot { at, radius: SPOT_RADIUS * depth * 2.0 * slope / SIDE as f64 }
             };
             seen.extend(painted.map(spot).filter(|spot| spot.at.is_finite()));
         }

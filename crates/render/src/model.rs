@@ -32,7 +32,7 @@ pub struct Model {
     program: Program,
     /// Styles of the surfaces: everything but their functions.
     styles: Vec<zeroset_syntax::Surface>,
-    setting: Setting,
+    setting: DocumentStyle,
     remarks: Vec<String>,
     /// Float type of the kernels, unless a picture asks for another.
     precision: Precision,
@@ -44,7 +44,7 @@ pub struct Model {
 }
 
 /// Picture settings of a document.
-struct Setting {
+struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
     lines: PictureLines,
@@ -54,7 +54,7 @@ struct Setting {
     parameters: Vec<f64>,
 }
 
-impl Setting {
+impl DocumentStyle {
     fn of(document: &Document) -> Self {
         let lines = &document.picture;
         let height = || {
@@ -114,8 +114,8 @@ impl Model {
         };
         let surfaces = document.surfaces.par_iter().enumerate();
         // The kernels of a hidden surface are compiled when it is first shown.
-        let seen = surfaces.filter(|(_, surface)| !surface.hidden);
-        seen.try_for_each(|(n, surface)| {
+        let visible_surfaces = surfaces.filter(|(_, surface)| !surface.hidden);
+        visible_surfaces.try_for_each(|(n, surface)| {
             make(&program, n, surface.kind, region, settings, wanted)
         })?;
         if !wanted() {
@@ -135,7 +135,7 @@ impl Model {
         let styles = document.surfaces.clone();
         Self {
             region: *region,
-            setting: Setting::of(document),
+            setting: DocumentStyle::of(document),
             remarks: program.remarks(document),
             program,
             precision,
@@ -191,7 +191,7 @@ impl Model {
     }
 
     /// Numbers of the visible surfaces.
-    fn seen(&self) -> impl Iterator<Item = usize> + '_ {
+    fn visible_surfaces(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.surfaces()).filter(|surface| !self.styles[*surface].hidden)
     }
 
@@ -244,7 +244,7 @@ impl Model {
         let boxes = Boxes::<T>::around(&points.collect::<Vec<_>>());
         // For so few points, interpreting is faster than compiling.
         let program = self.program.on(Evaluator::Reference);
-        for surface in self.seen() {
+        for surface in self.visible_surfaces() {
             let zeros = program.kernels::<T>(surface).zeros()?;
             let flat = zeros.eval_all(&boxes).iter().zip(&boxes).all(|(zeros, boxes)| {
                 let all = u16::MAX >> (u16::BITS - boxes.count);
@@ -267,7 +267,7 @@ impl Model {
         settings: &Settings,
         progress: Progress<'_>,
     ) -> Result<Picture, ProgramError> {
-        let pixels = settings.width * settings.height * self.seen().count();
+        let pixels = settings.width * settings.height * self.visible_surfaces().count();
         let done = AtomicUsize::new(0);
         let advance = |pixels_done: usize| {
             let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;

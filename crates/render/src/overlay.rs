@@ -5,9 +5,9 @@ mod canvas;
 mod legend;
 mod ticks;
 
-pub use axes::Shown;
+pub use axes::PictureView;
 pub use canvas::{Canvas, Rgb};
-pub use legend::{Legend, nice};
+pub use legend::{Legend, round_step};
 
 use axes::draw_box;
 use ticks::ticks;
@@ -24,14 +24,14 @@ const LONGEST: usize = 24;
 
 /// Choice of the drawings around a picture.
 #[derive(Clone, Copy)]
-pub struct Around {
+pub struct Overlay {
     /// Set to draw the region's box with ticks.
     pub axes: bool,
     /// Set to draw the legends of color maps.
     legend: bool,
 }
 
-impl Around {
+impl Overlay {
     /// With or without axes. A legend comes with axes unless the document says otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {
         Self { axes, legend: document.picture.legend.unwrap_or(axes) }
@@ -50,7 +50,7 @@ impl Around {
 
     /// Draws axes and legends over a picture in the upper `height` rows of the canvas. Legends
     /// start at the top, or end at the bottom with `to_bottom`.
-    pub fn draw(self, canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
+    pub fn draw(self, canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
         if self.axes {
             draw_box(canvas, shown, height);
         }
@@ -61,7 +61,7 @@ impl Around {
 
     /// Axes and legends for a picture of this size, to be mixed into its rows. `shown` may be a
     /// smaller picture of the same view.
-    pub fn marks(self, shown: Shown<'_>, [width, height]: [usize; 2]) -> Canvas {
+    pub fn marks(self, shown: PictureView<'_>, [width, height]: [usize; 2]) -> Canvas {
         let scale = ((height + ROWS / 2) / ROWS).max(1);
         let mut canvas = Canvas::new(width, height, Vec::new(), scale);
         if !shown.picture.rgb.is_empty() {
@@ -71,7 +71,7 @@ impl Around {
     }
 
     /// The picture's colors with axes and legends, as sRGB bytes.
-    pub fn over(self, shown: Shown<'_>) -> Vec<u8> {
+    pub fn over(self, shown: PictureView<'_>) -> Vec<u8> {
         let (buffer, mut rgb) = (&shown.picture.buffer, shown.picture.rgb.clone());
         self.marks(shown, [buffer.width, buffer.height]).mix_into(&mut rgb, 0);
         rgb
@@ -80,7 +80,7 @@ impl Around {
 
 /// Draws legends below each other at the right edge of a picture that takes `height` rows of the
 /// canvas. They start at the top, or end at the bottom with `to_bottom`.
-fn draw_legends(canvas: &mut Canvas, shown: Shown<'_>, height: usize, to_bottom: bool) {
+fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
     let legends = &shown.picture.legends;
     let (ink, space) = (shown.ink(), 10 * canvas.scale);
     let tall = (TALL * height as f64) as usize / legends.len().max(1);
@@ -164,20 +164,20 @@ mod tests {
     #[test]
     fn axes_are_drawn_over_the_picture_and_faint_behind_it() {
         let (picture, camera, region) = picture("x^2+y^2+z^2 = 1");
-        let shown = Shown { camera: &camera, region: &region, picture: &picture };
+        let shown = PictureView { camera: &camera, region: &region, picture: &picture };
         assert_eq!(
-            Around { axes: false, legend: true }.over(shown),
+            Overlay { axes: false, legend: true }.over(shown),
             picture.rgb,
             "there is nothing to tell"
         );
-        let after = Around { axes: true, legend: false }.over(shown);
+        let after = Overlay { axes: true, legend: false }.over(shown);
         let lines = changed(&picture, &after);
         let on_surface = lines.iter().filter(|&&n| picture.buffer.is_drawn(n)).count();
         assert!(lines.len() > 1500 && on_surface > 20, "{} {on_surface}", lines.len());
         // The same lines, with nothing in front of them.
         let mut clear = picture.clone();
         clear.buffer.drawn.fill(f64::INFINITY);
-        let seen = Around { axes: true, legend: false }.over(Shown { picture: &clear, ..shown });
+        let seen = Overlay { axes: true, legend: false }.over(PictureView { picture: &clear, ..shown });
         let change = |rgb: &[u8], on_surface: bool| -> u64 {
             let lines = lines.iter().filter(|&&n| picture.buffer.is_drawn(n) == on_surface);
             lines.map(|&n| u64::from(picture.rgb[3 * n].abs_diff(rgb[3 * n]))).sum()
@@ -193,8 +193,8 @@ mod tests {
         let [legend] = &picture.legends[..] else { panic!("{:?}", picture.legends) };
         assert!(legend.value == "z" && legend.low > -1.01 && legend.low < -0.8, "{legend:?}");
         assert!((0.95..1.01).contains(&legend.high), "{legend:?}");
-        let shown = Shown { camera: &camera, region: &region, picture: &picture };
-        let after = Around { axes: false, legend: true }.over(shown);
+        let shown = PictureView { camera: &camera, region: &region, picture: &picture };
+        let after = Overlay { axes: false, legend: true }.over(shown);
         let pixels = after.as_chunks::<3>().0;
         for end in [0.0, 1.0] {
             let color = legend.map.bytes(end);

@@ -207,7 +207,7 @@ impl Picture {
     }
 
     /// For each pixel, row by row, whether it is open only because of the preview or the budget.
-    pub(crate) fn unsettled(&self) -> impl Iterator<Item = bool> + '_ {
+    pub(crate) fn open_mask(&self) -> impl Iterator<Item = bool> + '_ {
         (0..self.buffer.status.len())
             .map(|pixel| self.buffer.reason(pixel) == UndecidedReason::Budget)
     }
@@ -253,7 +253,7 @@ pub struct Statistics {
     /// Numbers of pixels by status.
     pub pixels: PixelCounts,
     /// Statistics of undecided pixels.
-    pub open: Open,
+    pub open: UndecidedStatistics,
     /// Evaluations of kernels, except for antialiasing.
     pub work: KernelStats,
     /// Number of rays for antialiasing.
@@ -268,7 +268,7 @@ pub struct Statistics {
 
 /// Statistics of undecided pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Open {
+pub struct UndecidedStatistics {
     /// Number of pixels for each of [`UndecidedReason::ALL`].
     pub reasons: [usize; UndecidedReason::ALL.len()],
     /// Number of unpainted undecided pixels. It excludes rays of methods that prove nothing, and
@@ -278,7 +278,7 @@ pub struct Open {
     pub unreached: usize,
 }
 
-impl Open {
+impl UndecidedStatistics {
     pub(crate) fn of(buffer: &GBuffer, proves: Proves) -> Self {
         let blank = |pixel: &usize| {
             let is_said = match buffer.reason(*pixel) {

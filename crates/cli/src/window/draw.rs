@@ -12,7 +12,7 @@ use minifb::MouseMode;
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset_live::{Fault, Rendering, Slider, Snapshot};
-use zeroset_render::overlay::Around;
+use zeroset_render::overlay::Overlay;
 use zeroset_render::overlay::{Canvas, Rgb};
 
 const PAPER: Rgb = 0x00f4_f4f6;
@@ -246,7 +246,7 @@ impl Backdrop {
         let pixels = std::mem::take(&mut self.pixels);
         let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
         // Legends are at the bottom, since the lists are at the top.
-        let around = Around::new(axes, &rendering.document);
+        let around = Overlay::new(axes, &rendering.document);
         around.draw(&mut canvas, (&**rendering).into(), picture.1, true);
         self.pixels = canvas.pixels;
     }

@@ -2,7 +2,7 @@
 
 use super::rows::{RowLayout, SPACE};
 use crate::theme::{CHOSEN, GROUND, INK, TRACK};
-use zeroset_live::Listed;
+use zeroset_live::SurfaceEntry;
 use zeroset_render::overlay::{Canvas, Rgb};
 
 const BRIGHT: Rgb = 0x00ff_ffff;
@@ -46,7 +46,7 @@ pub struct List {
 #[derive(Clone, PartialEq)]
 pub struct Shown {
     pub list: List,
-    pub surfaces: Vec<Listed>,
+    pub surfaces: Vec<SurfaceEntry>,
     pub hovered: Option<(usize, ListPart)>,
     /// The surface that is being dragged, and its new index.
     pub dragged: Option<(usize, usize)>,
@@ -123,7 +123,7 @@ impl List {
     }
 
     /// Draws the colors of a surface, or only their frame if it is hidden.
-    fn swatch(&self, canvas: &mut Canvas, surface: &Listed, top: i64, is_bright: bool) {
+    fn swatch(&self, canvas: &mut Canvas, surface: &SurfaceEntry, top: i64, is_bright: bool) {
         let scale = self.scale;
         let (left, top) = ((self.left + SPACE * scale) as i64, top + 4 * scale as i64);
         let (wide, high) = (SWATCH * scale, 12 * scale);

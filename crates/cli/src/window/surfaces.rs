@@ -5,7 +5,7 @@ use super::list::{List, ListPart, Shown};
 use super::sliders::is_next_due;
 use minifb::Key;
 use std::time::Instant;
-use zeroset_live::{Listed, Snapshot};
+use zeroset_live::{SurfaceEntry, Snapshot};
 use zeroset_render::overlay::Canvas;
 
 /// Change of an opacity by one press of an arrow key.
@@ -14,7 +14,7 @@ const STEP: f64 = 0.05;
 /// The list of surfaces, and their changes.
 #[derive(Default)]
 pub struct Surfaces {
-    all: Vec<Listed>,
+    all: Vec<SurfaceEntry>,
     list: Option<List>,
     /// Whether the list is wanted; by default, if there are several surfaces.
     wanted: Option<bool>,
@@ -48,7 +48,7 @@ impl Surfaces {
     }
 
     /// Takes the surfaces of a new picture.
-    pub fn follow(&mut self, mut all: Vec<Listed>) {
+    pub fn follow(&mut self, mut all: Vec<SurfaceEntry>) {
         if all.len() != self.all.len() {
             (self.held, self.hovered, self.opacity) = (None, None, None);
         }

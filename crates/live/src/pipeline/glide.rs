@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 use zeroset_trace::{Camera, Projection};
 
 /// Duration of a glide.
-const TAKES: Duration = Duration::from_millis(240);
+const GLIDE_TIME: Duration = Duration::from_millis(240);
 
 /// Shortest time between two pictures of a glide.
 const FRAME: Duration = Duration::from_millis(16);
@@ -25,7 +25,7 @@ impl Glide {
 
     /// The current camera. `None` at the end.
     pub fn camera(&self) -> Option<Camera> {
-        let share = self.since.elapsed().as_secs_f64() / TAKES.as_secs_f64();
+        let share = self.since.elapsed().as_secs_f64() / GLIDE_TIME.as_secs_f64();
         // Slow at both ends.
         let eased = share * share * (3.0 - 2.0 * share);
         if share < 1.0 { between(&self.from, &self.to, eased) } else { None }

@@ -7,7 +7,7 @@ use std::time::Duration;
 const COARSE: Duration = Duration::from_millis(20);
 
 /// No coarse picture comes first if the full one takes at most this long.
-const PROMPT: Duration = Duration::from_millis(30);
+const PROMPT_FULL: Duration = Duration::from_millis(30);
 
 /// If the full picture is expected to take longer than this after a coarse one, a picture of half
 /// its width comes between.
@@ -33,7 +33,7 @@ impl Pace {
     /// pixels.
     pub fn first(&self, pixels: usize) -> f64 {
         let Some(affordable) = self.affordable else { return COARSEST };
-        if self.full.is_some_and(|pixel| pixel * pixels as f64 <= PROMPT.as_secs_f64()) {
+        if self.full.is_some_and(|pixel| pixel * pixels as f64 <= PROMPT_FULL.as_secs_f64()) {
             return 1.0;
         }
         let scale = (pixels as f64 / affordable).sqrt();

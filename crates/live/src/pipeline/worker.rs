@@ -1,8 +1,8 @@
 //! The worker thread, and what it reuses from one request to the next.
 
 use super::pace::Pace;
-use super::rooms;
-use super::{Fault, Reason, Rendering, Request, Shared, State, same_document};
+use super::domain_hysteresis;
+use super::{Fault, FaultReason, Rendering, Request, Shared, State, same_document};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError, Weak};
 use std::time::{Duration, Instant};
@@ -25,10 +25,10 @@ pub(super) struct Worker {
     pub shared: Arc<Shared>,
     /// The document read last, with its request.
     read: Option<(Arc<Request>, Arc<Document>)>,
-    built: Option<Built>,
+    built: Option<CachedModel>,
     /// Program of the last search for a region.
     search: Option<Program>,
-    pub framed: Option<Framed>,
+    pub framed: Option<FittedCamera>,
     /// Number of different formulas so far.
     formulas: u64,
     /// Measured cost of the current model's pictures.
@@ -38,30 +38,30 @@ pub(super) struct Worker {
 }
 
 /// A model, and the request and document it was built from.
-struct Built {
+struct CachedModel {
     request: Arc<Request>,
     document: Arc<Document>,
-    made: Made,
+    made: AnchoredModel,
 }
 
 /// A model with its automatic region, if any, and the region that views are relative to.
 #[derive(Clone)]
-pub(super) struct Made {
+pub(super) struct AnchoredModel {
     pub model: Arc<Model>,
     searched: Option<AutoDomain>,
-    pub seat: Region,
+    pub view_anchor: Region,
     /// Identifies the formula, whatever its parameter values.
     pub formula: u64,
 }
 
 /// A fitted camera, and what it was fitted to.
-pub(super) struct Framed {
+pub(super) struct FittedCamera {
     /// The model, unless it has been freed.
     pub model: Weak<Model>,
     pub region: Region,
-    /// Identifies the formula, as in [`Made`].
+    /// Identifies the formula, as in [`AnchoredModel`].
     pub formula: u64,
-    pub asked: Asked,
+    pub key: FitKey,
     pub camera: Camera,
     /// Set once the camera has reached its fitted position.
     pub arrived: bool,
@@ -69,24 +69,24 @@ pub(super) struct Framed {
 
 /// Settings that a fitted camera depends on.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) struct Asked {
+pub(super) struct FitKey {
     pub choice: CameraChoice,
     pub size: (usize, usize),
     pub axes: bool,
 }
 
 /// Data shared by all pictures of a request.
-pub(super) struct Shot<'a> {
+pub(super) struct JobContext<'a> {
     pub job: &'a Job,
     pub document: &'a Arc<Document>,
-    pub made: &'a Made,
+    pub made: &'a AnchoredModel,
     parse: Duration,
 }
 
-impl Shot<'_> {
+impl JobContext<'_> {
     pub fn rendering(&self, camera: Camera, picture: Picture, coarse: bool) -> Rendering {
         let Self { job, parse, .. } = *self;
-        let Made { ref model, searched, seat, .. } = *self.made;
+        let AnchoredModel { ref model, searched, view_anchor, .. } = *self.made;
         let pixels = picture.statistics.pixels;
         let is_blank = !coarse && pixels.hit + pixels.undecided == 0;
         let undefined = picture.undefined;
@@ -98,7 +98,7 @@ impl Shot<'_> {
             document: Arc::clone(self.document),
             model: Arc::clone(model),
             searched,
-            seat,
+            view_anchor,
             camera,
             blank,
             picture,
@@ -139,13 +139,13 @@ impl Worker {
             let served = served.unwrap_or_else(|_| {
                 // State left by a panic may be inconsistent.
                 self = Self::new(Arc::clone(&self.shared));
-                Err(Reason::Bug)
+                Err(FaultReason::Bug)
             });
             if let Err(reason) = served {
-                let is_text = matches!(reason, Reason::Text(_));
+                let is_text = matches!(reason, FaultReason::Text(_));
                 self.report(&job, reason);
                 if is_text {
-                    self.go_on(&job);
+                    self.redraw_shown(&job);
                 }
             }
             let mut state = self.shared.lock();
@@ -157,7 +157,7 @@ impl Worker {
     }
 
     /// Publishes the error of a request.
-    fn report(&self, job: &Job, reason: Reason) {
+    fn report(&self, job: &Job, reason: FaultReason) {
         let request = Arc::clone(&job.request);
         let fault = Fault { revision: job.revision, request, reason };
         self.shared.lock().snapshot.fault = Some(Arc::new(fault));
@@ -166,8 +166,8 @@ impl Worker {
 
     /// Draws the document that is shown with the new request's settings, when the new text has
     /// errors.
-    fn go_on(&mut self, job: &Job) {
-        let Some(Built { request: shown, .. }) = &self.built else { return };
+    fn redraw_shown(&mut self, job: &Job) {
+        let Some(CachedModel { request: shown, .. }) = &self.built else { return };
         let Request { source, text, overrides, time, .. } = (**shown).clone();
         let request = Request { source, text, overrides, time, ..(*job.request).clone() };
         let job = Job { request: Arc::new(request), ..*job };
@@ -192,18 +192,18 @@ impl Worker {
     }
 
     /// Draws the pictures of a request, and stops when there is a newer one.
-    fn serve(&mut self, job: &Job) -> Result<(), Reason> {
+    fn serve(&mut self, job: &Job) -> Result<(), FaultReason> {
         let started = Instant::now();
-        let document = self.document(&job.request).map_err(Reason::Text)?;
+        let document = self.document(&job.request).map_err(FaultReason::Text)?;
         let parse = started.elapsed();
         if !self.shared.wanted(job) {
             return Ok(());
         }
         let Some(made) = self.model(job, &document)? else { return Ok(()) };
-        let shot = Shot { job, document: &document, made: &made, parse };
-        let Some(camera) = self.camera(&shot)? else { return Ok(()) };
+        let context = JobContext { job, document: &document, made: &made, parse };
+        let Some(camera) = self.camera(&context)? else { return Ok(()) };
         let full = &job.request.settings;
-        if let Some(seen) = self.seen_alike(&made.model, &camera, full) {
+        if let Some(seen) = self.relightable(&made.model, &camera, full) {
             return self.relight(job, &seen);
         }
         let size = full.width * full.height;
@@ -215,32 +215,32 @@ impl Worker {
             // While only the camera moves, a coarse picture is worth finishing: it shows the
             // movement.
             let advance =
-                |_| if is_full { self.shared.wanted(job) } else { self.wanted_coarsely(job) };
+                |_| if is_full { self.shared.wanted(job) } else { self.is_coarse_wanted(job) };
             let picture = made.model.trace(&camera, &settings, &advance)?;
             if !advance(0) {
                 return Ok(());
             }
             self.pace.learn(settings.width * settings.height, is_full, started.elapsed());
             let is_settled = is_full && picture.left_open() == 0;
-            let rendering = Arc::new(shot.rendering(camera, picture, !is_settled));
+            let rendering = Arc::new(context.rendering(camera, picture, !is_settled));
             self.publish(Arc::clone(&rendering));
             if is_full {
-                return self.finish(&shot, rendering);
+                return self.finish(&context, rendering);
             }
             scale = self.pace.next(scale, size);
         }
     }
 
     /// Decides the rays that the full picture left open, then applies the requested light.
-    fn finish(&mut self, shot: &Shot<'_>, mut seen: Arc<Rendering>) -> Result<(), Reason> {
-        let (job, full) = (shot.job, &shot.job.request.settings);
+    fn finish(&mut self, context: &JobContext<'_>, mut seen: Arc<Rendering>) -> Result<(), FaultReason> {
+        let (job, full) = (context.job, &context.job.request.settings);
         let plain = full.plain();
         if seen.coarse {
             let advance = |_| self.shared.wanted(job);
-            let model = &shot.made.model;
+            let model = &context.made.model;
             let picture = model.settle(&seen.picture, &seen.camera, &plain, &advance)?;
             let Some(picture) = picture.filter(|_| advance(0)) else { return Ok(()) };
-            seen = Arc::new(shot.rendering(seen.camera, picture, false));
+            seen = Arc::new(context.rendering(seen.camera, picture, false));
             self.publish(Arc::clone(&seen));
         }
         if *full != plain {
@@ -251,7 +251,7 @@ impl Worker {
     }
 
     /// The full picture that is shown, if the request differs from it only in light.
-    fn seen_alike(
+    fn relightable(
         &self,
         model: &Arc<Model>,
         camera: &Camera,
@@ -266,7 +266,7 @@ impl Worker {
     }
 
     /// Applies the requested light to a plain full picture, unless a newer request exists.
-    fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), Reason> {
+    fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), FaultReason> {
         let (settings, advance) = (&job.request.settings, |_| self.shared.wanted(job));
         if !advance(0) {
             return Ok(());
@@ -306,7 +306,7 @@ impl Worker {
         drop(self.shared.changed.wait_timeout_while(state, time, waiting));
     }
 
-    fn wanted_coarsely(&self, job: &Job) -> bool {
+    fn is_coarse_wanted(&self, job: &Job) -> bool {
         let state = self.shared.lock();
         !state.stop
             && (state.revision == job.revision || same_document(&state.request, &job.request))
@@ -324,7 +324,7 @@ impl Worker {
     }
 
     /// The compiled model, reused if possible. `None` if a newer request interrupts.
-    fn model(&mut self, job: &Job, document: &Arc<Document>) -> Result<Option<Made>, SceneError> {
+    fn model(&mut self, job: &Job, document: &Arc<Document>) -> Result<Option<AnchoredModel>, SceneError> {
         let request = &job.request;
         let last = self.built.take();
         let old = last.as_ref().filter(|built| {
@@ -340,7 +340,7 @@ impl Worker {
             None => self.made(job, document, old),
         };
         self.built = match &made {
-            Ok(Some(made)) => Some(Built {
+            Ok(Some(made)) => Some(CachedModel {
                 request: Arc::clone(request),
                 document: Arc::clone(document),
                 made: made.clone(),
@@ -355,19 +355,19 @@ impl Worker {
         &mut self,
         job: &Job,
         document: &Arc<Document>,
-        old: Option<&Built>,
-    ) -> Result<Option<Made>, SceneError> {
+        old: Option<&CachedModel>,
+    ) -> Result<Option<AnchoredModel>, SceneError> {
         let Request { domain, clip, settings, .. } = &*job.request;
         // Code serves other parameter values in the same region.
         let same = old.filter(|built| {
             built.document.domain == document.domain
                 && (built.made.searched.is_none() || view::same_search(&built.document, document))
         });
-        if let Some(Built { made, .. }) = same {
+        if let Some(CachedModel { made, .. }) = same {
             let clip = clip.or(view::typed_clip(document));
-            let region = rooms::clipped(made.model.region(), clip)?;
+            let region = domain_hysteresis::clipped(made.model.region(), clip)?;
             if let Some(model) = made.model.rebound(document, &region) {
-                return Ok(Some(Made { model: Arc::new(model?), ..*made }));
+                return Ok(Some(AnchoredModel { model: Arc::new(model?), ..*made }));
             }
         }
         let Self { shared, search, .. } = self;
@@ -381,28 +381,28 @@ impl Worker {
         // For the same formula, the region changes little, so that the surface visibly grows or
         // shrinks.
         let moved = old.filter(|_| formula.is_some());
-        let region = moved.map_or(Ok(found), |made| rooms::for_next(made.model.region(), &found));
+        let region = moved.map_or(Ok(found), |made| domain_hysteresis::next_region(made.model.region(), &found));
         let region = region?;
         let rebound = moved.and_then(|made| made.model.rebound(document, &region));
         let model = if let Some(model) = rebound {
             Some(model?)
         } else {
-            let reach = match searched {
-                Some(_) => rooms::reach(&region, document, *domain, search, &wanted),
+            let code_region = match searched {
+                Some(_) => domain_hysteresis::code_region(&region, document, *domain, search, &wanted),
                 None => region,
             };
-            Model::new_while(document, &region, &reach, settings, &wanted)?
+            Model::new_while(document, &region, &code_region, settings, &wanted)?
         };
         let Some(model) = model else { return Ok(None) };
         if !model.is_rebound() {
             self.pace = Pace::default();
         }
-        let seat = moved.map_or(region, |made| made.seat);
+        let view_anchor = moved.map_or(region, |made| made.view_anchor);
         let formula = formula.unwrap_or_else(|| {
             self.formulas += 1;
             self.formulas
         });
-        Ok(Some(Made { model: Arc::new(model), searched, seat, formula }))
+        Ok(Some(AnchoredModel { model: Arc::new(model), searched, view_anchor, formula }))
     }
 }
 

@@ -2,7 +2,7 @@
 //! ray through its center.
 
 use super::PREVIEWED;
-use super::paint::Finish;
+use super::paint::Coloring;
 use super::trace::{RenderPass, Tracers};
 use crate::picture::Settings;
 use rayon::prelude::*;
@@ -20,8 +20,8 @@ const PART: usize = 64;
 
 /// Depth margin for the finer rays around the known depths of a pixel and its neighbors: a number
 /// of pixel widths, and a multiple of the depth that their slopes explain.
-const OFF: f64 = 4.0;
-const STEEPER: f64 = 2.0;
+const MARGIN_PIXELS: f64 = 4.0;
+const SLOPE_FACTOR: f64 = 2.0;
 
 /// Buffers for all surfaces of a part, and for a single one.
 type Buffers = [GBuffer; 2];
@@ -33,7 +33,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         rays: &RayGrid,
         picture: &GBuffer,
         layers: &[GBuffer],
-        finish: &Finish<'_>,
+        finish: &Coloring<'_>,
         rgb: &mut [u8],
     ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, options: TraceOptions { tolerance, .. }, .. } =
@@ -58,7 +58,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let tracers =
             self.tracers(|options| TraceOptions { tolerance, least: PREVIEWED, ..options })?;
         let edge = Edges {
-            shot: self,
+            pass: self,
             tracers: &tracers,
             rays,
             finer: rays.finer(pattern.side),
@@ -81,13 +81,13 @@ impl<T: KernelFloat> RenderPass<'_, T> {
 }
 
 struct Edges<'a, T> {
-    shot: &'a RenderPass<'a, T>,
+    pass: &'a RenderPass<'a, T>,
     tracers: &'a Tracers<'a>,
     rays: &'a RayGrid,
     finer: RayGrid,
     picture: &'a GBuffer,
     pattern: Pattern,
-    finish: &'a Finish<'a>,
+    finish: &'a Coloring<'a>,
     /// Set if any point has shadow or ambient occlusion.
     is_hidden: bool,
     /// Set if there is a single surface, and it is opaque.
@@ -101,7 +101,7 @@ impl<T: KernelFloat> Edges<'_, T> {
         [all, layer]: &mut Buffers,
         pixels: &[usize],
     ) -> Result<Vec<(usize, [u8; 3])>, ProgramError> {
-        if !(self.shot.advance)(0) {
+        if !(self.pass.advance)(0) {
             return Ok(Vec::new());
         }
         let rays =
@@ -114,11 +114,11 @@ impl<T: KernelFloat> Edges<'_, T> {
         for (place, &(surface, ref tracer)) in self.tracers.iter().enumerate() {
             let target = if place == 0 { &mut *all } else { &mut *layer };
             target.reset(rays.width(), rays.height(), 0);
-            self.shot.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
+            self.pass.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
             if self.has_one && self.pattern.is_full() {
-                is_smooth = self.leave_smooth(pixels, &rays, target);
+                is_smooth = self.reset_smooth(pixels, &rays, target);
             }
-            self.shot.compute_normals(surface, &rays, target)?;
+            self.pass.compute_normals(surface, &rays, target)?;
             if place > 0 {
                 all.merge(layer);
             }
@@ -127,11 +127,11 @@ impl<T: KernelFloat> Edges<'_, T> {
         if self.is_hidden {
             all.keep_as(self.picture);
             for (n, &pixel) in pixels.iter().enumerate().filter(|(n, _)| !is_smooth[*n]) {
-                self.borrow(all, n * places..(n + 1) * places, pixel);
+                self.copy_hidden_light(all, n * places..(n + 1) * places, pixel);
             }
         }
-        let layers = self.shot.layers(&rays, &only, self.tracers)?;
-        let bytes = self.shot.colored(&rays, all, &layers, self.finish, self.pattern.side);
+        let layers = self.pass.layers(&rays, &only, self.tracers)?;
+        let bytes = self.pass.colored(&rays, all, &layers, self.finish, self.pattern.side);
         let samples = bytes.as_chunks().0.chunks(places);
         let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
         let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();
@@ -141,7 +141,7 @@ impl<T: KernelFloat> Edges<'_, T> {
 
     /// Resets the finer results of pixels that need no antialiasing: all their rays meet the same
     /// smooth part of a surface as the central ray. Returns which pixels these are.
-    fn leave_smooth(&self, pixels: &[usize], rays: &RayGrid, finer: &mut GBuffer) -> Vec<bool> {
+    fn reset_smooth(&self, pixels: &[usize], rays: &RayGrid, finer: &mut GBuffer) -> Vec<bool> {
         let patches = rays.height() / pixels.len();
         let leave = |(n, &pixel): (usize, &usize)| {
             let rows = n * patches..(n + 1) * patches;
@@ -173,7 +173,7 @@ impl<T: KernelFloat> Edges<'_, T> {
                 continue;
             }
             let steep = f64::from(slope(picture.normal[there], along));
-            let margin = (OFF + STEEPER * steep) * self.rays.footprint(drawn);
+            let margin = (MARGIN_PIXELS + SLOPE_FACTOR * steep) * self.rays.footprint(drawn);
             nearest = nearest.min(drawn - margin);
             farthest = farthest.max(drawn + margin);
         }
@@ -186,7 +186,7 @@ impl<T: KernelFloat> Edges<'_, T> {
 
     /// Copies shadow and occlusion to the finer points at `places`. Each takes the values of the
     /// point nearest in depth on the same surface, in its pixel or a neighbor.
-    fn borrow(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
+    fn copy_hidden_light(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
         let picture = self.picture;
         let (mut known, mut count) = ([0; 9], 0);
         for there in around(self.rays, pixel).filter(|there| picture.is_drawn(*there)) {

@@ -2,7 +2,7 @@
 //!
 //! Proofs concern the nearest point only, and nothing here changes them.
 
-use super::paint::Finish;
+use super::paint::Coloring;
 use super::trace::{RenderPass, Tracers};
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
@@ -22,7 +22,7 @@ const PIXELS_BEHIND: f64 = 2.0;
 impl<T: KernelFloat> RenderPass<'_, T> {
     /// Returns whether any visible surface is translucent.
     pub fn is_translucent(&self) -> bool {
-        self.model.seen().any(|surface| self.model.styles[surface].opacity < 1.0)
+        self.model.visible_surfaces().any(|surface| self.model.styles[surface].opacity < 1.0)
     }
 
     /// All points along the rays selected by `only`, or along all rays if that is empty. For each
@@ -88,10 +88,10 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         rays: &RayGrid,
         picture: &GBuffer,
         layers: &[GBuffer],
-        finish: &Finish<'_>,
+        finish: &Coloring<'_>,
         side: usize,
     ) -> Vec<u8> {
-        let Finish { appearance, painter } = finish;
+        let Coloring { appearance, painter } = finish;
         let shaded = |buffer: &GBuffer| {
             let paint = painter.as_ref().map(|painter| painter.paint(buffer, rays, side));
             shade(buffer, rays, appearance, &paint.unwrap_or_default())

@@ -3,7 +3,7 @@
 //! Values are computed in plain floats. No claim depends on them.
 
 use super::Model;
-use crate::overlay::{Legend, nice};
+use crate::overlay::{Legend, round_step};
 use rayon::prelude::*;
 use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
 use zeroset_ir::{Constant, Node};
@@ -20,14 +20,14 @@ const LINES: f64 = 12.0;
 /// Contour lines closer than this many pixels fade into their mean.
 const DENSE: f64 = 3.0;
 /// A range wider than this share of its largest value is surely no rounding error.
-const SAME: f64 = 1e-2;
+const LEAST_RANGE: f64 = 1e-2;
 /// Uncertainty of a painted point along its ray, in pixels.
-const PLACE: f64 = 0.1;
+const POINT_UNCERTAINTY: f64 = 0.1;
 /// Number of points that a thread processes at a time.
 const PART: usize = 512;
 
 /// Appearance and paint of a picture.
-pub(super) struct Finish<'a> {
+pub(super) struct Coloring<'a> {
     /// Light and surface colors.
     pub appearance: Appearance,
     /// Paint on the surfaces. `None` if all have their own colors.
@@ -85,11 +85,11 @@ impl<'a> Painter<'a> {
             if low > high {
                 return [0.0, 1.0];
             }
-            if high - low > SAME * low.abs().max(high.abs()) {
+            if high - low > LEAST_RANGE * low.abs().max(high.abs()) {
                 return [low, high];
             }
             // A range that the uncertainty of the points explains counts as a single value.
-            let moved = blank.values(value, &points, picture, rays, PLACE);
+            let moved = blank.values(value, &points, picture, rays, POINT_UNCERTAINTY);
             let both = values.iter().zip(moved);
             let unsure = both.map(|(value, moved)| (moved - value).abs()).fold(0.0, f64::max);
             if high - low > unsure { [low, high] } else { [low.midpoint(high); 2] }
@@ -119,7 +119,7 @@ impl<'a> Painter<'a> {
                 Some(scale) if setting.value.is_none() => [scale.low, scale.high],
                 _ => range(value, &|_| true),
             };
-            let step = setting.step.as_ref().map_or_else(|| nice((high - low) / LINES), nearest);
+            let step = setting.step.as_ref().map_or_else(|| round_step((high - low) / LINES), nearest);
             (step > 0.0 && step.is_finite()).then_some((value, step))
         });
         let contours = contours.collect();

@@ -90,7 +90,7 @@ impl Model {
         let tops = || (0..height).step_by(rows);
         let known = |top: usize| top.saturating_sub(ALIGNED)..(top + rows + ALIGNED).min(height);
         let pixels = tops().map(|top| known(top).len() * width).sum::<usize>();
-        let pixels = (pixels + small.width * small.height) * self.seen().count();
+        let pixels = (pixels + small.width * small.height) * self.visible_surfaces().count();
         let done = AtomicUsize::new(0);
         let advance = |now: usize| {
             progress(done.fetch_add(now, Ordering::Relaxed) + now, pixels);

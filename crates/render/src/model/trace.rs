@@ -5,7 +5,7 @@ mod light;
 use super::paint::Painter;
 use super::strips::Overview;
 use super::{Model, Stopwatch, options};
-use crate::picture::{Normals, Open, Picture, Precision, Settings, Statistics, Times};
+use crate::picture::{Normals, UndecidedStatistics, Picture, Precision, Settings, Statistics, Times};
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -62,11 +62,11 @@ impl Model {
         match settings.options.precision {
             Precision::Auto | Precision::F32 => {
                 RenderPass { overview, own, ..RenderPass::<f32>::new(self, settings, advance) }
-                    .take(rays)
+                    .draw(rays)
             }
             Precision::F64 => {
                 RenderPass { overview, own, ..RenderPass::<f64>::new(self, settings, advance) }
-                    .take(rays)
+                    .draw(rays)
             }
         }
     }
@@ -219,9 +219,9 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     }
 
     /// Draws the picture of these rays. Only the rows `own` are kept.
-    pub fn take(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
+    pub fn draw(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let mut times = self.model.times.unwrap_or_default();
-        let appearance = self.is_plain().then(|| self.appearance(self.lamp(rays)));
+        let appearance = self.is_plain().then(|| self.appearance(self.key_light(rays)));
         let shader = appearance.as_ref().map(|appearance| Shader::new(rays, appearance));
         let found = self.surfaces(rays, &[], shader.as_ref(), &mut times)?;
         self.finished(rays, found, times)
@@ -230,19 +230,19 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     /// The picture with its open pixels traced again. `None` if that is no longer wanted.
     fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Option<Picture>, ProgramError> {
         if picture.buffer.normal.is_empty() {
-            let anew = self.take(rays)?;
+            let anew = self.draw(rays)?;
             return Ok((self.advance)(0).then_some(anew));
         }
-        let unsettled: Vec<bool> = picture.unsettled().collect();
+        let open_mask: Vec<bool> = picture.open_mask().collect();
         let Statistics { mut times, mut work, .. } = picture.statistics;
-        let settled = self.surfaces(rays, &unsettled, None, &mut times)?;
+        let settled = self.surfaces(rays, &open_mask, None, &mut times)?;
         if !(self.advance)(0) {
             settled.buffer.hand_back();
             return Ok(None);
         }
         work += settled.work;
         let mut buffer = picture.buffer.clone();
-        buffer.replace(&settled.buffer, &unsettled);
+        buffer.replace(&settled.buffer, &open_mask);
         settled.buffer.hand_back();
         let found = Traced { buffer, counts: None, work, rgb: None, fallbacks: settled.fallbacks };
         self.finished(rays, found, times).map(Some)
@@ -265,7 +265,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     /// others.
     fn is_plain(&self) -> bool {
         self.settings.normals.is_some()
-            && self.model.seen().count() == 1
+            && self.model.visible_surfaces().count() == 1
             && self.shadow_depth().is_none()
             && !self.occludes()
             && !self.is_translucent()
@@ -289,8 +289,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let mut picture: Option<GBuffer> = None;
         let counted = Mutex::new(PixelCounts::default());
         let mut rgb = shader.map(|_| unset_colors(width * height));
-        let last = model.seen().last();
-        for surface in model.seen() {
+        let last = model.visible_surfaces().last();
+        for surface in model.visible_surfaces() {
             let tracer = self.tracer(surface, |options| options)?;
             fallbacks.extend(tracer.fallback(rays).map(|fallback| (surface, fallback)));
             let source = self.normals_of(surface)?;
@@ -324,7 +324,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
                 // Layers are merged by their brackets.
-                brackets: settings.brackets || model.seen().count() > 1,
+                brackets: settings.brackets || model.visible_surfaces().count() > 1,
                 caps: is_solid,
             };
             let (layer, found) =
@@ -356,7 +356,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             buffer.bracket.clear();
         }
         // With several surfaces or cropped rows, these counts would be wrong.
-        let is_counted = self.own.is_none() && model.seen().count() == 1;
+        let is_counted = self.own.is_none() && model.visible_surfaces().count() == 1;
         let counts =
             is_counted.then(|| counted.into_inner().unwrap_or_else(PoisonError::into_inner));
         Ok(Traced { buffer, counts, work, rgb, fallbacks })
@@ -380,15 +380,15 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         work += lit.work;
         let made = model.program.made();
         let pixels = counts.unwrap_or_else(|| buffer.counts());
-        let drawn_by = fallbacks.first().filter(|_| fallbacks.len() == model.seen().count());
+        let drawn_by = fallbacks.first().filter(|_| fallbacks.len() == model.visible_surfaces().count());
         let method = drawn_by.map_or(settings.method, |(_, fallback)| fallback.method);
         let statistics = Statistics {
             times,
             pixels,
             open: if pixels.undecided > 0 {
-                Open::of(&buffer, method.proves)
+                UndecidedStatistics::of(&buffer, method.proves)
             } else {
-                Open::default()
+                UndecidedStatistics::default()
             },
             work,
             edge_rays: lit.edge_rays,
@@ -407,7 +407,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             look: model.look(settings),
             legends: lit.legends,
             statistics,
-            undefined: model.seen().any(|surface| model.program.is_undefined(surface)),
+            undefined: model.visible_surfaces().any(|surface| model.program.is_undefined(surface)),
             remarks: model.remarks.clone(),
             flat,
         })
@@ -419,6 +419,6 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         change: impl Fn(TraceOptions) -> TraceOptions,
     ) -> Result<Tracers<'a>, ProgramError> {
         let one = |surface| Ok((surface, self.tracer(surface, &change)?));
-        self.model.seen().map(one).collect()
+        self.model.visible_surfaces().map(one).collect()
     }
 }

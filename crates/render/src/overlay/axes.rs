@@ -21,7 +21,7 @@ const PIECES: usize = 256;
 
 /// A picture with its camera and region.
 #[derive(Clone, Copy)]
-pub struct Shown<'a> {
+pub struct PictureView<'a> {
     /// Camera of the picture.
     pub camera: &'a Camera,
     /// Region of the picture.
@@ -30,7 +30,7 @@ pub struct Shown<'a> {
     pub picture: &'a Picture,
 }
 
-impl Shown<'_> {
+impl PictureView<'_> {
     /// A color for lines and letters that contrasts with the background.
     pub fn ink(&self) -> Rgb {
         let ground =
@@ -44,7 +44,7 @@ impl Shown<'_> {
 
 /// Projects points into a picture of a given size.
 struct Projector<'a> {
-    shown: Shown<'a>,
+    shown: PictureView<'a>,
     rays: zeroset_trace::RayGrid,
 }
 
@@ -196,7 +196,7 @@ impl Label {
 
 /// Draws the box, with ticks on one edge per axis, over a picture in the upper `height` rows.
 /// Returns the labels.
-pub fn draw_box(canvas: &mut Canvas, shown: Shown<'_>, height: usize) -> Vec<Label> {
+pub fn draw_box(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) -> Vec<Label> {
     let mut labels = Vec::new();
     let projector = Projector { shown, rays: shown.camera.rays(canvas.width, height) };
     let (region, mut cover) = (shown.region, Cover::new(canvas));
@@ -315,7 +315,7 @@ mod tests {
         let near = framing::camera(&model, &document, &choice, &settings);
         let camera = if fitted { whole } else { near }.expect("a camera");
         let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
-        let shown = Shown { camera: &camera, region: &region, picture: &picture };
+        let shown = PictureView { camera: &camera, region: &region, picture: &picture };
         let pixels = vec![0x00ff_ffff; width * height];
         draw_box(&mut Canvas::new(width, height, pixels, scale), shown, height)
     }

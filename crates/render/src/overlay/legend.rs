@@ -26,7 +26,7 @@ impl PartialEq for Legend {
 
 /// The least number of the form 1, 2 or 5 times a power of ten that is at least `least`, which must
 /// be positive.
-pub fn nice(least: f64) -> f64 {
+pub fn round_step(least: f64) -> f64 {
     let power = 10.0_f64.powf(least.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);
     factor.unwrap_or(10.0) * power
@@ -38,7 +38,7 @@ mod tests {
 
     #[test]
     fn steps_are_round_numbers() {
-        assert_eq!([nice(0.9), nice(1.0), nice(3.1), nice(60.0)], [1.0, 1.0, 5.0, 100.0]);
-        assert!((nice(0.013) - 0.02).abs() < 1e-12);
+        assert_eq!([round_step(0.9), round_step(1.0), round_step(3.1), round_step(60.0)], [1.0, 1.0, 5.0, 100.0]);
+        assert!((round_step(0.013) - 0.02).abs() < 1e-12);
     }
 }

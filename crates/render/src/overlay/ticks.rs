@@ -1,6 +1,6 @@
 //! Positions and texts of axis ticks: round numbers, or multiples of π if the ends are such.
 
-use super::legend::nice;
+use super::legend::round_step;
 use std::f64::consts::{FRAC_PI_2, PI};
 use zeroset_scene::coordinate::multiple_of_pi;
 
@@ -26,9 +26,9 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     let least = (high - low) / TICKS;
     let (unit, step) = if turns.is_some() {
         let part = PARTS.into_iter().find(|part| part * PI >= least);
-        (PI, part.unwrap_or_else(|| nice(least / PI).max(1.0)))
+        (PI, part.unwrap_or_else(|| round_step(least / PI).max(1.0)))
     } else {
-        (1.0, nice(least))
+        (1.0, round_step(least))
     };
     // An end that is a tick up to rounding counts as a tick.
     let first = (low / unit / step - NEAR).ceil() as i64;

@@ -57,7 +57,7 @@ pub struct MappedColor<V = PointValue> {
 pub struct PointValue {
     /// Graph of its own. Its parameters are those of the document, followed by [`POINT_NAMES`].
     pub graph: Graph,
-    /// Node of the number.
+    /// Node of the value in `graph`.
     pub root: NodeId,
     /// The expression as it was read.
     pub echo: String,

@@ -179,7 +179,7 @@ pub enum ExprKind {
 }
 
 impl ExprKind {
-    /// The name of the document that this expression is or calls, if any.
+    /// The name that this expression is or calls, if the document defines it.
     pub(crate) fn defined(&self) -> Option<&str> {
         match self {
             Self::Name(NamedValue::Defined(name)) | Self::Call(Function::Defined(name), _) => {

@@ -1,7 +1,7 @@
 //! Lighting of a picture: shadows, ambient occlusion and colors.
 
 use super::super::Stopwatch;
-use super::super::paint::{Finish, Painter};
+use super::super::paint::{Coloring, Painter};
 use super::RenderPass;
 use crate::overlay::Legend;
 use crate::picture::{Normals, Times};
@@ -34,7 +34,7 @@ pub(super) struct Lit {
 
 impl<T: KernelFloat> RenderPass<'_, T> {
     /// The light that casts shadows.
-    pub(super) fn lamp(&self, rays: &RayGrid) -> Light {
+    pub(super) fn key_light(&self, rays: &RayGrid) -> Light {
         let typed = self.model.setting.lines.light.as_ref();
         let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
         match self.settings.light.or(typed) {
@@ -54,8 +54,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Result<Lit, ProgramError> {
         let settings = self.settings;
         let mut watch = Stopwatch::start();
-        let light = self.lamp(rays);
-        let work = self.hide(rays, &light, buffer)?;
+        let light = self.key_light(rays);
+        let work = self.compute_occlusion(rays, &light, buffer)?;
         times.occlude += watch.lap();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
         if settings.normals.is_some() {
@@ -63,7 +63,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 Some(whole) => Painter::new(self.model, &whole.picture.buffer, &whole.rays),
                 None => Painter::new(self.model, buffer, rays),
             };
-            let finish = Finish { appearance: self.appearance(light), painter };
+            let finish = Coloring { appearance: self.appearance(light), painter };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let mut layers = Vec::new();
             if self.is_translucent() {
@@ -94,7 +94,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     }
 
     /// Computes how much light is kept from painted points, by shadows and by ambient occlusion.
-    fn hide(
+    fn compute_occlusion(
         &self,
         rays: &RayGrid,
         light: &Light,
@@ -141,7 +141,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         buffer.shadow.clear();
         // Shadow rays do not count as progress.
         let wanted = |_| (self.advance)(0);
-        for surface in self.model.seen() {
+        for surface in self.model.visible_surfaces() {
             let tracer = self.tracer(surface, |options| TraceOptions { depth, ..options })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
             work +=

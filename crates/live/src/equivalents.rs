@@ -1,7 +1,7 @@
 //! Equivalents of formulas from other programs: one table, for the help and the README.
 
 /// Rows of program, formula as written there, and formula as written here.
-pub const COMING: &[(&str, &str, &str)] = &[
+pub const EQUIVALENTS: &[(&str, &str, &str)] = &[
     ("Desmos", "z = {x < 0: x^2, x}", "the same; a slider is `a = 1 in [0, 5]`"),
     (
         "Mathematica",
@@ -24,7 +24,7 @@ pub const COMING: &[(&str, &str, &str)] = &[
 /// The table as text.
 pub(super) fn listed() -> String {
     let row = |(from, there, here): &(&str, &str, &str)| format!("{from}: {there}\n  {here}");
-    COMING.iter().map(row).collect::<Vec<_>>().join("\n")
+    EQUIVALENTS.iter().map(row).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]
@@ -35,7 +35,7 @@ mod tests {
     #[test]
     fn what_is_to_be_written_can_be_read() {
         let document = |text: &str| read(text, &Options::default()).map(drop);
-        for (from, there, here) in COMING {
+        for (from, there, here) in EQUIVALENTS {
             let text = match *from {
                 "Desmos" | "GLSL" => (*there).to_owned(),
                 "Mathematica" => there.replace('…', "{x, -2, 2}, {y, -2, 2}, {z, -2, 2}"),

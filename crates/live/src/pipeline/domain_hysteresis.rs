@@ -11,7 +11,7 @@ use zeroset_syntax::{Document, Parameter};
 const LEAST_SHARE: f64 = 0.25;
 
 /// Margin of a region that grows, as a share of the surface's extent.
-const SPARE: f64 = 0.25;
+const MARGIN: f64 = 0.25;
 
 /// Number of sliders whose ends are searched when code is compiled.
 const SLIDERS: usize = 4;
@@ -32,7 +32,7 @@ pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, Regio
 ///
 /// # Errors
 /// If `before` with the present clip is not a valid region.
-pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> {
+pub fn next_region(before: &Region, found: &Region) -> Result<Region, RegionError> {
     let is_round = found.ball().is_some();
     let enough = is_inside(found, before)
         && is_round == before.ball().is_some()
@@ -40,7 +40,7 @@ pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> 
     if enough {
         return clipped(before, found.clip());
     }
-    let room = SPARE * (found.high() - found.low());
+    let room = MARGIN * (found.high() - found.low());
     let low = DVec3::select(found.low().cmplt(before.low()), found.low() - room, found.low());
     let high = DVec3::select(found.high().cmpgt(before.high()), found.high() + room, found.high());
     view::clipped(low, high, is_round, found.clip()).or(Ok(*found))
@@ -48,7 +48,7 @@ pub fn for_next(before: &Region, found: &Region) -> Result<Region, RegionError> 
 
 /// A box around the shown region and the regions needed at the ends of the sliders' ranges. Code
 /// compiled for it serves all values of the sliders.
-pub fn reach(
+pub fn code_region(
     shown: &Region,
     document: &Document,
     domain: DomainChoice,
@@ -66,7 +66,7 @@ pub fn reach(
             let found = view::region_while(search, &there, domain, None, wanted);
             // At the very end of a range there may be no surface.
             if let Ok(Some((region, _))) = found {
-                let room = SPARE * (region.high() - region.low());
+                let room = MARGIN * (region.high() - region.low());
                 (low, high) = (low.min(region.low() - room), high.max(region.high() + room));
             }
         }
