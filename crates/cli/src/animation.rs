@@ -1,6 +1,6 @@
 //! All frames in one file: animated PNG, GIF, or raw bytes.
 
-use super::png_file::{Origin, png_encoder};
+use super::png_file::{PictureOrigin, png_encoder};
 use anyhow::{Result, bail, ensure};
 use std::io::{self, Write};
 use std::path::Path;
@@ -76,7 +76,7 @@ impl<W: Write> Animation<W> {
         out: W,
         size: [usize; 2],
         (frames, fps): (usize, u16),
-        origin: &Origin,
+        origin: &PictureOrigin,
     ) -> io::Result<Self> {
         let sink = match format {
             Format::Png => {

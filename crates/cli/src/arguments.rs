@@ -16,7 +16,7 @@ use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
 use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOptions};
 
 /// Default number of rays in a pixel on an edge.
-pub const AA: usize = 16;
+pub const DEFAULT_AA: usize = 16;
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -401,7 +401,7 @@ pub struct ShadingArgs {
     pub legend: bool,
 
     /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (arrays hold one ray per pixel)
-    #[arg(long, value_name = "N", default_value_t = AA)]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_AA)]
     pub aa: usize,
 
     /// Set the position of the light [default: far above and to the left of the camera]

@@ -18,11 +18,11 @@ pub struct ArrayRow {
     /// Whether it needs the brackets of hits.
     pub needs_brackets: bool,
     /// Starts a file with this many rows and columns, for a picture computed in this precision.
-    pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> Begun,
+    pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> NewRowWriter,
 }
 
 /// The writer of a file, or the error of starting one.
-pub type Begun = io::Result<Box<dyn RowWriter>>;
+pub type NewRowWriter = io::Result<Box<dyn RowWriter>>;
 
 /// A file that is written row by row.
 pub trait RowWriter {
@@ -149,7 +149,7 @@ impl Args for Arrays {
 type Writer<T> = NpyWriter<T, Box<dyn Write>>;
 
 /// Starts an array of this shape in C order; `add` appends the values of some rows.
-fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> Begun
+fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> NewRowWriter
 where
     T: AutoSerialize + Copy + 'static,
     F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()> + 'static,

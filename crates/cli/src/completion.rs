@@ -31,7 +31,7 @@ pub fn candidates(line: &str, pos: usize) -> (usize, Vec<String>) {
     if word.is_empty() {
         return (start, Vec::new());
     }
-    let place = Place::of(line, start);
+    let place = WordPosition::of(line, start);
     let mut names: Vec<String> = words()
         .filter(|(name, kind)| name.starts_with(word) && place.takes(*kind))
         .map(|(name, _)| name.to_owned())
@@ -43,13 +43,13 @@ pub fn candidates(line: &str, pos: usize) -> (usize, Vec<String>) {
 
 /// Position of a word in its statement.
 #[derive(Clone, Copy)]
-struct Place {
+struct WordPosition {
     begins: bool,
     /// Whether the statement begins with a word that sets something of the picture.
     in_setting: bool,
 }
 
-impl Place {
+impl WordPosition {
     fn of(line: &str, start: usize) -> Self {
         let head = &line[..start];
         let statement = head[head.rfind(['\n', ';']).map_or(0, |at| at + 1)..].trim_start();
@@ -73,14 +73,14 @@ impl Place {
 
 /// Kind of a colored part of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
+pub enum TokenClass {
     Number,
     Word(WordKind),
     Comment,
 }
 
 /// Returns the colored parts of a line, in order.
-pub fn classes(line: &str) -> Vec<(Range<usize>, Class)> {
+pub fn token_classes(line: &str) -> Vec<(Range<usize>, TokenClass)> {
     let mut found = Vec::new();
     let mut start = 0;
     while let Some(first) = line[start..].chars().next() {
@@ -88,19 +88,19 @@ pub fn classes(line: &str) -> Vec<(Range<usize>, Class)> {
         let upto = |part: &dyn Fn(char) -> bool| rest.find(|c| !part(c)).unwrap_or(rest.len());
         let is_digit = |c: char| c.is_ascii_digit();
         let (length, class) = if first == '#' && !rest.starts_with("#define") {
-            (upto(&|c| c != '\n'), Some(Class::Comment))
+            (upto(&|c| c != '\n'), Some(TokenClass::Comment))
         } else if is_digit(first) || first == '.' && rest[1..].starts_with(is_digit) {
-            (upto(&|c| is_digit(c) || c == '.'), Some(Class::Number))
+            (upto(&|c| is_digit(c) || c == '.'), Some(TokenClass::Number))
         } else if first.is_alphabetic() || first == '_' {
             let length = upto(&|c| c.is_alphanumeric() || c == '_');
-            let place = Place::of(line, start);
+            let place = WordPosition::of(line, start);
             let kinds: Vec<WordKind> = words()
                 .filter(|(name, kind)| *name == &rest[..length] && place.takes(*kind))
                 .map(|(_, kind)| kind)
                 .collect();
             // A setting's meaning wins: in `view top`, `top` names a side.
             let within = kinds.contains(&WordKind::InSetting).then_some(WordKind::InSetting);
-            (length, within.or(kinds.first().copied()).map(Class::Word))
+            (length, within.or(kinds.first().copied()).map(TokenClass::Word))
         } else {
             (first.len_utf8(), None)
         };
@@ -121,12 +121,12 @@ pub fn is_open(text: &str) -> bool {
             _ => 0,
         })
         .sum();
-    depth > 0 && !text.trim_start().starts_with(':') && given_up(text).is_none()
+    depth > 0 && !text.trim_start().starts_with(':') && abandoned_formula(text).is_none()
 }
 
 /// Returns an unfinished formula and the command in the line after it, if there is one. A command
 /// there means that the formula was abandoned.
-pub fn given_up(text: &str) -> Option<(&str, &str)> {
+pub fn abandoned_formula(text: &str) -> Option<(&str, &str)> {
     let (above, last) = text.trim_end().rsplit_once('\n')?;
     let name = last.trim_start().strip_prefix(':')?.split_whitespace().next()?;
     let is_command = COMMANDS.iter().any(|row| row.name == name);
@@ -168,12 +168,12 @@ mod tests {
                 assert_eq!(start, before.len(), "{typed}");
                 assert!(names.iter().any(|name| name == word), "{typed}: no {word} in {names:?}");
             }
-            let (place, class) = classes(&line).pop().expect("a word is colored");
+            let (place, class) = token_classes(&line).pop().expect("a word is colored");
             assert_eq!(&line[place], word);
-            let other = |class: Class| {
-                words().any(|(name, kind)| name == word && class == Class::Word(kind))
+            let other = |class: TokenClass| {
+                words().any(|(name, kind)| name == word && class == TokenClass::Word(kind))
             };
-            assert!(class == Class::Word(kind) || other(class), "{line}: {class:?}, not {kind:?}");
+            assert!(class == TokenClass::Word(kind) || other(class), "{line}: {class:?}, not {kind:?}");
             count += 1;
         }
         assert!(count > 150, "{count} words");
@@ -181,20 +181,20 @@ mod tests {
 
     #[test]
     fn parts_of_a_line_are_told_apart() {
-        let told = |line: &str| -> Vec<(String, Class)> {
-            let all = classes(line).into_iter();
+        let told = |line: &str| -> Vec<(String, TokenClass)> {
+            let all = token_classes(line).into_iter();
             all.map(|(place, class)| (line[place].to_owned(), class)).collect()
         };
-        let word = |word: &str, kind| (word.to_owned(), Class::Word(kind));
+        let word = |word: &str, kind| (word.to_owned(), TokenClass::Word(kind));
         assert_eq!(
             told("vec3(x, .5, log10(y)).zx # sin"),
             [
                 word("vec3", WordKind::Function),
                 word("x", WordKind::Value),
-                (".5".to_owned(), Class::Number),
+                (".5".to_owned(), TokenClass::Number),
                 word("log10", WordKind::Function),
                 word("y", WordKind::Value),
-                ("# sin".to_owned(), Class::Comment),
+                ("# sin".to_owned(), TokenClass::Comment),
             ]
         );
         assert_eq!(
@@ -202,9 +202,9 @@ mod tests {
             [
                 word("contours", WordKind::Setting),
                 word("z", WordKind::Value),
-                ("2".to_owned(), Class::Number),
+                ("2".to_owned(), TokenClass::Number),
                 word("light", WordKind::Setting),
-                ("3".to_owned(), Class::Number),
+                ("3".to_owned(), TokenClass::Number),
             ]
         );
         assert_eq!(
@@ -220,9 +220,9 @@ mod tests {
         assert!(is_open("max(x,"));
         assert!(is_open("x = 1 {y > 0,\n"));
         assert!(is_open("max(x > 0 ? y\n: z,") && is_open("max(x > 0 ? y\n:z,"));
-        assert_eq!(given_up("max(x,\n:quit"), Some(("max(x,", ":quit")));
-        assert_eq!(given_up("max(x,\ny,\n :help sin\n"), Some(("max(x,\ny,", " :help sin")));
-        assert!(!is_open("max(x,\n:quit") && given_up("x = 1\n:quit").is_none());
+        assert_eq!(abandoned_formula("max(x,\n:quit"), Some(("max(x,", ":quit")));
+        assert_eq!(abandoned_formula("max(x,\ny,\n :help sin\n"), Some(("max(x,\ny,", " :help sin")));
+        assert!(!is_open("max(x,\n:quit") && abandoned_formula("x = 1\n:quit").is_none());
         assert!(
             !is_open("max(x,\ny)") && !is_open("x # (") && !is_open(":help (") && !is_open(")")
         );

@@ -15,7 +15,7 @@ pub fn data_directory() -> Option<PathBuf> {
 }
 
 /// Stores a text in the data directory, so that it survives however the program ends.
-pub fn keep(name: &str, text: &str) {
+pub fn store_text(name: &str, text: &str) {
     let Some(directory) = data_directory() else { return };
     // Failing to store it is no reason to stop.
     if let Ok(output) = Output::create(&directory.join(name)) {

@@ -24,7 +24,7 @@ use zeroset_syntax::Options;
 const LONGEST_LINE: u64 = 4 << 20;
 
 /// Most formulas that are kept compiled; beyond that, all are dropped.
-const KEPT: usize = 256;
+const MAX_CACHED: usize = 256;
 
 pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
     let source = &arguments.source;
@@ -36,7 +36,7 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
         Box::new(BufReader::new(File::open(source).with_context(cannot)?))
     };
     let mut out = BufWriter::new(std::io::stdout().lock());
-    let mut functions = Functions {
+    let mut functions = FormulaCache {
         precision: arguments.precision,
         reference: arguments.reference,
         compiled: HashMap::new(),
@@ -70,7 +70,7 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
 }
 
 /// Formulas by their text, with the kernels compiled so far.
-struct Functions {
+struct FormulaCache {
     /// Precision of lines that do not name one.
     precision: Precision,
     reference: bool,
@@ -78,12 +78,12 @@ struct Functions {
 }
 
 /// The point at which, or the box over which, a formula is evaluated.
-enum Place {
+enum PointOrBox {
     At([f64; 3]),
     Over([Interval; 3]),
 }
 
-impl Functions {
+impl FormulaCache {
     fn answer(&mut self, line: &[u8]) -> Result<Value, String> {
         let request: Map<String, Value> =
             serde_json::from_slice(line).map_err(|error| format!("not a JSON object: {error}"))?;
@@ -99,8 +99,8 @@ impl Functions {
             ));
         }
         let place = match (request.get("at"), request.get("box")) {
-            (Some(at), None) => Place::At(three(at, number::read)?),
-            (None, Some(over)) => Place::Over(three(over, interval)?),
+            (Some(at), None) => PointOrBox::At(three(at, number::read)?),
+            (None, Some(over)) => PointOrBox::Over(three(over, interval)?),
             _ => return Err("either \"at\" or \"box\" is required".to_owned()),
         };
         let precision = match request.get("precision") {
@@ -124,7 +124,7 @@ impl Functions {
     fn program(&mut self, formula: &str) -> Result<&Program, String> {
         if !self.compiled.contains_key(formula) {
             let program = self.read(formula)?;
-            if self.compiled.len() >= KEPT {
+            if self.compiled.len() >= MAX_CACHED {
                 self.compiled.clear();
             }
             self.compiled.insert(formula.to_owned(), program);
@@ -148,12 +148,12 @@ impl Functions {
     }
 }
 
-fn answer<T: KernelFloat>(program: &Program, place: &Place) -> Result<Value, KernelError> {
+fn answer<T: KernelFloat>(program: &Program, place: &PointOrBox) -> Result<Value, KernelError> {
     let kernels = program.kernels::<T>(0);
     let bounds = kernels.bounds()?;
     Ok(match place {
-        Place::At(point) => sample(kernels.gradients()?, bounds, *point),
-        Place::Over(over) => enclose(bounds, *over),
+        PointOrBox::At(point) => sample(kernels.gradients()?, bounds, *point),
+        PointOrBox::Over(over) => enclose(bounds, *over),
     })
 }
 

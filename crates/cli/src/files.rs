@@ -1,9 +1,9 @@
 //! The output files of one picture, opened before it is rendered.
 
 use super::arguments::OutputArgs;
-use super::array::{ARRAYS, ArrayRow, Arrays, Begun, RowWriter};
+use super::array::{ARRAYS, ArrayRow, Arrays, NewRowWriter, RowWriter};
 use super::output::Output;
-use super::png_file::{Origin, check_png, png_encoder};
+use super::png_file::{PictureOrigin, check_png, png_encoder};
 use anyhow::{Context, Result, bail, ensure};
 use png::StreamWriter;
 use std::cell::RefCell;
@@ -63,7 +63,7 @@ impl Files {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn finish(self, picture: &Picture, origin: &Origin) -> Result<()> {
+    pub fn finish(self, picture: &Picture, origin: &PictureOrigin) -> Result<()> {
         let size = [picture.buffer.width, picture.buffer.height];
         let mut files = self.begin(size, picture.precision, origin)?;
         files.add(picture)?;
@@ -78,10 +78,10 @@ impl Files {
         self,
         size: [usize; 2],
         precision: Precision,
-        origin: &Origin,
+        origin: &PictureOrigin,
     ) -> Result<OpenFiles> {
         let [width, height] = size;
-        let begin = |row: Option<&ArrayRow>, out: Box<dyn Write>| -> Begun {
+        let begin = |row: Option<&ArrayRow>, out: Box<dyn Write>| -> NewRowWriter {
             if let Some(row) = row {
                 return (row.begin)(out, [height, width], precision);
             }
@@ -89,7 +89,7 @@ impl Files {
             Ok(Box::new(Png(writer.into_stream_writer()?)))
         };
         let open = |(row, file)| {
-            let file = Shared(Rc::new(RefCell::new(file)));
+            let file = SharedOutput(Rc::new(RefCell::new(file)));
             let rows = begin(row, Box::new(file.clone())).map_err(|error| file.failed(error))?;
             Ok((file, rows))
         };
@@ -98,7 +98,7 @@ impl Files {
 }
 
 /// Open files with the writers of their rows. The files appear at the end.
-pub struct OpenFiles(Vec<(Shared, Box<dyn RowWriter>)>);
+pub struct OpenFiles(Vec<(SharedOutput, Box<dyn RowWriter>)>);
 
 impl OpenFiles {
     /// Writes the next rows.
@@ -128,15 +128,15 @@ impl OpenFiles {
 
 /// An output that is shared with the writer of its rows.
 #[derive(Clone)]
-struct Shared(Rc<RefCell<Output>>);
+struct SharedOutput(Rc<RefCell<Output>>);
 
-impl Shared {
+impl SharedOutput {
     fn failed(&self, error: io::Error) -> anyhow::Error {
         self.0.borrow().failed(error)
     }
 }
 
-impl Write for Shared {
+impl Write for SharedOutput {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.borrow_mut().write(bytes)
     }

@@ -3,10 +3,10 @@
 use super::arguments::GalleryArgs;
 use super::notes;
 use super::output::{Output, print};
-use super::png_file::{Origin, write_png};
+use super::png_file::{PictureOrigin, write_png};
 use super::progress::Progress;
-use super::render::{beautiful, in_threads, method_settings};
-use super::sheet::Sheet;
+use super::render::{with_effects, in_threads, method_settings};
+use super::sheet::ContactSheet;
 use super::stage::stage;
 use anyhow::{Context, Result};
 use image::RgbImage;
@@ -27,7 +27,7 @@ pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
     }
     arguments.size.held_whole()?;
     let directory = arguments.output.as_deref().context("no directory to write to: add -o DIR")?;
-    let settings = beautiful(&method_settings(&arguments.tracing, arguments.size)?);
+    let settings = with_effects(&method_settings(&arguments.tracing, arguments.size)?);
     std::fs::create_dir_all(directory)
         .with_context(|| format!("cannot make the directory '{}'", directory.display()))?;
     in_threads(arguments.tracing.threads, || all(&examples, directory, &settings))?;
@@ -51,19 +51,19 @@ pub fn listed(examples: &[Example]) -> String {
 
 fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()> {
     let sheet_file = Output::create(&directory.join(SHEET))?;
-    let mut sheet = Sheet::new(examples.len());
+    let mut sheet = ContactSheet::new(examples.len());
     let bar = Progress::new(examples.len() as u64, "gallery");
     for (done, example) in examples.iter().enumerate() {
         let file = Output::create(&directory.join(format!("{}.png", example.slug)))?;
         let picture = render(example, settings).with_context(|| example.slug)?;
         let (width, height) = (settings.width, settings.height);
-        file.finish(|out| write_png(out, picture.as_raw(), [width, height], &Origin::default()))?;
+        file.finish(|out| write_png(out, picture.as_raw(), [width, height], &PictureOrigin::default()))?;
         sheet.add(example.title(), &picture);
         bar.reach(done as u64 + 1);
     }
     let sheet = sheet.into_image();
     let (width, height) = (sheet.width() as usize, sheet.height() as usize);
-    sheet_file.finish(|out| write_png(out, sheet.as_raw(), [width, height], &Origin::default()))
+    sheet_file.finish(|out| write_png(out, sheet.as_raw(), [width, height], &PictureOrigin::default()))
 }
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {

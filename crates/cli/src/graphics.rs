@@ -5,7 +5,7 @@
 //! `viuer` queries the terminal without a time limit and writes to standard output itself, and
 //! `ratatui-image` needs `ratatui`.
 
-use super::png_file::{Origin, write_png};
+use super::png_file::{PictureOrigin, write_png};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
@@ -29,16 +29,16 @@ const SIXEL: &str = "4";
 
 /// Graphics support of a terminal, as far as its environment reveals it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Known {
+pub enum GraphicsSupport {
     /// It supports this protocol.
-    Speaks(Protocol),
-    /// It has to be queried; [`Protocol::answered`] reads the answer.
+    Supports(Protocol),
+    /// It has to be queried; [`Protocol::from_answer`] reads the answer.
     Unknown,
     /// It answers no queries.
     Mute,
 }
 
-impl Known {
+impl GraphicsSupport {
     /// Detects the terminal from environment variables, which `variable` reads.
     pub fn detect(variable: impl Fn(&str) -> Option<String>) -> Self {
         let is_set = |name: &str| variable(name).is_some_and(|value| !value.is_empty());
@@ -51,11 +51,11 @@ impl Known {
         }
         let program = variable("TERM_PROGRAM").unwrap_or_default();
         if is_set("KITTY_WINDOW_ID") || term == "xterm-kitty" || term == "xterm-ghostty" {
-            return Self::Speaks(Protocol::Kitty);
+            return Self::Supports(Protocol::Kitty);
         }
         match program.as_str() {
-            "ghostty" => Self::Speaks(Protocol::Kitty),
-            "iTerm.app" | "WezTerm" | "mintty" => Self::Speaks(Protocol::Iterm),
+            "ghostty" => Self::Supports(Protocol::Kitty),
+            "iTerm.app" | "WezTerm" | "mintty" => Self::Supports(Protocol::Iterm),
             _ if term.is_empty() || term == "dumb" => Self::Mute,
             _ => Self::Unknown,
         }
@@ -65,7 +65,7 @@ impl Known {
 impl Protocol {
     /// Returns the protocol of a terminal, from its answer to the query for primary device
     /// attributes; `None` if it shows only characters.
-    pub fn answered(answer: &str) -> Option<Self> {
+    pub fn from_answer(answer: &str) -> Option<Self> {
         let attributes = answer.strip_prefix("\x1b[?")?.strip_suffix('c')?;
         // The first number is the kind of terminal.
         attributes.split(';').skip(1).any(|one| one == SIXEL).then_some(Self::Sixel)
@@ -83,7 +83,7 @@ impl Protocol {
         match self {
             Self::Kitty | Self::Iterm => {
                 let mut png = Vec::new();
-                write_png(&mut png, rgb, [width, height], &Origin::default()).ok()?;
+                write_png(&mut png, rgb, [width, height], &PictureOrigin::default()).ok()?;
                 Some(self.wrap(&png, columns, rows))
             }
             Self::Sixel => sixels(rgb, width, height),
@@ -136,8 +136,8 @@ fn sixels(_: &[u8], _: usize, _: usize) -> Option<String> {
 mod tests {
     use super::*;
 
-    fn detected(variables: &[(&str, &str)]) -> Known {
-        Known::detect(|name| {
+    fn detected(variables: &[(&str, &str)]) -> GraphicsSupport {
+        GraphicsSupport::detect(|name| {
             let found = variables.iter().find(|(known, _)| *known == name);
             found.map(|(_, value)| (*value).to_owned())
         })
@@ -145,26 +145,26 @@ mod tests {
 
     #[test]
     fn terminals_are_known_by_their_environment_or_asked() {
-        let (kitty, iterm) = (Known::Speaks(Protocol::Kitty), Known::Speaks(Protocol::Iterm));
+        let (kitty, iterm) = (GraphicsSupport::Supports(Protocol::Kitty), GraphicsSupport::Supports(Protocol::Iterm));
         assert_eq!(detected(&[("TERM", "xterm-kitty")]), kitty);
         assert_eq!(detected(&[("TERM", "xterm"), ("TERM_PROGRAM", "ghostty")]), kitty);
         assert_eq!(detected(&[("TERM", "xterm"), ("TERM_PROGRAM", "WezTerm")]), iterm);
-        assert_eq!(detected(&[("TERM", "xterm-256color")]), Known::Unknown);
+        assert_eq!(detected(&[("TERM", "xterm-256color")]), GraphicsSupport::Unknown);
         assert_eq!(
             detected(&[("TERM", "tmux"), ("KITTY_WINDOW_ID", "1"), ("TMUX", "/tmp/t")]),
-            Known::Unknown
+            GraphicsSupport::Unknown
         );
-        assert_eq!(detected(&[("TERM", "dumb")]), Known::Mute);
-        assert_eq!(detected(&[]), Known::Mute);
+        assert_eq!(detected(&[("TERM", "dumb")]), GraphicsSupport::Mute);
+        assert_eq!(detected(&[]), GraphicsSupport::Mute);
     }
 
     #[test]
     fn the_attribute_for_sixels_is_told_from_others() {
         for answer in ["\x1b[?62;4c", "\x1b[?64;1;2;4;6;9c", "\x1b[?4;6;4c"] {
-            assert_eq!(Protocol::answered(answer), Some(Protocol::Sixel), "{answer:?}");
+            assert_eq!(Protocol::from_answer(answer), Some(Protocol::Sixel), "{answer:?}");
         }
         for answer in ["", "\x1b[?6c", "\x1b[?4c", "\x1b[?4;6c", "\x1b[?64;14;40;22c", "62;4c"] {
-            assert_eq!(Protocol::answered(answer), None, "{answer:?}");
+            assert_eq!(Protocol::from_answer(answer), None, "{answer:?}");
         }
     }
 

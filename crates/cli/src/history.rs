@@ -24,7 +24,7 @@ impl History {
 
     /// Returns the lines after the first `known` ones that are still kept, oldest first. Sets
     /// `known` to the number of all lines.
-    pub fn news(&self, known: &mut usize) -> Vec<String> {
+    pub fn since(&self, known: &mut usize) -> Vec<String> {
         let kept = known.saturating_sub(self.dropped);
         *known = self.dropped + self.lines.len();
         self.lines.iter().skip(kept).cloned().collect()
@@ -41,9 +41,9 @@ mod tests {
         (0..KEPT_LINES + 5).for_each(|line| history.add(line.to_string()));
         assert_eq!((history.lines.len(), history.dropped), (KEPT_LINES, 5));
         let mut known = 0;
-        assert_eq!(history.news(&mut known).first().map(String::as_str), Some("5"));
-        assert_eq!((known, history.news(&mut known).len()), (KEPT_LINES + 5, 0));
+        assert_eq!(history.since(&mut known).first().map(String::as_str), Some("5"));
+        assert_eq!((known, history.since(&mut known).len()), (KEPT_LINES + 5, 0));
         known -= 1;
-        assert_eq!(history.news(&mut known), [(KEPT_LINES + 4).to_string()]);
+        assert_eq!(history.since(&mut known), [(KEPT_LINES + 4).to_string()]);
     }
 }

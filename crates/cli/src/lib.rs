@@ -75,7 +75,7 @@ pub fn run() -> ExitCode {
 }
 
 fn dispatch() -> anyhow::Result<ExitCode> {
-    let arguments = match Arguments::try_parse_from(std::env::args_os().flat_map(detached)) {
+    let arguments = match Arguments::try_parse_from(std::env::args_os().flat_map(split_attached_value)) {
         Ok(arguments) => arguments,
         Err(wrong) if wrong.use_stderr() => wrong.exit(),
         // Help and version go to standard output like any result.
@@ -102,7 +102,7 @@ fn dispatch() -> anyhow::Result<ExitCode> {
 
 /// Splits `-Dname=value` and `-ofile.png` into flag and value. A formula may begin with `-`, so a
 /// flag with its value attached would be taken for a formula.
-fn detached(argument: OsString) -> Vec<OsString> {
+fn split_attached_value(argument: OsString) -> Vec<OsString> {
     if let Some(text) = argument.to_str() {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());
         let is_picture = |value: &&str| Path::new(value).extension().is_some_and(|e| e == "png");

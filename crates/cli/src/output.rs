@@ -89,7 +89,7 @@ impl Output {
             Sink::Renamed(writer, target) => writer
                 .into_inner()
                 .map_err(|error| error.into_error())
-                .and_then(|file| put(file, &target)),
+                .and_then(|file| copy_and_rename(file, &target)),
             Sink::Direct(mut writer) => writer.flush(),
             Sink::Standard(whole) => return print_bytes(&whole),
         };
@@ -114,7 +114,7 @@ impl Write for Output {
 }
 
 fn sink(path: &Path) -> Result<Sink> {
-    let path = followed(path.to_owned())?;
+    let path = resolve_links(path.to_owned())?;
     match std::fs::metadata(&path) {
         Ok(found) if found.is_dir() => bail!("it is a directory"),
         Ok(found) if !found.is_file() => {
@@ -135,7 +135,7 @@ fn sink(path: &Path) -> Result<Sink> {
 }
 
 /// Copies the content to a new file beside `target`, and renames that over it.
-fn put(mut written: File, target: &Path) -> std::io::Result<()> {
+fn copy_and_rename(mut written: File, target: &Path) -> std::io::Result<()> {
     let mut file = temporary(target.parent().unwrap_or(Path::new(".")))?;
     written.rewind()?;
     std::io::copy(&mut written, file.as_file_mut())?;
@@ -155,7 +155,7 @@ fn put(mut written: File, target: &Path) -> std::io::Result<()> {
 
 /// Returns the path that symbolic links lead to, since a rename would replace a link. The last link
 /// may lead to a file that does not exist yet.
-fn followed(mut path: PathBuf) -> std::io::Result<PathBuf> {
+fn resolve_links(mut path: PathBuf) -> std::io::Result<PathBuf> {
     for _ in 0..MOST_LINKS {
         if !path.is_symlink() {
             return Ok(path);

@@ -7,16 +7,16 @@ use zeroset_live::quote;
 
 /// The origin of a picture, as stored in its file.
 #[derive(Clone, Default, PartialEq, Eq)]
-pub struct Origin {
+pub struct PictureOrigin {
     /// Text chunks by keyword: the command that renders the picture, and the text it draws.
     pub chunks: Vec<(&'static str, String)>,
 }
 
 /// Flags that do not change the pictures, and whether a value follows each.
-const INDIFFERENT: [(&str, bool); 3] =
+const IRRELEVANT_FLAGS: [(&str, bool); 3] =
     [("--shard", true), ("--resume", false), ("--threads", true)];
 
-impl Origin {
+impl PictureOrigin {
     /// Returns the origin of a picture of `text`: the command line, ready to be typed again, and
     /// the text.
     pub fn typed(text: &str) -> Self {
@@ -24,7 +24,7 @@ impl Origin {
         let mut kept = vec!["zeroset".to_owned()];
         while let Some(word) = words.next() {
             let (flag, value) = word.split_once('=').map_or((&*word, None), |(a, b)| (a, Some(b)));
-            match INDIFFERENT.iter().find(|(name, _)| *name == flag) {
+            match IRRELEVANT_FLAGS.iter().find(|(name, _)| *name == flag) {
                 Some((_, true)) if value.is_none() => drop(words.next()),
                 Some(_) => {}
                 None => kept.push(quote(&word)),
@@ -47,7 +47,7 @@ impl Origin {
     }
 
     /// Whether a PNG file has this origin.
-    pub fn is_of(&self, file: &Path) -> bool {
+    pub fn is_origin_of(&self, file: &Path) -> bool {
         let open = || {
             let file = std::io::BufReader::new(std::fs::File::open(file).ok()?);
             png::Decoder::new(file).read_info().ok()
@@ -85,7 +85,7 @@ pub fn write_png(
     out: &mut dyn Write,
     rgb: &[u8],
     [width, height]: [usize; 2],
-    origin: &Origin,
+    origin: &PictureOrigin,
 ) -> std::io::Result<()> {
     let mut writer = png_encoder(out, [width, height], origin)?.write_header()?;
     writer.write_image_data(rgb)?;
@@ -100,7 +100,7 @@ pub fn write_png(
 pub fn png_encoder<W: Write>(
     out: W,
     [width, height]: [usize; 2],
-    origin: &Origin,
+    origin: &PictureOrigin,
 ) -> std::io::Result<png::Encoder<'static, W>> {
     let mut encoder = png::Encoder::new(out, width as u32, height as u32);
     encoder.set_color(png::ColorType::Rgb);

@@ -1,9 +1,9 @@
 //! Pictures in a terminal: as pixels if it can show them, else as half blocks of two colors, else
 //! as letters.
 
-use super::graphics::{Known, Protocol};
+use super::graphics::{GraphicsSupport, Protocol};
 use super::notes;
-use super::terminal::{self, Answer};
+use super::terminal::{self, QueryAnswer};
 use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
@@ -16,7 +16,7 @@ const ROWS: usize = 24;
 /// Most columns; a larger picture scrolls out of view.
 const MOST_COLUMNS: usize = 120;
 /// Lines left for the prompt and the messages above it.
-const SPARE: usize = 4;
+const RESERVED_ROWS: usize = 4;
 /// Greatest width and height of a character in pixels; the limit keeps the data small. Also the
 /// default if the terminal does not report them.
 const CHARACTER: (usize, usize) = (8, 16);
@@ -32,7 +32,7 @@ fn characters() -> (usize, usize) {
     let known = terminal::size().map(|(characters, _)| characters);
     let columns = known.map(|size| size.0).or_else(|| number("COLUMNS")).unwrap_or(COLUMNS);
     let rows = known.map(|size| size.1).or_else(|| number("LINES")).unwrap_or(ROWS);
-    (columns.clamp(16, MOST_COLUMNS), rows.saturating_sub(SPARE).clamp(8, MOST_COLUMNS / 2))
+    (columns.clamp(16, MOST_COLUMNS), rows.saturating_sub(RESERVED_ROWS).clamp(8, MOST_COLUMNS / 2))
 }
 
 /// Returns the protocol for pixels, if there is one, and whether a late answer may still come. The
@@ -43,15 +43,15 @@ fn protocol() -> (Option<Protocol>, bool) {
         if !std::io::stdout().is_terminal() {
             return (None, false);
         }
-        match Known::detect(|name| std::env::var(name).ok()) {
-            Known::Speaks(protocol) => (Some(protocol), false),
-            Known::Mute => (None, false),
+        match GraphicsSupport::detect(|name| std::env::var(name).ok()) {
+            GraphicsSupport::Supports(protocol) => (Some(protocol), false),
+            GraphicsSupport::Mute => (None, false),
             // An answer can only reveal sixels, which this build cannot send.
-            Known::Unknown if !cfg!(feature = "sixel") => (None, false),
-            Known::Unknown => match terminal::ask(PATIENCE) {
-                Answer::Given(answer) => (Protocol::answered(&answer), false),
-                Answer::Late => (None, true),
-                Answer::NotAsked => (None, false),
+            GraphicsSupport::Unknown if !cfg!(feature = "sixel") => (None, false),
+            GraphicsSupport::Unknown => match terminal::ask(PATIENCE) {
+                QueryAnswer::Given(answer) => (Protocol::from_answer(&answer), false),
+                QueryAnswer::Late => (None, true),
+                QueryAnswer::NotAsked => (None, false),
             },
         }
     })
@@ -66,7 +66,7 @@ pub fn drop_late_answer() {
 }
 
 /// Returns the columns and rows of pixels that fit.
-pub fn room() -> (usize, usize) {
+pub fn pixel_size() -> (usize, usize) {
     let (columns, rows) = characters();
     let Some(protocol) = protocol().0 else {
         // A character is about twice as high as wide, and shows two square pixels.
@@ -80,7 +80,7 @@ pub fn room() -> (usize, usize) {
     (columns * across, rows * down)
 }
 
-/// Returns the text that shows a picture of the size of [`room`], with a line below it.
+/// Returns the text that shows a picture of the size of [`pixel_size`], with a line below it.
 pub fn text(picture: &Picture, below: &str) -> String {
     let size = (picture.buffer.width, picture.buffer.height);
     // Pixels are preferred, if they can be encoded.

@@ -1,6 +1,6 @@
 //! The prompt: a line editor with history, completion and colors. Does not know what a line means.
 
-use super::completion::{Class, candidates, classes, given_up, is_open};
+use super::completion::{TokenClass, candidates, token_classes, abandoned_formula, is_open};
 use super::data::data_directory;
 use super::history::KEPT_LINES;
 use super::session::{Session, lock};
@@ -24,7 +24,7 @@ use zeroset_syntax::WordKind;
 /// Pause in typing after which a fault is reported.
 const PAUSE: Duration = Duration::from_millis(300);
 /// Interval at which the pause is checked.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Reads and enters lines until the input or the session ends, and with `preview` shows pictures.
 ///
@@ -68,7 +68,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
     }
     // Number of lines, entered here or in the window, that the editor's history has.
     let mut known = 0;
-    session.recalled(&mut known);
+    session.history_since(&mut known);
     let mut last = preview.then(|| session.live.request());
     let interactive = std::io::stdin().is_terminal();
     if interactive && let Ok(mut printer) = editor.create_external_printer() {
@@ -122,7 +122,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             // Append at once, so that nothing is lost however the program ends.
             let _ = editor.append_history(history);
         }
-        let parts = given_up(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
+        let parts = abandoned_formula(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
                 // A command's output must not scroll away behind a picture that was shown before.
@@ -149,7 +149,7 @@ fn learn(
     editor: &mut Editor<PromptHelper, FileHistory>,
     known: &mut usize,
 ) -> rustyline::Result<()> {
-    for line in session.recalled(known) {
+    for line in session.history_since(known) {
         editor.add_history_entry(line)?;
     }
     Ok(())
@@ -171,10 +171,10 @@ fn forget_line(typing: &Mutex<Typing>) -> bool {
 /// Reports faults in typed or saved text, after a pause in typing.
 fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
     while !session.has_ended() {
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_INTERVAL);
         let mut typing = lock(typing);
         let Some(fault) = session.live.snapshot().fault else { continue };
-        let is_new = fault.revision != typing.reported && session.is_told(fault.revision);
+        let is_new = fault.revision != typing.reported && session.reports_in_terminal(fault.revision);
         if typing.at.elapsed() < PAUSE || !is_new {
             continue;
         }
@@ -233,15 +233,15 @@ impl Highlighter for PromptHelper {
         }
         let mut text = String::new();
         let mut end = 0;
-        for (place, class) in classes(line) {
+        for (place, class) in token_classes(line) {
             let color = match class {
-                Class::Number => "36",
+                TokenClass::Number => "36",
                 // A single letter is clear enough without color.
-                Class::Word(_) if place.len() == 1 => continue,
-                Class::Word(WordKind::Function | WordKind::Value) => "34",
-                Class::Word(WordKind::Setting | WordKind::InSetting) => "35",
-                Class::Word(WordKind::Joint | WordKind::Program) => "33",
-                Class::Comment => "2",
+                TokenClass::Word(_) if place.len() == 1 => continue,
+                TokenClass::Word(WordKind::Function | WordKind::Value) => "34",
+                TokenClass::Word(WordKind::Setting | WordKind::InSetting) => "35",
+                TokenClass::Word(WordKind::Joint | WordKind::Program) => "33",
+                TokenClass::Comment => "2",
             };
             text.push_str(&line[end..place.start]);
             // Writing to a string cannot fail.

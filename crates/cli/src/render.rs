@@ -1,9 +1,9 @@
 //! The command `zeroset render`.
 
-use super::arguments::{AA, KernelArgs, RenderArgs, TracingArgs};
+use super::arguments::{DEFAULT_AA, KernelArgs, RenderArgs, TracingArgs};
 use super::files::Files;
 use super::output::print;
-use super::png_file::Origin;
+use super::png_file::PictureOrigin;
 use super::progress::Progress;
 use super::sequence;
 use super::subject::{self, Subject};
@@ -27,7 +27,7 @@ use zeroset_syntax::SrgbColor;
 use zeroset_trace::{DEPTH, check_depth};
 
 /// Half the side of the cube that is drawn if the search for a domain runs out of time.
-const ANYWHERE: f64 = 2.0;
+const FALLBACK_HALF_SIDE: f64 = 2.0;
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
@@ -49,7 +49,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let (region, searched) = if let Some(found) = found {
             found
         } else {
-            let [low, high] = [-ANYWHERE, ANYWHERE];
+            let [low, high] = [-FALLBACK_HALF_SIDE, FALLBACK_HALF_SIDE];
             notes::note(&format!(
                 "no domain was found in time: x, y, z in {low}..{high} are drawn; --domain says \
                  where to look"
@@ -67,7 +67,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let pixels = settings.width * settings.height * seen;
         let bar = Progress::new(pixels as u64, "tracing");
         let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
-        let origin = Origin::typed(&subject.source.text);
+        let origin = PictureOrigin::typed(&subject.source.text);
         let size = [settings.width, settings.height];
         let mut files = files.begin(size, settings.options.precision, &origin)?;
         let mut marks = None;
@@ -121,8 +121,8 @@ pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
 }
 
 /// Returns the settings with antialiasing and ambient occlusion added.
-pub fn beautiful(settings: &Settings) -> Settings {
-    let antialias = Pattern::of(AA).expect("one of them");
+pub fn with_effects(settings: &Settings) -> Settings {
+    let antialias = Pattern::of(DEFAULT_AA).expect("one of them");
     Settings { occlusion: true, antialias, ..settings.clone() }
 }
 

@@ -5,7 +5,7 @@ use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
 use super::array::Arrays;
 use super::files::Files;
 use super::output::{Output, print};
-use super::png_file::Origin;
+use super::png_file::PictureOrigin;
 use super::progress::Progress;
 use super::subject::{self, Subject};
 use super::{UNDECIDED, notes, report};
@@ -29,7 +29,7 @@ const MOST_FRAMES: usize = 1_000_000;
 const WHOLE_TURN: f64 = 360.0;
 
 /// A requested sequence, and the part of it that is rendered here.
-pub struct Asked {
+pub struct SequenceRequest {
     sequence: Sequence,
     /// Number of this shard, from 0, and the number of all shards.
     shard: (usize, usize),
@@ -39,13 +39,13 @@ pub struct Asked {
 ///
 /// # Errors
 /// If an argument is missing or wrong.
-pub fn asked(arguments: &RenderArgs) -> Result<Option<Asked>> {
+pub fn asked(arguments: &RenderArgs) -> Result<Option<SequenceRequest>> {
     let SequenceArgs { frames, sweep, turntable, is_loop, fps, shard, resume } =
         &arguments.sequence;
     let time = arguments.document.values.time.as_deref().filter(|time| time.contains(".."));
     let mut sweeps = sweep.iter().map(|text| swept(text)).collect::<Result<Vec<_>>>()?;
     if let Some(time) = time {
-        let (from, to) = ends(time).with_context(|| format!("--time '{time}'"))?;
+        let (from, to) = parse_range(time).with_context(|| format!("--time '{time}'"))?;
         sweeps.insert(0, Sweep { name: "t".to_owned(), from, to });
     }
     let moves = !sweeps.is_empty() || turntable.is_some();
@@ -84,7 +84,7 @@ pub fn asked(arguments: &RenderArgs) -> Result<Option<Asked>> {
     let shard = shard.as_deref().map_or(Ok((0, 1)), |text| {
         part(text).with_context(|| format!("--shard '{text}' is not of the form I/N, as 1/8"))
     })?;
-    Ok(Some(Asked { sequence: Sequence { frames, sweeps, turn: *turntable, is_loop }, shard }))
+    Ok(Some(SequenceRequest { sequence: Sequence { frames, sweeps, turn: *turntable, is_loop }, shard }))
 }
 
 /// Parses `NAME=A..B`.
@@ -92,12 +92,12 @@ fn swept(text: &str) -> Result<Sweep> {
     let (name, range) = text
         .split_once('=')
         .with_context(|| format!("--sweep '{text}' is not of the form name=a..b"))?;
-    let (from, to) = ends(range).with_context(|| format!("--sweep '{text}'"))?;
+    let (from, to) = parse_range(range).with_context(|| format!("--sweep '{text}'"))?;
     Ok(Sweep { name: name.trim().to_owned(), from, to })
 }
 
 /// Parses `A..B`.
-fn ends(text: &str) -> Result<(f64, f64)> {
+fn parse_range(text: &str) -> Result<(f64, f64)> {
     let (from, to) = text.split_once("..").context("two values are written a..b, as 0..2pi")?;
     let number = |text: &str| {
         view::number(text).with_context(|| format!("'{}' is not a finite number", text.trim()))
@@ -116,7 +116,7 @@ fn part(text: &str) -> Option<(usize, usize)> {
 ///
 /// # Errors
 /// If a frame cannot be rendered or written; earlier frames stay.
-pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result<ExitCode> {
+pub fn run(arguments: &RenderArgs, asked: &SequenceRequest, settings: &Settings) -> Result<ExitCode> {
     let wanted = &arguments.outputs;
     wanted.check()?;
     let format = one_file(wanted, arguments.sequence.fps)?;
@@ -126,7 +126,7 @@ pub fn run(arguments: &RenderArgs, asked: &Asked, settings: &Settings) -> Result
         format.is_none() || asked.shard == (0, 1) && !arguments.sequence.resume,
         "--shard and --resume need a file for each frame: -o frame-%04d.png"
     );
-    let maker = Maker::new(arguments, sequence, settings)?;
+    let maker = FrameRenderer::new(arguments, sequence, settings)?;
     let count = match format {
         None => maker.files(wanted, asked.shard, arguments.sequence.resume)?,
         Some(format) => {
@@ -193,14 +193,14 @@ fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
 
 /// Numbers of frames rendered, kept, with undecided pixels, and without a visible surface.
 #[derive(Default)]
-struct Count {
+struct FrameCounts {
     made: usize,
     kept: usize,
     undecided: usize,
     blank: usize,
 }
 
-impl Count {
+impl FrameCounts {
     fn add(&mut self, picture: &Picture) {
         let pixels = picture.statistics.pixels;
         self.made += 1;
@@ -233,7 +233,7 @@ fn unknown_sweep(errors: &Errors, sequence: &Sequence) -> Option<String> {
 }
 
 /// Renders frames one after another.
-struct Maker<'a> {
+struct FrameRenderer<'a> {
     subject: Subject,
     overrides: Vec<(String, String)>,
     time: Option<f64>,
@@ -244,7 +244,7 @@ struct Maker<'a> {
     progress: Progress,
 }
 
-impl<'a> Maker<'a> {
+impl<'a> FrameRenderer<'a> {
     fn new(arguments: &RenderArgs, sequence: &'a Sequence, settings: &'a Settings) -> Result<Self> {
         let values = &arguments.document.values;
         let overrides = values.overrides()?;
@@ -283,7 +283,7 @@ impl<'a> Maker<'a> {
     }
 
     /// Renders a frame. Reuses the kernels of the last frame if possible.
-    fn make(&mut self, frame: usize, last: &mut Option<Model>) -> Result<(Camera, Picture)> {
+    fn render_frame(&mut self, frame: usize, last: &mut Option<Model>) -> Result<(Camera, Picture)> {
         let Self { overrides, time, sequence, stage, .. } = self;
         let settings = self.settings.begin();
         let options = Options { overrides, time: *time, ..Options::default() };
@@ -312,9 +312,9 @@ impl<'a> Maker<'a> {
         wanted: &OutputArgs,
         (shard, of): (usize, usize),
         resume: bool,
-    ) -> Result<Count> {
-        let (mut count, mut last) = (Count::default(), None);
-        let origin = Origin::typed(&self.subject.source.text);
+    ) -> Result<FrameCounts> {
+        let (mut count, mut last) = (FrameCounts::default(), None);
+        let origin = PictureOrigin::typed(&self.subject.source.text);
         for frame in (shard..self.sequence.frames).step_by(of) {
             let origin = origin.frame(frame);
             let name = |path: &PathBuf| -> Result<PathBuf> {
@@ -334,14 +334,14 @@ impl<'a> Maker<'a> {
                 let is_of_it = |(_, array): &(_, PathBuf)| {
                     array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
                 };
-                origin.is_of(picture) && files.arrays.0.iter().all(is_of_it)
+                origin.is_origin_of(picture) && files.arrays.0.iter().all(is_of_it)
             };
             if resume && files.output.as_ref().is_some_and(is_there) {
                 count.kept += 1;
                 continue;
             }
             let opened = Files::create(&files)?;
-            let (camera, picture) = self.make(frame, &mut last)?;
+            let (camera, picture) = self.render_frame(frame, &mut last)?;
             opened.finish(&picture, &origin)?;
             if wanted.json {
                 let Stage { region, searched, .. } = &self.stage;
@@ -360,16 +360,16 @@ impl<'a> Maker<'a> {
     }
 
     /// Writes all frames to one file, or to standard output.
-    fn animation(mut self, format: Format, path: &Path, fps: u16) -> Result<Count> {
+    fn animation(mut self, format: Format, path: &Path, fps: u16) -> Result<FrameCounts> {
         let output = Output::create(path)?;
-        let origin = Origin::typed(&self.subject.source.text);
+        let origin = PictureOrigin::typed(&self.subject.source.text);
         let size = [self.settings.width, self.settings.height];
         let frames = self.sequence.frames;
-        let (mut count, mut last, mut wrong) = (Count::default(), None, None);
+        let (mut count, mut last, mut wrong) = (FrameCounts::default(), None, None);
         let written = output.stream(|out| {
             let mut animation = Animation::begin(format, out, size, (frames, fps), &origin)?;
             for frame in 0..frames {
-                let picture = match self.make(frame, &mut last) {
+                let picture = match self.render_frame(frame, &mut last) {
                     Ok((_, picture)) => picture,
                     Err(error) => {
                         wrong = Some(error);

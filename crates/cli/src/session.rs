@@ -1,12 +1,12 @@
 //! A live picture and the files around it, shared by prompt and window.
 
 use super::arguments::InteractiveArgs;
-use super::data::keep;
+use super::data::store_text;
 use super::gallery::listed;
 use super::history::History;
 use super::output::{Output, print};
-use super::png_file::{Origin, check_png, write_png};
-use super::render::{beautiful, kernel_settings};
+use super::png_file::{PictureOrigin, check_png, write_png};
+use super::render::{with_effects, kernel_settings};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
@@ -24,16 +24,16 @@ use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::{example, examples};
 
 /// The gallery surface that is shown if no document is given.
-const FIRST: &str = "gyroid";
+const DEFAULT_SURFACE: &str = "gyroid";
 
 /// A terminal picture with fewer pixels than a square of this side is saved at the default size.
-const SMALLEST: usize = 128;
+const MIN_SAVED_SIDE: usize = 128;
 
 /// Longest wait for a picture that is to be saved or shown in the terminal.
 const PATIENCE: Duration = Duration::from_mins(5);
 
 /// Why a line was refused.
-pub struct Wrong {
+pub struct LineError {
     /// One line of plain text.
     #[cfg_attr(not(feature = "window"), allow(dead_code))]
     pub summary: String,
@@ -41,7 +41,7 @@ pub struct Wrong {
     pub full: String,
 }
 
-impl From<Refusal> for Wrong {
+impl From<Refusal> for LineError {
     fn from(refusal: Refusal) -> Self {
         let mut full = refusal.render(notes::colored());
         if let Some(letter) = refusal.missing_letter() {
@@ -73,14 +73,14 @@ pub struct Session {
     /// A note about the file that the window has not shown yet.
     notice: Mutex<Option<String>>,
     /// An existing file that `:save` refused to overwrite; entering the line again overwrites it.
-    guarded: Mutex<Option<PathBuf>>,
+    refused_overwrite: Mutex<Option<PathBuf>>,
     /// Whether pictures have the terminal's size, not the window's.
     in_terminal: AtomicBool,
     /// Whether the gallery was requested since the window last checked.
     gallery: AtomicBool,
     ended: AtomicBool,
     /// Faults of requests up to this revision are shown in the window, not in the terminal.
-    hushed: AtomicU64,
+    reported_in_window: AtomicU64,
     /// The first message that is shown.
     pub welcome: String,
 }
@@ -98,13 +98,13 @@ impl Session {
         let given = arguments.source.as_deref();
         let source = match given {
             Some(given) => source::find(given)?,
-            None => example(FIRST).context("the gallery has it")?.into(),
+            None => example(DEFAULT_SURFACE).context("the gallery has it")?.into(),
         };
         let Source { from, text } = source;
         let (mut width, mut height) = (arguments.size.width, arguments.size.height);
         if arguments.preview {
             // Start at the terminal's size, since a picture at the window's size would be wasted.
-            (width, height) = preview::room();
+            (width, height) = preview::pixel_size();
         }
         let request = Request {
             source: from,
@@ -116,14 +116,14 @@ impl Session {
             choice: arguments.camera.choice(),
             orbit: None,
             axes: if arguments.preview { Axes::Off } else { Axes::Usual },
-            settings: Settings { width, height, ..beautiful(&settings) },
+            settings: Settings { width, height, ..with_effects(&settings) },
         };
         if let Ok(document) = request.read() {
             note_time(request.time, &document);
         }
         let welcome = match given {
             None => format!(
-                "This is the {FIRST}. Type a formula such as x^2+y^2+z^2 = 1, or :help for more."
+                "This is the {DEFAULT_SURFACE}. Type a formula such as x^2+y^2+z^2 = 1, or :help for more."
             ),
             Some(_) if request.source == DocumentSource::Typed => {
                 "Type a formula to replace this one, or :help for more.".to_owned()
@@ -139,11 +139,11 @@ impl Session {
             history: Mutex::default(),
             saving: Mutex::default(),
             notice: Mutex::default(),
-            guarded: Mutex::default(),
+            refused_overwrite: Mutex::default(),
             in_terminal: AtomicBool::new(arguments.preview),
             gallery: AtomicBool::new(false),
             ended: AtomicBool::new(false),
-            hushed: AtomicU64::new(0),
+            reported_in_window: AtomicU64::new(0),
             welcome,
         })
     }
@@ -210,8 +210,8 @@ impl Session {
 
     /// Leaves the faults of all requests so far to the window; the terminal does not show them.
     #[cfg(feature = "window")]
-    pub fn hush(&self) {
-        self.hushed.fetch_max(self.live.revision(), Ordering::Relaxed);
+    pub fn report_in_window(&self) {
+        self.reported_in_window.fetch_max(self.live.revision(), Ordering::Relaxed);
     }
 
     /// Takes the note that the file cannot be read, if there is a new one.
@@ -221,8 +221,8 @@ impl Session {
     }
 
     /// Whether the terminal shows the fault of this request.
-    pub fn is_told(&self, revision: u64) -> bool {
-        revision > self.hushed.load(Ordering::Relaxed)
+    pub fn reports_in_terminal(&self, revision: u64) -> bool {
+        revision > self.reported_in_window.load(Ordering::Relaxed)
     }
 
     /// Tells every thread to end. A save that waits for its picture is abandoned.
@@ -243,8 +243,8 @@ impl Session {
 
     /// Returns the lines after the first `known` ones that the history still has, oldest first.
     /// Sets `known` to the number of all lines.
-    pub fn recalled(&self, known: &mut usize) -> Vec<String> {
-        lock(&self.history).news(known)
+    pub fn history_since(&self, known: &mut usize) -> Vec<String> {
+        lock(&self.history).since(known)
     }
 
     /// Shows the picture of a changed file above the line that is being typed, unless a newer
@@ -281,7 +281,7 @@ impl Session {
         self: &Arc<Self>,
         line: &str,
         png: impl FnOnce(Option<String>) -> Result<()>,
-    ) -> Result<Option<String>, Wrong> {
+    ) -> Result<Option<String>, LineError> {
         let mut said = None;
         let reply = self.live.enter(line)?;
         let done = match reply {
@@ -313,10 +313,10 @@ impl Session {
         };
         done.map_err(|error| {
             let summary = format!("error: {error:#}");
-            Wrong { full: summary.clone(), summary }
+            LineError { full: summary.clone(), summary }
         })?;
         self.follow();
-        keep("last.zset", &self.live.text());
+        store_text("last.zset", &self.live.text());
         Ok(said)
     }
 
@@ -349,7 +349,7 @@ impl Session {
         let place = path.canonicalize().ok();
         let own = self.path().and_then(|own| own.canonicalize().ok());
         let is_another = place.is_some() && place != own;
-        if is_another && lock(&self.guarded).replace(path.clone()).as_ref() != Some(&path) {
+        if is_another && lock(&self.refused_overwrite).replace(path.clone()).as_ref() != Some(&path) {
             anyhow::bail!(
                 "there is another file '{}' already; enter the line once more to write over it",
                 path.display()
@@ -357,7 +357,7 @@ impl Session {
         }
         let text = self.live.text();
         Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
-        *lock(&self.guarded) = None;
+        *lock(&self.refused_overwrite) = None;
         self.live.saved(&path, &text);
         self.follow();
         self.say(&format!("saved '{}'", path.display()));
@@ -383,7 +383,7 @@ impl Session {
         // A picture that fits a terminal is too small for a file.
         let Settings { width, height, .. } = self.live.settings();
         let small =
-            self.in_terminal.load(Ordering::Relaxed) && width * height < SMALLEST * SMALLEST;
+            self.in_terminal.load(Ordering::Relaxed) && width * height < MIN_SAVED_SIDE * MIN_SAVED_SIDE;
         if small {
             let usual = Settings::default();
             self.live.resize(usual.width, usual.height);
@@ -400,7 +400,7 @@ impl Session {
         let name = path.display().to_string();
         let command = picture.command(&name);
         let size = [buffer.width, buffer.height];
-        output.finish(|out| write_png(out, &rgb, size, &Origin::command(&command)))?;
+        output.finish(|out| write_png(out, &rgb, size, &PictureOrigin::command(&command)))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
         Ok(())
     }
@@ -427,7 +427,7 @@ impl Session {
         if self.live.request().axes != Axes::Off {
             self.live.set_axes(Axes::Off);
         }
-        let (columns, rows) = preview::room();
+        let (columns, rows) = preview::pixel_size();
         self.live.resize(columns, rows);
     }
 

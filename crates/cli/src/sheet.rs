@@ -17,12 +17,12 @@ const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
 const INK: u32 = 0x0020_2020;
 
 /// A sheet with room for a given number of pictures.
-pub struct Sheet {
+pub struct ContactSheet {
     image: RgbImage,
     filled: u32,
 }
 
-impl Sheet {
+impl ContactSheet {
     /// An empty sheet.
     pub fn new(pictures: usize) -> Self {
         let rows = (pictures as u32).div_ceil(COLUMNS).max(1);

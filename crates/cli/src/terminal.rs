@@ -26,7 +26,7 @@ pub fn size() -> Option<(Size, Option<Size>)> {
 }
 
 /// The answer to a query for the primary device attributes.
-pub enum Answer {
+pub enum QueryAnswer {
     /// The full answer, from the escape to the `c`.
     Given(String),
     /// There was no answer in time; it may still come.
@@ -43,13 +43,13 @@ const LONGEST: usize = 64;
 /// Queries the terminal for its primary device attributes (DA1). Call this before anything else
 /// reads from it. Keys that are typed before the answer are dropped, as the prompt would drop them.
 #[cfg(unix)]
-pub fn ask(limit: Duration) -> Answer {
+pub fn ask(limit: Duration) -> QueryAnswer {
     use std::io::{IsTerminal, Write};
     let (input, mut output) = (std::io::stdin(), std::io::stdout());
     if !(input.is_terminal() && output.is_terminal()) {
-        return Answer::NotAsked;
+        return QueryAnswer::NotAsked;
     }
-    let Ok(before) = rustix::termios::tcgetattr(&input) else { return Answer::NotAsked };
+    let Ok(before) = rustix::termios::tcgetattr(&input) else { return QueryAnswer::NotAsked };
     // The answer has no newline and must not be echoed. An interrupt would leave the terminal in
     // this mode, so interrupts are disabled.
     let mut silent = before.clone();
@@ -57,13 +57,13 @@ pub fn ask(limit: Duration) -> Answer {
     silent.special_codes[SpecialCodeIndex::VMIN] = 0;
     silent.special_codes[SpecialCodeIndex::VTIME] = 0;
     if rustix::termios::tcsetattr(&input, OptionalActions::Now, &silent).is_err() {
-        return Answer::NotAsked;
+        return QueryAnswer::NotAsked;
     }
     let mut send = || output.write_all(b"\x1b[c").and_then(|()| output.flush());
     let answer = if is_ready(&input, Duration::ZERO) || send().is_err() {
-        Answer::NotAsked
+        QueryAnswer::NotAsked
     } else {
-        read_answer(&input, limit).map_or(Answer::Late, Answer::Given)
+        read_answer(&input, limit).map_or(QueryAnswer::Late, QueryAnswer::Given)
     };
     // The modes were read just now. If setting them fails, the terminal is gone.
     let _ = rustix::termios::tcsetattr(&input, OptionalActions::Now, &before);
@@ -72,8 +72,8 @@ pub fn ask(limit: Duration) -> Answer {
 
 /// Sends no query: it is not supported here.
 #[cfg(not(unix))]
-pub fn ask(_: Duration) -> Answer {
-    Answer::NotAsked
+pub fn ask(_: Duration) -> QueryAnswer {
+    QueryAnswer::NotAsked
 }
 
 /// Whether input arrives within this time.

@@ -2,7 +2,7 @@
 
 #[cfg(feature = "window")]
 use super::data::data_directory;
-use super::data::keep;
+use super::data::store_text;
 
 /// One line each, the most useful first.
 pub const TIPS: &[&str] = &[
@@ -14,22 +14,22 @@ pub const TIPS: &[&str] = &[
 ];
 
 /// Name of the file that counts the tips shown.
-const KEPT: &str = "tips";
+const COUNT_FILE: &str = "tips";
 
 #[cfg(feature = "window")]
 /// Returns the next tip that was not shown yet, and counts it as shown.
 pub fn next() -> Option<&'static str> {
     // Without a place for the count, the first tip would come every time.
-    let shown = match std::fs::read_to_string(data_directory()?.join(KEPT)) {
+    let shown = match std::fs::read_to_string(data_directory()?.join(COUNT_FILE)) {
         Ok(text) => text.trim().parse().unwrap_or(TIPS.len()),
         Err(_) => 0,
     };
     let tip = TIPS.get(shown)?;
-    keep(KEPT, &(shown + 1).to_string());
+    store_text(COUNT_FILE, &(shown + 1).to_string());
     Some(tip)
 }
 
 /// Turns tips off, or shows all of them again.
 pub fn switch(wanted: bool) {
-    keep(KEPT, &(if wanted { 0 } else { TIPS.len() }).to_string());
+    store_text(COUNT_FILE, &(if wanted { 0 } else { TIPS.len() }).to_string());
 }

@@ -67,7 +67,7 @@ impl Watch {
             watcher.watch(&directory, RecursiveMode::NonRecursive).ok()?;
             Some(watcher)
         });
-        let mut watched = Watched { path, text: text.to_owned(), lost: false, stamp: None, report };
+        let mut watched = WatchedFile { path, text: text.to_owned(), lost: false, stamp: None, report };
         let thread = std::thread::spawn(move || watched.run(&messages));
         Ok(Self { _watcher: watcher, stop, thread: Some(thread) })
     }
@@ -88,7 +88,7 @@ impl Drop for Watch {
     }
 }
 
-struct Watched<R> {
+struct WatchedFile<R> {
     path: PathBuf,
     text: String,
     lost: bool,
@@ -96,10 +96,10 @@ struct Watched<R> {
     report: R,
 }
 
-impl<R: FnMut(Change)> Watched<R> {
+impl<R: FnMut(Change)> WatchedFile<R> {
     fn run(&mut self, messages: &Receiver<Message>) {
         // The file may have changed after it was read.
-        self.look();
+        self.check_file();
         loop {
             match messages.recv_timeout(POLL) {
                 Ok(Message::Event) => {
@@ -111,11 +111,11 @@ impl<R: FnMut(Change)> Watched<R> {
                             Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return,
                         }
                     }
-                    self.look();
+                    self.check_file();
                 }
                 Err(RecvTimeoutError::Timeout) => {
                     if self.stamp() != self.stamp {
-                        self.look();
+                        self.check_file();
                     }
                 }
                 Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return,
@@ -128,7 +128,7 @@ impl<R: FnMut(Change)> Watched<R> {
         Some((found.modified().ok()?, found.len()))
     }
 
-    fn look(&mut self) {
+    fn check_file(&mut self) {
         self.stamp = self.stamp();
         let read = match std::fs::metadata(&self.path) {
             // Opening a pipe would wait for whoever writes to it.
@@ -166,13 +166,13 @@ mod tests {
 
     const LIMIT: Duration = Duration::from_secs(30);
 
-    struct Watched {
+    struct WatchedFile {
         directory: tempfile::TempDir,
         live: Arc<Live>,
         _watch: Watch,
     }
 
-    fn watched(text: &str) -> Watched {
+    fn watched(text: &str) -> WatchedFile {
         let directory = tempfile::tempdir().expect("a directory");
         let path = directory.path().join("surface.zset");
         std::fs::write(&path, text).expect("written");
@@ -190,10 +190,10 @@ mod tests {
                 target.load(DocumentSource::Typed, &text, true);
             }
         });
-        Watched { directory, live, _watch: watch.expect("watched") }
+        WatchedFile { directory, live, _watch: watch.expect("watched") }
     }
 
-    impl Watched {
+    impl WatchedFile {
         fn path(&self) -> PathBuf {
             self.directory.path().join("surface.zset")
         }

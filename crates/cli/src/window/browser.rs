@@ -30,17 +30,17 @@ pub struct Browser {
 
 /// Everything that the drawing of the gallery depends on, except the pictures.
 #[derive(Clone, PartialEq)]
-pub struct Shown {
+pub struct GalleryContent {
     filter: String,
     matches: Vec<usize>,
     chosen: usize,
-    grid: Grid,
+    grid: GalleryLayout,
     version: u64,
 }
 
 /// Layout of the pictures, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Grid {
+struct GalleryLayout {
     columns: usize,
     /// Number of visible rows, and the first of them.
     rows: usize,
@@ -52,7 +52,7 @@ struct Grid {
     line: usize,
 }
 
-impl Grid {
+impl GalleryLayout {
     /// Lays out a window of this size and scale of letters, so that the `chosen` picture is
     /// visible.
     fn new((width, height): (usize, usize), scale: usize, scroll: usize, chosen: usize) -> Self {
@@ -134,13 +134,13 @@ impl Window {
     }
 
     /// Returns the current layout.
-    fn grid(&self) -> Grid {
+    fn grid(&self) -> GalleryLayout {
         let (size, Browser { scroll, chosen, .. }) = (self.size(), &self.browser);
-        Grid::new(size, self.scale_at(size.1), *scroll, *chosen)
+        GalleryLayout::new(size, self.scale_at(size.1), *scroll, *chosen)
     }
 
     /// Requests pictures of the visible surfaces, and returns what to draw.
-    pub(super) fn browsed(&mut self) -> Option<Shown> {
+    pub(super) fn gallery_content(&mut self) -> Option<GalleryContent> {
         if !self.browser.is_open {
             return None;
         }
@@ -153,7 +153,7 @@ impl Window {
         let thumbnails = browser.thumbnails.as_mut()?;
         thumbnails.want(seen, &self.session);
         let (filter, chosen) = (browser.filter.clone(), browser.chosen);
-        Some(Shown { filter, matches, chosen, grid, version: thumbnails.version() })
+        Some(GalleryContent { filter, matches, chosen, grid, version: thumbnails.version() })
     }
 
     /// Adds a letter to the filter.
@@ -224,9 +224,9 @@ impl Window {
         self.toggle_gallery();
     }
 
-    pub(super) fn draw_gallery(&self, canvas: &mut Canvas, shown: &Shown) {
+    pub(super) fn draw_gallery(&self, canvas: &mut Canvas, shown: &GalleryContent) {
         let Some(thumbnails) = &self.browser.thumbnails else { return };
-        let Shown { filter, matches, chosen, grid, .. } = shown;
+        let GalleryContent { filter, matches, chosen, grid, .. } = shown;
         let (width, height, dot) = (canvas.width, canvas.height, canvas.scale);
         canvas.fill(0, 0, width, height, GROUND, 255);
         let examples = thumbnails.examples();
@@ -276,7 +276,7 @@ mod tests {
     fn every_picture_is_found_where_it_is_shown() {
         for (size, scale) in [((800, 620), 1), ((300, 220), 1), ((1600, 1200), 2), ((90, 60), 1)] {
             for chosen in [0, 30, 64] {
-                let grid = Grid::new(size, scale, 0, chosen);
+                let grid = GalleryLayout::new(size, scale, 0, chosen);
                 assert!(grid.shown(65).contains(&chosen), "{grid:?}");
                 for number in grid.shown(65) {
                     let (left, top) = grid.corner(number);

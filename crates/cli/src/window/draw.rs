@@ -4,7 +4,7 @@
 use super::enlarge::enlarge;
 use super::page::Page;
 use super::panel::Panel;
-use super::{MESSAGE, PAUSE, Window, browser, list};
+use super::{MESSAGE_TIME, PAUSE, Window, browser, list};
 use crate::help;
 use crate::theme::{GROUND, INK};
 use anyhow::{Context, Result};
@@ -42,15 +42,15 @@ pub struct Content {
     candidates: Option<String>,
     message: Option<String>,
     sliders: Option<(Panel, Vec<Slider>, Option<usize>)>,
-    surfaces: Option<list::Shown>,
-    gallery: Option<browser::Shown>,
+    surfaces: Option<list::ListContent>,
+    gallery: Option<browser::GalleryContent>,
     help: bool,
     page: Option<Page>,
 }
 
 impl Content {
     /// Returns the message above the line or the status line, with its color.
-    fn said(&self) -> Option<(&str, Rgb)> {
+    fn message_above(&self) -> Option<(&str, Rgb)> {
         let candidates = self.candidates.as_deref().map(|text| (text, DIM));
         let fault = self.fault.as_deref().map(|text| (text, WRONG_TEXT));
         let message = self.message.as_deref().map(|text| (text, INK));
@@ -72,7 +72,7 @@ struct Layout {
 impl Window {
     /// Draws the window unless its content is unchanged, and returns whether it did.
     pub(super) fn draw(&mut self, seen: &Snapshot) -> Result<bool> {
-        if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE) {
+        if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE_TIME) {
             self.message = None;
         }
         self.compared = Instant::now();
@@ -80,7 +80,7 @@ impl Window {
         if self.drawn.as_ref() == Some(&content) {
             return Ok(false);
         }
-        self.entitle();
+        self.update_title();
         self.active = self.compared;
         let (picture, scale) = (self.picture_size(), self.scale_at(content.size.1));
         self.backdrop.follow(seen.rendering.as_ref(), picture, content.size, scale);
@@ -93,7 +93,7 @@ impl Window {
     }
 
     fn content(&mut self, seen: &Snapshot) -> Content {
-        let gallery = self.browsed();
+        let gallery = self.gallery_content();
         let pick = self.pointer(MouseMode::Discard).and_then(|at| self.pick(at, seen));
         let rested = self.typed.elapsed() > PAUSE;
         let fault = self.fault(seen);
@@ -190,7 +190,7 @@ fn draw_status(
     let right = (canvas.width as i64 - margin as i64 - taken as i64).max(0);
     if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
         canvas.write(&hover, right, text_y, DIM);
-    } else if content.line.is_none() && content.said().is_none() {
+    } else if content.line.is_none() && content.message_above().is_none() {
         // The two do not fit in one line.
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
@@ -214,7 +214,7 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
         canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, INK, 255);
         above -= row as i64;
     }
-    if let Some((text, color)) = content.said() {
+    if let Some((text, color)) = content.message_above() {
         let text = canvas.fitting(text, room);
         canvas.label(&text, 0, above, color);
     }

@@ -7,20 +7,20 @@ const ONE: usize = 256;
 
 /// A position between two pixels; `share` is its distance from the first, in steps.
 #[derive(Clone, Copy)]
-struct Between {
+struct SamplePosition {
     first: usize,
     second: usize,
     share: u32,
 }
 
 /// Returns the position of each of `to` pixels among `from` pixels over the same length.
-fn places(from: usize, to: usize) -> Vec<Between> {
+fn places(from: usize, to: usize) -> Vec<SamplePosition> {
     let last = from.saturating_sub(1);
     let place = |n: usize| {
         // Distances are between centers of pixels.
         let at = ((2 * n + 1) * from * ONE / (2 * to)).saturating_sub(ONE / 2);
         let first = (at / ONE).min(last);
-        Between { first, second: (first + 1).min(last), share: (at % ONE) as u32 }
+        SamplePosition { first, second: (first + 1).min(last), share: (at % ONE) as u32 }
     };
     (0..to).map(place).collect()
 }

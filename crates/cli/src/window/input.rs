@@ -16,9 +16,9 @@ pub enum Input {
 
 /// Input that has not been handled yet.
 #[derive(Clone, Default)]
-pub struct Typed(Rc<RefCell<VecDeque<Input>>>);
+pub struct InputQueue(Rc<RefCell<VecDeque<Input>>>);
 
-impl Typed {
+impl InputQueue {
     /// Takes all input, in order.
     pub fn take(&self) -> Vec<Input> {
         self.0.borrow_mut().drain(..).collect()
@@ -27,7 +27,7 @@ impl Typed {
 
 /// Receives input from the window's library.
 pub struct Keyboard {
-    pub typed: Typed,
+    pub typed: InputQueue,
     /// Whether the left and the right Ctrl key are held.
     pub controls: [bool; 2],
 }

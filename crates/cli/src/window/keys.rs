@@ -61,7 +61,7 @@ impl Window {
         self.message = None;
         if self.line.take().is_some() {
             self.session.live.type_line("");
-            self.session.hush();
+            self.session.report_in_window();
         } else {
             (self.help, self.page) = (false, None);
         }
@@ -101,7 +101,7 @@ impl Window {
         let live = &self.session.live;
         let is_done = if back { live.undo() } else { live.redo() };
         self.session.follow();
-        self.session.hush();
+        self.session.report_in_window();
         match (is_done, back) {
             (true, _) => self.message = None,
             (false, true) => self.say("there is nothing to undo"),
@@ -127,7 +127,7 @@ impl Window {
             Key::Home => line.home(),
             Key::End => line.end(),
             Key::Tab => candidates = line.complete(),
-            Key::Up | Key::Down => line.recall(&self.session.recalled(&mut 0), key == Key::Up),
+            Key::Up | Key::Down => line.recall(&self.session.history_since(&mut 0), key == Key::Up),
             _ => return,
         }
         self.follow_typing();
@@ -145,7 +145,7 @@ impl Window {
     pub(super) fn follow_line(&mut self) {
         if let Some(line) = &self.line {
             self.session.live.type_line(line.text());
-            self.session.hush();
+            self.session.report_in_window();
         }
     }
 

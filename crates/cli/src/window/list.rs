@@ -9,10 +9,10 @@ const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
 /// Most letters of a formula, and fewest. With room for fewer, only colors are shown.
-const LETTERS: usize = 24;
-const LEAST_LETTERS: usize = 8;
+const MAX_LETTERS: usize = 24;
+const MIN_LETTERS: usize = 8;
 /// Greatest share of the window's width that the list takes.
-const MOST: f64 = 0.55;
+const MAX_WIDTH_SHARE: f64 = 0.55;
 /// Widths in font pixels of a color, the track of an opacity, and the sign that deletes.
 const SWATCH: usize = 18;
 const TRACK_WIDTH: usize = 40;
@@ -44,7 +44,7 @@ pub struct List {
 
 /// Everything that the drawing of the list depends on.
 #[derive(Clone, PartialEq)]
-pub struct Shown {
+pub struct ListContent {
     pub list: List,
     pub surfaces: Vec<SurfaceEntry>,
     pub hovered: Option<(usize, ListPart)>,
@@ -69,11 +69,11 @@ impl List {
         let (scale, letter) = (canvas.scale, canvas.advance());
         let plain = (SWATCH + 2 * SPACE) * scale;
         let parts = (TRACK_WIDTH + DELETE + 3 * SPACE) * scale;
-        let most = (MOST * width as f64) as usize;
+        let most = (MAX_WIDTH_SHARE * width as f64) as usize;
         let free = most.min(width.saturating_sub(taken + 2 * SPACE * scale));
         let free = free.saturating_sub(plain + parts);
         let letters =
-            Some((free / letter).min(LETTERS)).filter(|letters| *letters >= LEAST_LETTERS);
+            Some((free / letter).min(MAX_LETTERS)).filter(|letters| *letters >= MIN_LETTERS);
         let own = letters.map_or(plain, |letters| plain + letters * letter + parts);
         if width < (taken + plain).max(4 * plain) {
             return None;
@@ -145,7 +145,7 @@ impl List {
     }
 }
 
-impl Shown {
+impl ListContent {
     /// Draws the list, with the row under the pointer brighter, and a line where a dragged row
     /// would go.
     pub fn draw(&self, canvas: &mut Canvas) {

@@ -26,7 +26,7 @@ use anyhow::Result;
 use browser::Browser;
 use clicks::Clicks;
 use draw::{Backdrop, Content};
-use input::{Keyboard, Typed};
+use input::{Keyboard, InputQueue};
 use minifb::{Key, MouseMode, ScaleMode, WindowOptions};
 use mouse::Mouse;
 use page::Page;
@@ -36,30 +36,30 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
 use surfaces::Surfaces;
-use tasks::{Outcome, enter_all};
+use tasks::{TaskOutcome, enter_all};
 use zeroset_live::{Rendering, Snapshot};
 use zeroset_render::overlay::Canvas;
 
 /// Time that a message is shown.
-const MESSAGE: Duration = Duration::from_secs(8);
+const MESSAGE_TIME: Duration = Duration::from_secs(8);
 /// A fault is shown when nothing has been typed for this long.
 const PAUSE: Duration = Duration::from_millis(300);
 
 /// Interval between polls of mouse and keyboard.
-const LOOK: Duration = Duration::from_millis(4);
-/// The interval after [`REST`] without activity, since a poll takes about 100 µs.
-const IDLE_LOOK: Duration = Duration::from_millis(20);
-const REST: Duration = Duration::from_secs(2);
+const POLL_INTERVAL: Duration = Duration::from_millis(4);
+/// The interval after [`IDLE_AFTER`] without activity, since a poll takes about 100 µs.
+const IDLE_POLL_INTERVAL: Duration = Duration::from_millis(20);
+const IDLE_AFTER: Duration = Duration::from_secs(2);
 /// Least time between two drawings of the window.
 const FRAME: Duration = Duration::from_millis(16);
 /// The least time without activity, when messages still come and go.
 const IDLE_FRAME: Duration = Duration::from_millis(100);
 
 /// Time before the first tip, and between tips.
-const TIP: Duration = Duration::from_secs(20);
+const TIP_INTERVAL: Duration = Duration::from_secs(20);
 
 /// Windows at least this high have letters of twice the size by default.
-const HIGH: usize = 1400;
+const LARGE_TEXT_HEIGHT: usize = 1400;
 
 /// An open window.
 pub struct Window {
@@ -67,11 +67,11 @@ pub struct Window {
     session: Arc<Session>,
     /// Lines to be entered, in order.
     lines: Sender<LineEdit>,
-    outcomes: Receiver<Outcome>,
+    outcomes: Receiver<TaskOutcome>,
     /// Cloned for each thread that has an outcome to send.
-    tell: Sender<Outcome>,
+    tell: Sender<TaskOutcome>,
     threads: Vec<JoinHandle<()>>,
-    typed_keys: Typed,
+    typed_keys: InputQueue,
     scale: Option<usize>,
     mouse: Mouse,
     clicks: Clicks,
@@ -118,7 +118,7 @@ impl Window {
             .map_err(|error| format!("a window cannot be opened ({error})"))?;
         // The loop in `run` sleeps by itself, since it polls more often than it draws.
         window.set_target_fps(0);
-        let typed_keys = Typed::default();
+        let typed_keys = InputQueue::default();
         let keyboard = Keyboard { typed: typed_keys.clone(), controls: [false; 2] };
         window.set_input_callback(Box::new(keyboard));
         let (lines, entered) = channel();
@@ -167,7 +167,7 @@ impl Window {
             let (width, height) = self.picture_size();
             self.session.live.resize(width, height);
             self.keys();
-            self.settle();
+            self.receive_outcomes();
             let seen = self.session.live.snapshot();
             self.follow(&seen);
             self.mouse(&seen);
@@ -176,14 +176,14 @@ impl Window {
             self.send_value(&seen);
             self.send_opacity(&seen);
             self.show_tips();
-            let is_idle = self.active.elapsed() > REST;
+            let is_idle = self.active.elapsed() > IDLE_AFTER;
             let frame = if is_idle { IDLE_FRAME } else { FRAME };
             let is_due = self.compared.elapsed() >= frame;
             let is_drawn = is_due && self.draw(&seen)?;
             if !is_drawn {
                 self.native.update();
             }
-            sleep(if is_idle { IDLE_LOOK } else { LOOK });
+            sleep(if is_idle { IDLE_POLL_INTERVAL } else { POLL_INTERVAL });
         }
         self.browser.stop();
         // Lines sent so far are still entered, but no picture is waited for any more.
@@ -194,7 +194,7 @@ impl Window {
             let _ = thread.join();
         }
         while let Ok(outcome) = self.outcomes.try_recv() {
-            if let Outcome::Entered(_, Err(wrong)) = outcome {
+            if let TaskOutcome::Entered(_, Err(wrong)) = outcome {
                 self.session.say(&wrong.full);
             }
         }
@@ -236,7 +236,7 @@ impl Window {
 
     /// Side of a font pixel in pixels of the window, for a window of this height.
     fn scale_at(&self, height: usize) -> usize {
-        self.scale.unwrap_or(if height >= HIGH { 2 } else { 1 })
+        self.scale.unwrap_or(if height >= LARGE_TEXT_HEIGHT { 2 } else { 1 })
     }
 
     fn pointer(&self, mode: MouseMode) -> Option<(f64, f64)> {
@@ -258,7 +258,7 @@ impl Window {
 
     /// Shows a tip if there is no other message.
     fn show_tips(&mut self) {
-        if self.message.is_some() || self.line.is_some() || self.tip.elapsed() < TIP {
+        if self.message.is_some() || self.line.is_some() || self.tip.elapsed() < TIP_INTERVAL {
             return;
         }
         self.tip = Instant::now();
@@ -268,11 +268,11 @@ impl Window {
     }
 
     /// Shows the results of other threads.
-    fn settle(&mut self) {
+    fn receive_outcomes(&mut self) {
         while let Ok(outcome) = self.outcomes.try_recv() {
             self.active = Instant::now();
             match outcome {
-                Outcome::Entered(_, Ok(said)) => {
+                TaskOutcome::Entered(_, Ok(said)) => {
                     self.sliders.pause();
                     match said {
                         Some(text) if text.contains('\n') => self.page = Some(Page::new(&text)),
@@ -282,16 +282,16 @@ impl Window {
                     // The line that is being typed may need the entered one.
                     self.follow_line();
                 }
-                Outcome::Entered(line, Err(wrong)) => {
+                TaskOutcome::Entered(line, Err(wrong)) => {
                     self.session.say(&wrong.full);
                     self.say(&wrong.summary);
                     // The refused line is offered for correction.
                     self.line.get_or_insert(line);
                 }
-                Outcome::Saved(Ok(())) => {
+                TaskOutcome::Saved(Ok(())) => {
                     self.say("saved; the terminal shows the command that reproduces it");
                 }
-                Outcome::Saved(Err(error)) => self.say(&format!("error: {error:#}")),
+                TaskOutcome::Saved(Err(error)) => self.say(&format!("error: {error:#}")),
             }
         }
         self.threads.retain(|thread| !thread.is_finished());
@@ -310,7 +310,7 @@ impl Window {
     }
 
     /// Shows the name of the document in the title bar.
-    fn entitle(&mut self) {
+    fn update_title(&mut self) {
         let live = &self.session.live;
         let name = live.request().source.to_string();
         let last = name.rsplit(['/', '\\']).next().unwrap_or_default();

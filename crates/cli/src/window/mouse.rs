@@ -9,7 +9,7 @@ use std::time::Instant;
 use zeroset_live::Snapshot;
 
 /// Farthest that a click may move, in pixels.
-const CLICK: f64 = 3.0;
+const CLICK_DISTANCE: f64 = 3.0;
 
 /// State of the mouse.
 #[derive(Default)]
@@ -25,14 +25,14 @@ struct Drag {
     start: (f64, f64),
     last: (f64, f64),
     moves: bool,
-    what: Dragged,
+    what: DragTarget,
     /// Whether Esc ended the drag before the button was released.
     cancelled: bool,
 }
 
 /// The target of a drag.
 #[derive(Clone, Copy, PartialEq)]
-enum Dragged {
+enum DragTarget {
     /// The view turns.
     Turn,
     /// The view moves.
@@ -72,7 +72,7 @@ impl Window {
             let pressed = clicked || left && self.mouse.drag.is_none();
             if left {
                 // A press that begins in the gallery has no effect outside it.
-                let (start, last, what) = (at, at, Dragged::Turn);
+                let (start, last, what) = (at, at, DragTarget::Turn);
                 let drag = Drag { start, last, moves: true, what, cancelled: true };
                 self.mouse.drag.get_or_insert(drag);
             } else {
@@ -90,30 +90,30 @@ impl Window {
             None if held && inside => {
                 self.session.live.hold(true);
                 let what = if left && self.press_slider(at) {
-                    Dragged::Slider
+                    DragTarget::Slider
                 } else if left && self.press_surface(at) {
-                    Dragged::Surface
+                    DragTarget::Surface
                 } else if right || self.is_shifted() {
-                    Dragged::Pan
+                    DragTarget::Pan
                 } else {
-                    Dragged::Turn
+                    DragTarget::Turn
                 };
                 let drag = Drag { start: at, last: at, moves: false, what, cancelled: false };
                 self.mouse.drag = Some(drag);
             }
             None => {}
             Some(drag) if held => {
-                let far = (at.0 - drag.start.0).hypot(at.1 - drag.start.1) > CLICK;
-                drag.moves |= far || drag.what == Dragged::Slider;
+                let far = (at.0 - drag.start.0).hypot(at.1 - drag.start.1) > CLICK_DISTANCE;
+                drag.moves |= far || drag.what == DragTarget::Slider;
                 let (across, down) = (at.0 - drag.last.0, at.1 - drag.last.1);
                 if drag.moves && !drag.cancelled && (across, down) != (0.0, 0.0) {
                     drag.last = at;
                     let live = &self.session.live;
                     match drag.what {
-                        Dragged::Pan => live.turn(|orbit| orbit.pan(across, down, height)),
-                        Dragged::Turn => live.turn(|orbit| orbit.turn(across, down, height)),
-                        Dragged::Slider => self.drag_slider(across),
-                        Dragged::Surface => self.drag_surface(at),
+                        DragTarget::Pan => live.turn(|orbit| orbit.pan(across, down, height)),
+                        DragTarget::Turn => live.turn(|orbit| orbit.turn(across, down, height)),
+                        DragTarget::Slider => self.drag_slider(across),
+                        DragTarget::Surface => self.drag_surface(at),
                     }
                 }
             }
@@ -123,14 +123,14 @@ impl Window {
 
     fn let_go(&mut self, seen: &Snapshot) {
         let Some(drag) = self.mouse.drag.take() else { return };
-        if drag.what == Dragged::Slider {
+        if drag.what == DragTarget::Slider {
             self.release_slider();
         }
-        if drag.what == Dragged::Surface {
+        if drag.what == DragTarget::Surface {
             self.release_surface(drag.cancelled);
         }
         self.session.live.hold(false);
-        if !drag.moves && drag.what == Dragged::Turn && !drag.cancelled {
+        if !drag.moves && drag.what == DragTarget::Turn && !drag.cancelled {
             self.tell_point(drag.start, seen);
         }
     }

@@ -8,20 +8,20 @@ use zeroset_live::{Slider, Snapshot};
 use zeroset_render::overlay::Canvas;
 
 /// Longest time between the two presses of a double click.
-const DOUBLE: Duration = Duration::from_millis(400);
+const DOUBLE_CLICK: Duration = Duration::from_millis(400);
 /// Least time between requests while only a coarse picture is visible. A finer picture that comes
 /// within this time is shown.
-const COARSE: Duration = Duration::from_millis(30);
+const COARSE_FRAME: Duration = Duration::from_millis(30);
 /// Longest wait for the picture of a value before the next value is requested.
-const LATE: Duration = Duration::from_millis(250);
+const MAX_WAIT: Duration = Duration::from_millis(250);
 /// Longest pause between key presses that count as one movement.
-const NUDGE: Duration = Duration::from_millis(700);
+const KEY_PAUSE: Duration = Duration::from_millis(700);
 /// Factor on the movement of a slider while Shift is held.
 const FINE: f64 = 0.1;
 /// Steps of an arrow key from one end of a slider to the other.
 const STEPS: f64 = 100.0;
 /// Number of distinct values in one loop of time.
-const TIMES: f64 = 5000.0;
+const TIME_STEPS: f64 = 5000.0;
 
 /// The sliders of the visible picture, and their movement.
 #[derive(Default)]
@@ -66,7 +66,7 @@ impl Sliders {
 
     /// Whether a slider is being moved, if a quick series of keys counts as one movement.
     pub fn is_in_motion(&self) -> bool {
-        self.is_moving() || self.nudged.is_some_and(|at| at.elapsed() < NUDGE)
+        self.is_moving() || self.nudged.is_some_and(|at| at.elapsed() < KEY_PAUSE)
     }
 
     /// Width of the panel in pixels, or 0 without a panel.
@@ -126,11 +126,11 @@ impl Window {
         let now = Instant::now();
         let again = (slider.name.clone(), now);
         let before = sliders.pressed.replace(again);
-        let is_double = before.is_some_and(|(name, at)| name == slider.name && now - at < DOUBLE);
+        let is_double = before.is_some_and(|(name, at)| name == slider.name && now - at < DOUBLE_CLICK);
         if is_double {
             (sliders.pressed, sliders.wanted) = (None, None);
             self.session.live.restore(&slider);
-            self.session.hush();
+            self.session.report_in_window();
             return true;
         }
         sliders.held = Some((index, slider.value));
@@ -220,7 +220,7 @@ impl Window {
         let slider = &sliders.all[index];
         let range = slider.high - slider.low;
         let value = slider.low + (from - slider.low + since.elapsed().as_secs_f64()) % range;
-        let value = slider.rounded(value, range / TIMES);
+        let value = slider.rounded(value, range / TIME_STEPS);
         sliders.want(index, value);
     }
 
@@ -240,12 +240,12 @@ impl Window {
             live.drag(&slider, value)
         };
         self.sliders.sent = Some((revision, Instant::now()));
-        self.session.hush();
+        self.session.report_in_window();
     }
 }
 
 /// Whether the next value may be requested: the last request has its picture and is `FRAME` old
-/// (`COARSE` for a coarse picture), or it is older than `LATE`.
+/// (`COARSE_FRAME` for a coarse picture), or it is older than `MAX_WAIT`.
 pub fn is_next_due(sent: Option<(u64, Instant)>, seen: &Snapshot) -> bool {
     let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
     let (latest, coarse) = match &seen.rendering {
@@ -253,8 +253,8 @@ pub fn is_next_due(sent: Option<(u64, Instant)>, seen: &Snapshot) -> bool {
         Some(_) | None => (fault, false),
     };
     sent.is_none_or(|(sent, at)| {
-        let least = if coarse { COARSE } else { FRAME };
+        let least = if coarse { COARSE_FRAME } else { FRAME };
         let passed = at.elapsed();
-        latest >= sent && passed >= least || passed > LATE
+        latest >= sent && passed >= least || passed > MAX_WAIT
     })
 }

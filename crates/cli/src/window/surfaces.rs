@@ -1,7 +1,7 @@
 //! Hides, fades, moves and deletes surfaces by mouse and keys.
 
 use super::Window;
-use super::list::{List, ListPart, Shown};
+use super::list::{List, ListPart, ListContent};
 use super::sliders::is_next_due;
 use minifb::Key;
 use std::time::Instant;
@@ -20,7 +20,7 @@ pub struct Surfaces {
     wanted: Option<bool>,
     scroll: usize,
     hovered: Option<(usize, ListPart)>,
-    held: Option<Held>,
+    held: Option<ListDrag>,
     /// An opacity that is still to be requested.
     opacity: Option<(usize, f64)>,
     /// The last request of an opacity, and its time.
@@ -29,7 +29,7 @@ pub struct Surfaces {
 
 /// The target of a drag.
 #[derive(Clone, Copy)]
-enum Held {
+enum ListDrag {
     /// The opacity of the surface with this index.
     Opacity(usize),
     /// The surface with this index, and its new index.
@@ -38,13 +38,13 @@ enum Held {
 
 impl Surfaces {
     /// Returns the list to draw.
-    pub fn shown(&self) -> Option<Shown> {
+    pub fn shown(&self) -> Option<ListContent> {
         let dragged = match self.held {
-            Some(Held::Row(from, to)) => Some((from, to)),
-            Some(Held::Opacity(_)) | None => None,
+            Some(ListDrag::Row(from, to)) => Some((from, to)),
+            Some(ListDrag::Opacity(_)) | None => None,
         };
         let (list, surfaces, hovered) = (self.list?, self.all.clone(), self.hovered);
-        Some(Shown { list, surfaces, hovered, dragged })
+        Some(ListContent { list, surfaces, hovered, dragged })
     }
 
     /// Takes the surfaces of a new picture.
@@ -97,9 +97,9 @@ impl Window {
         };
         match part {
             ListPart::Swatch => self.toggle_surface(index),
-            ListPart::Formula => self.surfaces.held = Some(Held::Row(index, index)),
+            ListPart::Formula => self.surfaces.held = Some(ListDrag::Row(index, index)),
             ListPart::Opacity(opacity) => {
-                self.surfaces.held = Some(Held::Opacity(index));
+                self.surfaces.held = Some(ListDrag::Opacity(index));
                 self.surfaces.want(index, opacity);
             }
             ListPart::Delete => self.delete_surface(index),
@@ -112,11 +112,11 @@ impl Window {
         let surfaces = &mut self.surfaces;
         let Some(list) = surfaces.list else { return };
         match &mut surfaces.held {
-            Some(Held::Opacity(index)) => {
+            Some(ListDrag::Opacity(index)) => {
                 let index = *index;
                 surfaces.want(index, list.opacity(at.0));
             }
-            Some(Held::Row(_, to)) => *to = list.rows.nearest(at.1),
+            Some(ListDrag::Row(_, to)) => *to = list.rows.nearest(at.1),
             None => {}
         }
     }
@@ -124,9 +124,9 @@ impl Window {
     /// Ends a drag on the list; if `cancelled`, a surface stays where it was.
     pub(super) fn release_surface(&mut self, cancelled: bool) {
         match self.surfaces.held.take() {
-            Some(Held::Row(from, to)) if from != to && !cancelled => self.move_surface(from, to),
-            Some(Held::Opacity(_)) => self.ask_for_opacity(),
-            Some(Held::Row(..)) | None => {}
+            Some(ListDrag::Row(from, to)) if from != to && !cancelled => self.move_surface(from, to),
+            Some(ListDrag::Opacity(_)) => self.ask_for_opacity(),
+            Some(ListDrag::Row(..)) | None => {}
         }
     }
 
@@ -134,12 +134,12 @@ impl Window {
     pub(super) fn toggle_surface(&mut self, index: usize) {
         let Some(surface) = self.surfaces.all.get(index) else { return };
         let result = self.session.live.hide(index + 1, !surface.hidden);
-        self.told(result);
+        self.show_result(result);
     }
 
     fn move_surface(&mut self, from: usize, to: usize) {
         let result = self.session.live.move_surface(from + 1, to + 1);
-        self.told(result);
+        self.show_result(result);
     }
 
     /// Deletes a surface on another thread, since choosing a view of the others takes time.
@@ -182,12 +182,12 @@ impl Window {
         self.active = Instant::now();
         let result = self.session.live.set_opacity(index + 1, opacity);
         self.surfaces.sent = Some((self.session.live.revision(), Instant::now()));
-        self.told(result);
+        self.show_result(result);
     }
 
     /// Shows why a change was refused.
-    fn told(&mut self, result: Result<(), zeroset_live::Refusal>) {
-        self.session.hush();
+    fn show_result(&mut self, result: Result<(), zeroset_live::Refusal>) {
+        self.session.report_in_window();
         match result {
             Ok(()) => self.message = None,
             Err(refusal) => self.say(&refusal.to_string()),

@@ -1,21 +1,21 @@
 //! Work on other threads, so that the window does not wait for it.
 
 use crate::line_edit::LineEdit;
-use crate::session::{Session, Wrong};
+use crate::session::{Session, LineError};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 use std::thread::spawn;
 
 /// Result of such work.
-pub enum Outcome {
+pub enum TaskOutcome {
     /// A line was entered, perhaps with a message, or refused.
-    Entered(LineEdit, Result<Option<String>, Wrong>),
+    Entered(LineEdit, Result<Option<String>, LineError>),
     /// A picture was saved, or could not be.
     Saved(anyhow::Result<()>),
 }
 
 /// Enters lines until the channel closes.
-pub fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Sender<Outcome>) {
+pub fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Sender<TaskOutcome>) {
     let mut saves = Vec::new();
     for line in lines {
         let result = session.enter(line.text().trim(), |to| {
@@ -28,13 +28,13 @@ pub fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Send
             Ok(())
         });
         // Nobody receives this once the window is closed.
-        let _ = tell.send(Outcome::Entered(line, result));
+        let _ = tell.send(TaskOutcome::Entered(line, result));
     }
     for save in saves {
         let _ = save.join();
     }
 }
 
-pub fn save(session: &Session, to: Option<&str>, revision: u64, tell: &Sender<Outcome>) {
-    let _ = tell.send(Outcome::Saved(session.png(to, revision)));
+pub fn save(session: &Session, to: Option<&str>, revision: u64, tell: &Sender<TaskOutcome>) {
+    let _ = tell.send(TaskOutcome::Saved(session.png(to, revision)));
 }

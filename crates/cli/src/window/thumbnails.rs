@@ -1,7 +1,7 @@
 //! Small pictures of the gallery, rendered one after another on a separate thread while the gallery
 //! is open, and kept. All other pictures have priority.
 
-use crate::render::beautiful;
+use crate::render::with_effects;
 use crate::session::{Session, lock};
 use crate::stage::stage;
 use rayon::ThreadPoolBuilder;
@@ -15,9 +15,9 @@ use zeroset_scene::gallery::{Example, examples};
 /// Rows and columns of a picture at scale 1.
 pub const SIDE: usize = 96;
 /// Factor by which each side of the first, coarse picture is shorter.
-const COARSE: usize = 4;
+const COARSE_FACTOR: usize = 4;
 /// Interval at which the thread checks whether other pictures are finished.
-const LOOK: Duration = Duration::from_millis(4);
+const POLL_INTERVAL: Duration = Duration::from_millis(4);
 
 /// A square picture, as sRGB bytes.
 pub struct Thumbnail {
@@ -27,11 +27,11 @@ pub struct Thumbnail {
 
 /// The small pictures, by gallery index.
 pub struct Thumbnails {
-    shared: Arc<Shared>,
+    shared: Arc<ThumbnailStore>,
     thread: Option<JoinHandle<()>>,
 }
 
-struct Shared {
+struct ThumbnailStore {
     examples: Vec<Example>,
     pictures: Mutex<Vec<Option<Arc<Thumbnail>>>>,
     /// Gallery indices of the surfaces that are rendered first.
@@ -47,7 +47,7 @@ impl Thumbnails {
     pub fn new(scale: usize) -> Self {
         let examples = examples();
         let pictures = Mutex::new(vec![None; examples.len()]);
-        let shared = Shared {
+        let shared = ThumbnailStore {
             examples,
             pictures,
             order: Mutex::default(),
@@ -102,7 +102,7 @@ impl Thumbnails {
     }
 }
 
-impl Shared {
+impl ThumbnailStore {
     /// Returns the index of the next surface without a full picture.
     fn next(&self) -> Option<usize> {
         let (pictures, order) = (lock(&self.pictures), lock(&self.order));
@@ -118,7 +118,7 @@ impl Shared {
         // Wait while a picture of the session is being rendered.
         let wanted = || {
             while self.wanted.load(Ordering::Relaxed) && !session.live.is_settled() {
-                sleep(LOOK);
+                sleep(POLL_INTERVAL);
             }
             self.wanted.load(Ordering::Relaxed)
         };
@@ -141,11 +141,11 @@ impl Shared {
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> anyhow::Result<()> {
         let sized =
-            |side| Settings { width: side, height: side, ..beautiful(&Settings::default()) };
+            |side| Settings { width: side, height: side, ..with_effects(&Settings::default()) };
         let Some((model, camera)) = stage(example, &sized(self.side), wanted)? else {
             return Ok(());
         };
-        for side in [self.side / COARSE, self.side] {
+        for side in [self.side / COARSE_FACTOR, self.side] {
             let picture = model.trace(&camera, &sized(side), &|_| wanted())?;
             if !wanted() {
                 return Ok(());
