@@ -66,7 +66,7 @@ impl WordPosition {
         match kind {
             WordKind::Setting => self.begins,
             WordKind::InSetting => self.in_setting,
-            WordKind::Function | WordKind::Value | WordKind::Joint | WordKind::Program => true,
+            WordKind::Function | WordKind::Value | WordKind::Operator | WordKind::Program => true,
         }
     }
 }
@@ -152,7 +152,7 @@ mod tests {
         match kind {
             WordKind::Setting | WordKind::Program => "",
             WordKind::InSetting => "view ",
-            WordKind::Function | WordKind::Value | WordKind::Joint => "x + ",
+            WordKind::Function | WordKind::Value | WordKind::Operator => "x + ",
         }
     }
 

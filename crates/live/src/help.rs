@@ -97,7 +97,7 @@ fn everything() -> String {
     }
     for (kind, title) in [
         (WordKind::Setting, "Lines about the picture:"),
-        (WordKind::Joint, "Between conditions and ranges:"),
+        (WordKind::Operator, "Between conditions and ranges:"),
         (WordKind::Program, "Of programs:"),
     ] {
         let all: Vec<&str> =

@@ -15,7 +15,7 @@ pub enum WordKind {
     /// A coordinate, time, or a constant.
     Value,
     /// A word that joins conditions, or stands before a range.
-    Joint,
+    Operator,
     /// A word that begins a line about the picture.
     Setting,
     /// A word inside a line about the picture.
@@ -36,8 +36,8 @@ const PROGRAM: &[(&str, &str)] = &[
     ("lambda", "f = lambda x, y, z: x + y"),
 ];
 
-/// Words of the kind `Joint`, each with an example that contains it.
-const JOINTS: &[(&str, &str)] = &[
+/// Words of the kind `Operator`, each with an example that contains it.
+const OPERATORS: &[(&str, &str)] = &[
     ("and", "x < 1 and y < 1"),
     ("or", "x < 1 or y < 1"),
     ("not", "not x < 1"),
@@ -70,7 +70,7 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
     functions
         .map(|word| (word, Function))
         .chain(values.map(|word| (word, Value)))
-        .chain(JOINTS.iter().map(first).map(|word| (word, Joint)))
+        .chain(OPERATORS.iter().map(first).map(|word| (word, Operator)))
         .chain(SETTINGS.iter().map(|setting| (setting.word, Setting)))
         .chain(within.map(|word| (word, InSetting)))
         .chain(PROGRAM.iter().map(first).map(|word| (word, Program)))
@@ -105,7 +105,7 @@ pub fn word_help(word: &str) -> Option<String> {
     if let Some(constant) = NamedConstant::ALL.iter().find(|constant| constant.name() == word) {
         return Some(meaning(*constant).unwrap_or("a constant").to_owned());
     }
-    if let Some(text) = found(JOINTS) {
+    if let Some(text) = found(OPERATORS) {
         return Some(format!("as in {text}"));
     }
     if let Some(text) = found(PROGRAM) {
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn examples_read_and_hold_their_words() {
-        for (word, text) in PROGRAM.iter().chain(JOINTS) {
+        for (word, text) in PROGRAM.iter().chain(OPERATORS) {
             let text = if *word == "in" { format!("{text}\nx = r") } else { (*text).to_owned() };
             let read = parse(&text, &Limits::default());
             assert!(read.is_ok(), "{}", read.unwrap_err().render(None, &text, false));

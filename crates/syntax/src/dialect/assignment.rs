@@ -1,10 +1,10 @@
 //! Assignments of programs. Each defines a new name that later uses of the variable refer to.
 
-use crate::dialect::known_numbers::{number_of, written};
+use crate::dialect::known_numbers::{number_of, number_expr};
 use crate::dialect::program_reader::{Frame, ProgramReader};
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{Comma, Number, OpenBracket, Slash};
-use crate::tree::raw_statement::{Head, Wrap};
+use crate::tree::raw_statement::{Head, ValueConversion};
 
 use crate::lex::token::{Token, split};
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -13,7 +13,7 @@ use crate::tree::aliases::Aliases;
 use crate::tree::ast::Name;
 
 /// Largest number of variables of a function.
-const MOST_NAMES: usize = 1500;
+const MAX_NAMES: usize = 1500;
 
 impl ProgramReader<'_> {
     /// Reads the declaration `float a = 1., b = 2.` without its types.
@@ -29,9 +29,9 @@ impl ProgramReader<'_> {
             if is_whole && let Some(name) = tokens.first() {
                 let word = self.words.word(*name);
                 if frame.is_inner() {
-                    frame.whole.insert(word.to_owned());
+                    frame.integers.insert(word.to_owned());
                 }
-                self.whole.insert(word.to_owned());
+                self.integers.insert(word.to_owned());
             }
             if self.counts(&tokens, frame) {
                 continue;
@@ -73,30 +73,30 @@ impl ProgramReader<'_> {
         frame: &mut Frame,
     ) -> Fallible<()> {
         let within = frame.aliases.clone();
-        self.set_to(name, size, value, None, &within, frame)
+        self.assign_within(name, size, value, None, &within, frame)
     }
 
     /// Reads the assignment `name = value`; names in the value have their meanings in `within`.
-    pub(crate) fn set_to(
+    pub(crate) fn assign_within(
         &mut self,
         name: Name,
         size: usize,
         value: Vec<Token>,
-        wrap: Option<Wrap>,
+        conversion: Option<ValueConversion>,
         within: &Aliases,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        if frame.set.len() >= MOST_NAMES {
-            return Err(Error::new(name.span, ErrorKind::TooManyNames { limit: MOST_NAMES }));
+        if frame.set.len() >= MAX_NAMES {
+            return Err(Error::new(name.span, ErrorKind::TooManyNames { limit: MAX_NAMES }));
         }
         let again = frame.set.iter().any(|(set, _)| *set == name.text)
             && frame.aliases.find(&name.text).is_some()
-            || self.heads.contains(&name.text);
+            || self.defined_names.contains(&name.text);
         let is_inner = frame.is_inner();
         let text = match &frame.function {
-            _ if is_inner => self.fresh(&frame.inner_name(&name.text)),
+            _ if is_inner => self.fresh(&frame.generated_name(&name.text)),
             None if again
-                || wrap.is_some()
+                || conversion.is_some()
                 || self.words.has(&value, &name.text)
                 || name.text.chars().all(|letter| "xyzt".contains(letter)) =>
             {
@@ -110,7 +110,7 @@ impl ProgramReader<'_> {
         }
         let mut is_constant = false;
         if frame.function.is_none() {
-            let number = self.known(&value, &mut frame.clone()).filter(|_| wrap.is_none());
+            let number = self.known(&value, &mut frame.clone()).filter(|_| conversion.is_none());
             is_constant = number.is_some();
             match number {
                 Some(number) => self.constants.insert(name.text.clone(), number),
@@ -118,13 +118,13 @@ impl ProgramReader<'_> {
             };
         }
         let renamed = text != name.text;
-        let made = Name { text, span: name.span };
+        let new_name = Name { text, span: name.span };
         let is_outside = frame.function.is_none() && frame.prefix.is_none();
-        if size == 1 && wrap.is_none() && is_outside && !is_constant {
-            self.program.last_value = Some(made.clone());
+        if size == 1 && conversion.is_none() && is_outside && !is_constant {
+            self.program.last_value = Some(new_name.clone());
         }
-        let head = Head { name: made, parameters };
-        self.push(value, Some(head), wrap, within, false)?;
+        let head = Head { name: new_name, parameters };
+        self.push(value, Some(head), conversion, within, false)?;
         if renamed || is_inner {
             frame.aliases.push(name.text.clone(), kind);
         }
@@ -133,11 +133,11 @@ impl ProgramReader<'_> {
     }
 
     /// The quotient of an integer variable and another integer, which programs truncate.
-    pub(crate) fn cut_quotient(&self, tokens: &[Token]) -> Option<Span> {
-        if self.whole.is_empty() {
+    pub(crate) fn truncated_quotient(&self, tokens: &[Token]) -> Option<Span> {
+        if self.integers.is_empty() {
             return None;
         }
-        let is_named = |token: Token| self.whole.contains(self.words.word(token));
+        let is_named = |token: Token| self.integers.contains(self.words.word(token));
         let is_whole = |token: Token| {
             let typed = &self.words.text[token.span.range()];
             is_named(token) || token.kind == Number && typed.bytes().all(|b| b.is_ascii_digit())
@@ -175,11 +175,11 @@ impl ProgramReader<'_> {
         let Some((name, None, value)) = self.words.assignment(tokens) else { return false };
         let text = self.words.word(name).to_owned();
         let is_known = frame.aliases.find(&text).is_some_and(|kind| number_of(kind).is_some());
-        if !is_known && !frame.whole.contains(&text) {
+        if !is_known && !frame.integers.contains(&text) {
             return false;
         }
         let Some(number) = self.known(&value, frame) else { return false };
-        frame.aliases.push(text.clone(), written(number, name.span));
+        frame.aliases.push(text.clone(), number_expr(number, name.span));
         frame.set.push((text, 1));
         true
     }

@@ -7,7 +7,7 @@ use crate::lex::token::{Token, closing, outside, split};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 
 /// Deepest nesting of blocks.
-const DEEPEST: usize = 40;
+const MAX_DEPTH: usize = 40;
 
 /// A statement, or a control structure with the statements it contains.
 #[derive(Debug)]
@@ -63,7 +63,7 @@ fn skip(tokens: &[Token]) -> &[Token] {
 
 impl Words<'_> {
     /// Returns whether a statement contains others, as `if (c) …` does.
-    pub(crate) fn governs(self, tokens: &[Token]) -> bool {
+    pub(crate) fn is_control(self, tokens: &[Token]) -> bool {
         let Some(first) = tokens.first() else { return false };
         match self.word(*first) {
             "for" | "while" => tokens.get(1).is_some_and(|next| next.kind == OpenParen),
@@ -92,15 +92,15 @@ impl Words<'_> {
         let mut rest = skip(tokens);
         while let Some(first) = rest.first() {
             let is_else = self.word(*first) == "else";
-            let governs = is_else || self.governs(rest);
+            let is_control = is_else || self.is_control(rest);
             let end = match first.kind {
                 _ if is_else => Some(1),
-                _ if governs => closing(&rest[1..]).map(|close| close + 2),
+                _ if is_control => closing(&rest[1..]).map(|close| close + 2),
                 OpenBrace => closing(rest).map(|close| close + 1),
                 _ => outside(rest, Semicolon).or(Some(rest.len())),
             };
             let Some(end) = end else { return false };
-            is_whole = !governs;
+            is_whole = !is_control;
             rest = skip(&rest[end..]);
         }
         is_whole
@@ -125,8 +125,8 @@ impl Words<'_> {
     ) -> Fallible<&'t [Token]> {
         let tokens = skip(tokens);
         let Some(first) = tokens.first().copied() else { return Ok(tokens) };
-        if depth > DEEPEST {
-            return Err(Error::new(first.span, ErrorKind::TooDeep { limit: DEEPEST }));
+        if depth > MAX_DEPTH {
+            return Err(Error::new(first.span, ErrorKind::TooDeep { limit: MAX_DEPTH }));
         }
         if first.kind == OpenBrace
             && let Some(end) = closing(tokens)
@@ -135,14 +135,14 @@ impl Words<'_> {
             return Ok(&tokens[end + 1..]);
         }
         if matches!(self.word(first), "switch" | "struct" | "do") && Self::is_command(tokens) {
-            return Err(self.unread(first));
+            return Err(self.unsupported(first));
         }
-        if !self.governs(tokens) || self.word(first) == "else" {
+        if !self.is_control(tokens) || self.word(first) == "else" {
             let end = outside(tokens, Semicolon).unwrap_or(tokens.len());
             steps.push(ProgramStep::Plain(tokens[..end].to_vec()));
             return Ok(&tokens[end..]);
         }
-        let Some(end) = closing(&tokens[1..]) else { return Err(self.unread(first)) };
+        let Some(end) = closing(&tokens[1..]) else { return Err(self.unsupported(first)) };
         let (header, rest) = (&tokens[2..=end], &tokens[end + 2..]);
         let mut body = Vec::new();
         let mut rest = self.step(rest, depth + 1, &mut body)?;
@@ -168,7 +168,7 @@ impl Words<'_> {
                 } else {
                     // `for (const c of [1, 2])`
                     let of = header.iter().position(|token| self.word(*token) == "of");
-                    let Some(of) = of.filter(|of| *of > 0) else { return Err(self.unread(first)) };
+                    let Some(of) = of.filter(|of| *of > 0) else { return Err(self.unsupported(first)) };
                     let values = header[of + 1..].to_vec();
                     steps.push(ProgramStep::Each { name: header[of - 1], values, body });
                 }
@@ -185,10 +185,10 @@ impl Words<'_> {
     }
 
     /// Returns whether a statement contains the indented lines below it, as in Python.
-    pub(crate) fn governs_lines(self, tokens: &[Token]) -> bool {
+    pub(crate) fn is_indented_control(self, tokens: &[Token]) -> bool {
         let word = tokens.first().map_or("", |first| self.word(*first));
         matches!(word, "if" | "elif" | "else" | "for" | "while")
-            && !self.governs(tokens)
+            && !self.is_control(tokens)
             && outside(tokens, Colon).is_some()
             && outside(tokens, QuestionMark).is_none()
     }
@@ -213,13 +213,13 @@ impl Words<'_> {
     ) -> Fallible<usize> {
         let tokens = &lines[index];
         let first = tokens[0];
-        if depth > DEEPEST {
-            return Err(Error::new(first.span, ErrorKind::TooDeep { limit: DEEPEST }));
+        if depth > MAX_DEPTH {
+            return Err(Error::new(first.span, ErrorKind::TooDeep { limit: MAX_DEPTH }));
         }
         if self.word(first) == "pass" && tokens.len() == 1 {
             return Ok(index + 1);
         }
-        let colon = outside(tokens, Colon).filter(|_| self.governs_lines(tokens));
+        let colon = outside(tokens, Colon).filter(|_| self.is_indented_control(tokens));
         let Some(colon) = colon else {
             steps.push(ProgramStep::Plain(tokens.clone()));
             return Ok(index + 1);
@@ -260,7 +260,7 @@ impl Words<'_> {
                 [name, within, values @ ..] if within.kind == In => {
                     steps.push(ProgramStep::Each { name: *name, values: values.to_vec(), body });
                 }
-                _ => return Err(self.unread(first)),
+                _ => return Err(self.unsupported(first)),
             },
         }
         Ok(next)

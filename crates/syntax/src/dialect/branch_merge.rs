@@ -11,7 +11,7 @@ use crate::tree::raw_statement::Head;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 
-use crate::dialect::control_flow::{LEFT, RESULT, more_than};
+use crate::dialect::control_flow::{EXIT_LEVEL, RESULT, more_than};
 
 impl ProgramReader<'_> {
     /// Adds a definition that no statement spells out. Returns the expression that stands for it.
@@ -33,7 +33,7 @@ impl ProgramReader<'_> {
         span: Span,
         frame: &Frame,
     ) -> (Head, ExprKind) {
-        let text = self.fresh(&frame.inner_name(name));
+        let text = self.fresh(&frame.generated_name(name));
         self.program.generated.insert(text.clone());
         let (parameters, kind) = frame.call(&text);
         (Head { name: Name { text, span }, parameters }, kind)
@@ -49,7 +49,7 @@ impl ProgramReader<'_> {
                 [Some(a), Some(b)] => self.chosen(name, condition, a, b, frame),
                 [Some(one), None] | [None, Some(one)] => {
                     let is_first = first.contains_key(name);
-                    let global = self.heads.contains(name)
+                    let global = self.defined_names.contains(name)
                         || matches!(name, "p" | "pos") && frame.function.is_none();
                     let global =
                         global.then(|| ExprKind::Name(NamedValue::Defined(name.to_owned())));
@@ -72,7 +72,7 @@ impl ProgramReader<'_> {
                 }
             }
         }
-        frame.is_done |= yes.is_done || no.is_done;
+        frame.has_result |= yes.has_result || no.has_result;
     }
 
     fn chosen(
@@ -92,7 +92,7 @@ impl ProgramReader<'_> {
     /// Ends a function or the whole program: adds its result, if a branch or loop returned it.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
         let Some(left) = frame.left() else { return };
-        let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.is_done) else {
+        let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.has_result) else {
             return;
         };
         let result = Expr::new(result.clone(), span);
@@ -105,7 +105,7 @@ impl ProgramReader<'_> {
         let statement = match &frame.function {
             Some(head) => {
                 let Head { name, parameters } = head.clone();
-                self.heads.insert(name.text.clone());
+                self.defined_names.insert(name.text.clone());
                 Statement::Define(Definition { name, parameters, body, range: None })
             }
             None => Statement::Draw { expr: body, restrictions: Vec::new() },
@@ -135,7 +135,7 @@ impl Frame {
     }
 
     /// The name to generate for `name` in this frame.
-    pub(crate) fn inner_name(&self, name: &str) -> String {
+    pub(crate) fn generated_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
             (None, Some(function)) => format!("{}_{name}", function.name.text),
@@ -162,12 +162,12 @@ impl Frame {
 
     /// The number that records an early exit, unless it is known that there was none.
     pub(crate) fn left(&self) -> Option<&ExprKind> {
-        self.aliases.find(LEFT).filter(|left| number_of(left) != Some(0.0))
+        self.aliases.find(EXIT_LEVEL).filter(|left| number_of(left) != Some(0.0))
     }
 
     /// The value of a variable before a branch, if it had one.
     fn before(&self, name: &str) -> Option<ExprKind> {
-        if name == LEFT {
+        if name == EXIT_LEVEL {
             return Some(ExprKind::Number("0".to_owned()));
         }
         if let Some(kind) = self.aliases.find(name) {

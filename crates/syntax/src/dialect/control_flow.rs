@@ -5,21 +5,21 @@
 //! is not known, the statements that follow are one more branch.
 
 use crate::dialect::blocks::ProgramStep;
-use crate::dialect::known_numbers::{count, number_of, written};
+use crate::dialect::known_numbers::{count, number_of, number_expr};
 use crate::dialect::program_reader::{Frame, ProgramReader, Statements};
 use crate::lex::token::{Token, closing, span_of, split};
 use crate::lex::token_kind::TokenKind::{Comma, Equals};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Name, Relation};
-use crate::tree::raw_statement::Wrap;
+use crate::tree::raw_statement::ValueConversion;
 
 /// Largest number of statements within loops, branches and inlined calls that a program may run.
-pub(crate) const MOST_STEPS: usize = 1000;
+pub(crate) const MAX_STEPS: usize = 1000;
 
 /// Name of the variable that records an early exit from a loop or function. No variable of a
 /// program has this name, which is a keyword.
-pub(crate) const LEFT: &str = "break";
+pub(crate) const EXIT_LEVEL: &str = "break";
 /// Name of the variable that holds the returned value.
 pub(crate) const RESULT: &str = "return";
 
@@ -46,7 +46,7 @@ impl ProgramReader<'_> {
                 ProgramStep::Loop { word, start, condition, next, body } => {
                     let counted = start.windows(2).filter(|pair| pair[1].kind == Equals);
                     let names = counted.map(|pair| self.words.word(pair[0]).to_owned());
-                    frame.whole.extend(names);
+                    frame.integers.extend(names);
                     let mut before = start.as_slice();
                     let mut begin = |reader: &mut Self, frame: &mut Frame| {
                         reader.plain_step(std::mem::replace(&mut before, next), frame)?;
@@ -67,7 +67,7 @@ impl ProgramReader<'_> {
                         let text = reader.words.text[span.range()].to_owned();
                         match value {
                             LoopValue::Known(number) => {
-                                frame.aliases.push(text, written(number, span));
+                                frame.aliases.push(text, number_expr(number, span));
                             }
                             LoopValue::Typed(tokens) => {
                                 reader.set(Name { text, span }, 1, tokens, frame)?;
@@ -88,11 +88,11 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Counts a statement or a round of a loop; an error beyond `MOST_STEPS`.
+    /// Counts a statement or a round of a loop; an error beyond `MAX_STEPS`.
     fn count_step(&mut self, place: Span) -> Fallible<()> {
         self.steps += 1;
-        if self.steps > MOST_STEPS {
-            return Err(Error::new(place, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+        if self.steps > MAX_STEPS {
+            return Err(Error::new(place, ErrorKind::TooManySteps { limit: MAX_STEPS }));
         }
         Ok(())
     }
@@ -118,18 +118,18 @@ impl ProgramReader<'_> {
     fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
         let Some(first) = tokens.first() else { return Ok(()) };
         match self.words.word(*first) {
-            "break" if tokens.len() == 1 => leave(LOOP, frame),
-            "continue" if tokens.len() == 1 => leave(ROUND, frame),
-            "return" if tokens.len() == 1 => leave(FUNCTION, frame),
+            "break" if tokens.len() == 1 => record_exit(LOOP, frame),
+            "continue" if tokens.len() == 1 => record_exit(ROUND, frame),
+            "return" if tokens.len() == 1 => record_exit(FUNCTION, frame),
             "return" if frame.nested > 0 => {
                 let name = Name { text: RESULT.to_owned(), span: first.span };
                 self.set(name, 1, tokens[1..].to_vec(), frame)?;
-                leave(FUNCTION, frame);
+                record_exit(FUNCTION, frame);
             }
             "return" => {
                 self.result(tokens[1..].to_vec(), frame)?;
-                frame.is_done = true;
-                leave(FUNCTION, frame);
+                frame.has_result = true;
+                record_exit(FUNCTION, frame);
             }
             _ => {
                 for part in self.words.each_setting(tokens.to_vec()) {
@@ -153,7 +153,7 @@ impl ProgramReader<'_> {
         }
         let span = condition.first().map_or(Span::default(), |first| first.span);
         let (head, kind) = self.synthesized_head("if", span, frame);
-        self.push(condition.to_vec(), Some(head), Some(Wrap::Flag), &frame.aliases.clone(), false)?;
+        self.push(condition.to_vec(), Some(head), Some(ValueConversion::Indicator), &frame.aliases.clone(), false)?;
         let (mut first, mut second) = (frame.inner(), frame.inner());
         self.run(yes, &mut first)?;
         self.run(no, &mut second)?;
@@ -164,14 +164,14 @@ impl ProgramReader<'_> {
     /// Runs a loop. Before each round `begin` prepares it and returns whether there is one.
     fn repeat(
         &mut self,
-        begin: Begin<'_, Self>,
+        begin: NextRound<'_, Self>,
         body: &[ProgramStep],
         frame: &mut Frame,
     ) -> Fallible<()> {
         frame.nested += 1;
         self.rounds(begin, body, frame)?;
         // An exit from the loop ends here; one from the function remains.
-        self.stay(LOOP, ProgramStep::has(body, self.words, "return"), frame);
+        self.drop_exits(LOOP, ProgramStep::has(body, self.words, "return"), frame);
         frame.nested -= 1;
         Ok(())
     }
@@ -179,7 +179,7 @@ impl ProgramReader<'_> {
     /// Runs the remaining rounds of a loop.
     fn rounds(
         &mut self,
-        begin: Begin<'_, Self>,
+        begin: NextRound<'_, Self>,
         body: &[ProgramStep],
         frame: &mut Frame,
     ) -> Fallible<()> {
@@ -228,8 +228,8 @@ impl ProgramReader<'_> {
         let mut values = Vec::new();
         let mut value = low;
         while (high - value) * step > 0.0 {
-            if values.len() > MOST_STEPS {
-                return Err(Error::new(span, ErrorKind::TooManySteps { limit: MOST_STEPS }));
+            if values.len() > MAX_STEPS {
+                return Err(Error::new(span, ErrorKind::TooManySteps { limit: MAX_STEPS }));
             }
             values.push(LoopValue::Known(value));
             value += step;
@@ -242,14 +242,14 @@ impl ProgramReader<'_> {
         if ProgramStep::has(body, self.words, "continue") {
             let others =
                 ["break", "return"].iter().any(|word| ProgramStep::has(body, self.words, word));
-            self.stay(ROUND, others, frame);
+            self.drop_exits(ROUND, others, frame);
         }
         frame.left().cloned()
     }
 
     /// Drops exits of at most `level`; `others` tells whether higher ones are possible.
-    fn stay(&mut self, level: f64, others: bool, frame: &mut Frame) {
-        let Some(left) = frame.aliases.find(LEFT).cloned() else { return };
+    fn drop_exits(&mut self, level: f64, others: bool, frame: &mut Frame) {
+        let Some(left) = frame.aliases.find(EXIT_LEVEL).cloned() else { return };
         let zero = ExprKind::Number("0".to_owned());
         let kind = match number_of(&left) {
             Some(number) if number > level => return,
@@ -257,16 +257,16 @@ impl ProgramReader<'_> {
                 let span = Span::default();
                 let piece = (more_than(left.clone(), level), Expr::new(left, span));
                 let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(zero, span))));
-                self.synthesize(LEFT, body, frame)
+                self.synthesize(EXIT_LEVEL, body, frame)
             }
             _ => zero,
         };
-        frame.aliases.push(LEFT.to_owned(), kind);
+        frame.aliases.push(EXIT_LEVEL.to_owned(), kind);
     }
 }
 
 /// Prepares the next round of a loop and returns whether there is one.
-type Begin<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
+type NextRound<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 
 /// Value of the variable of a loop over values.
 enum LoopValue {
@@ -276,10 +276,10 @@ enum LoopValue {
 
 pub(crate) fn more_than(kind: ExprKind, level: f64) -> Expr {
     let span = Span::default();
-    let level = Expr::new(written(level, span), span);
+    let level = Expr::new(number_expr(level, span), span);
     Expr::new(kind, span).compared(Relation::Greater, level, span)
 }
 
-fn leave(level: f64, frame: &mut Frame) {
-    frame.aliases.push(LEFT.to_owned(), written(level, Span::default()));
+fn record_exit(level: f64, frame: &mut Frame) {
+    frame.aliases.push(EXIT_LEVEL.to_owned(), number_expr(level, Span::default()));
 }

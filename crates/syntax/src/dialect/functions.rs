@@ -18,7 +18,7 @@ use crate::tree::scope::coordinate;
 use std::rc::Rc;
 
 /// Largest number of functions on one line.
-const MOST_FUNCTIONS: usize = 300;
+const MAX_FUNCTIONS: usize = 300;
 
 impl ProgramReader<'_> {
     /// Reads functions whose bodies stand in braces, and the statement that follows on their line.
@@ -30,7 +30,7 @@ impl ProgramReader<'_> {
     ) -> Fallible<()> {
         let place = tokens.first().map_or(Span::default(), |first| first.span);
         let mut rest = tokens;
-        for _ in 0..MOST_FUNCTIONS {
+        for _ in 0..MAX_FUNCTIONS {
             rest = self.function(rest)?;
             if rest.is_empty() {
                 return Ok(());
@@ -39,7 +39,7 @@ impl ProgramReader<'_> {
                 return self.statement(rest, frame, following);
             }
         }
-        Err(Error::new(place, ErrorKind::TooManyNames { limit: MOST_FUNCTIONS }))
+        Err(Error::new(place, ErrorKind::TooManyNames { limit: MAX_FUNCTIONS }))
     }
 
     /// Reads a function whose body stands in braces and returns the tokens behind it.
@@ -81,7 +81,7 @@ impl ProgramReader<'_> {
         self.run(&steps, &mut frame)?;
         if let Some(tail) = tail {
             self.result(tail, &frame)?;
-            frame.is_done = true;
+            frame.has_result = true;
         }
         self.leave_function(&frame)?;
         Ok(rest)
@@ -90,7 +90,7 @@ impl ProgramReader<'_> {
     /// Ends a function. It is an error if the function returns nothing.
     pub(crate) fn leave_function(&mut self, frame: &Frame) -> Fallible<()> {
         let Some(Head { name, .. }) = &frame.function else { return Ok(()) };
-        if !frame.is_done && frame.aliases.find(RESULT).is_none() {
+        if !frame.has_result && frame.aliases.find(RESULT).is_none() {
             let word = "void".to_owned();
             return Err(Error::new(name.span, ErrorKind::Program { word }));
         }
@@ -115,7 +115,7 @@ impl ProgramReader<'_> {
     }
 
     /// Runs an `if`, `for` or `while` with its body, which may go on in `following`.
-    pub(crate) fn governing(
+    pub(crate) fn control(
         &mut self,
         mut tokens: Vec<Token>,
         frame: &mut Frame,
@@ -141,7 +141,7 @@ impl ProgramReader<'_> {
     }
 
     /// Runs an `if`, `for` or `while` whose body is indented.
-    pub(crate) fn governing_lines(
+    pub(crate) fn indented_control(
         &mut self,
         tokens: Vec<Token>,
         frame: &mut Frame,
@@ -161,7 +161,7 @@ impl ProgramReader<'_> {
     }
 
     /// Reads `f(a) = value` of OpenSCAD, behind the word `function`.
-    pub(crate) fn openscad(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
+    pub(crate) fn openscad_function(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
         let trigonometric = tokens.iter().find(|token| {
             matches!(self.words.word(**token), "sin" | "cos" | "tan" | "atan2" | "atan")
         });
@@ -187,7 +187,7 @@ impl ProgramReader<'_> {
                     && !inner.iter().any(|token| token.kind == Comma)
                     && self.words.is_point(inner, &[rest.to_vec()])
                 {
-                    self.draws(&name);
+                    self.record_drawn(&name);
                 }
                 self.plain(tokens, frame, false)?;
             }
@@ -199,10 +199,10 @@ impl ProgramReader<'_> {
     }
 
     /// Reads `def name(parameters):` with the lines of its body.
-    pub(crate) fn python(&mut self, tokens: &[Token], following: &mut Statements) -> Fallible<()> {
+    pub(crate) fn python_function(&mut self, tokens: &[Token], following: &mut Statements) -> Fallible<()> {
         let word = "def".to_owned();
         let refused = Error::new(tokens[0].span, ErrorKind::Program { word });
-        let Some((name, parameters, first)) = Words::python(tokens) else {
+        let Some((name, parameters, first)) = Words::python_function(tokens) else {
             return Err(refused);
         };
         let mut lines: Vec<Vec<Token>> =
@@ -225,7 +225,7 @@ impl ProgramReader<'_> {
         let steps = self.words.lines(&lines, 0)?;
         let mut frame = self.enter(self.words.name(name), parameters)?;
         if is_point {
-            self.draws(&self.words.name(name));
+            self.record_drawn(&self.words.name(name));
         }
         self.run(&steps, &mut frame)?;
         self.leave_function(&frame)
@@ -238,7 +238,7 @@ impl ProgramReader<'_> {
 
     /// Records a function of a point as the one to draw. A function named like a scene is replaced
     /// only by another such one, because functions below it often compute light or shadow.
-    fn draws(&mut self, name: &Name) {
+    fn record_drawn(&mut self, name: &Name) {
         let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
         let known = self.program.last_function.as_ref();
         if is_scene(name) || !known.is_some_and(is_scene) {
@@ -268,7 +268,7 @@ impl ProgramReader<'_> {
             }
         }
         if let [(_, 3)] = names.as_slice() {
-            self.draws(&name);
+            self.record_drawn(&name);
         }
         // A function of x, y and z is drawn rather than a value assigned above it.
         if names.iter().map(|(name, _)| name.text.as_str()).eq(["x", "y", "z"]) {
@@ -305,7 +305,7 @@ impl ProgramReader<'_> {
             None => return self.plain(body.unwrap_or(value), frame, false),
         };
         if is_point {
-            self.draws(&name);
+            self.record_drawn(&name);
         }
         let mut frame = self.enter(name, parameters)?;
         let Some(body) = body else { return self.result(value, &frame) };

@@ -10,7 +10,7 @@ use crate::tree::built_statement::with_parts;
 use std::rc::Rc;
 
 /// Deepest nesting of inlined calls and of macros.
-const DEEPEST: usize = 12;
+const MAX_DEPTH: usize = 12;
 
 impl ProgramReader<'_> {
     /// Records a macro: `#define name body` or `#define name(a) body`.
@@ -20,7 +20,7 @@ impl ProgramReader<'_> {
         let is_call = rest
             .first()
             .is_some_and(|next| next.kind == OpenParen && next.span.start == name.span.end);
-        let made = match closing(rest).filter(|_| is_call) {
+        let definition = match closing(rest).filter(|_| is_call) {
             Some(end) => {
                 let names = rest[1..end].iter().map(|token| self.words.word(*token).to_owned());
                 let parameters = names.filter(|name| !name.is_empty()).collect();
@@ -28,7 +28,7 @@ impl ProgramReader<'_> {
             }
             None => Macro { parameters: None, body: rest.to_vec() },
         };
-        self.macros.insert(self.words.word(name).to_owned(), made);
+        self.macros.insert(self.words.word(name).to_owned(), definition);
     }
 
     /// `tokens` with their macros expanded.
@@ -41,20 +41,20 @@ impl ProgramReader<'_> {
         let mut at = 0;
         while let Some(token) = tokens.get(at).copied() {
             at += 1;
-            let Some(made) = found(&token) else {
+            let Some(definition) = found(&token) else {
                 all.push(token);
                 continue;
             };
-            if depth > DEEPEST {
-                return Err(Error::new(token.span, ErrorKind::TooDeep { limit: DEEPEST }));
+            if depth > MAX_DEPTH {
+                return Err(Error::new(token.span, ErrorKind::TooDeep { limit: MAX_DEPTH }));
             }
             let limit = self.limits.symbols;
-            self.written.set(self.written.get() + made.body.len() + 1);
-            if self.written.get() > limit {
+            self.expanded_tokens.set(self.expanded_tokens.get() + definition.body.len() + 1);
+            if self.expanded_tokens.get() > limit {
                 return Err(Error::new(token.span, ErrorKind::TooManySymbols { limit }));
             }
-            let Some(parameters) = &made.parameters else {
-                all.extend(self.expanded(made.body.clone(), depth + 1)?);
+            let Some(parameters) = &definition.parameters else {
+                all.extend(self.expanded(definition.body.clone(), depth + 1)?);
                 continue;
             };
             let Some(end) = closing(&tokens[at..]).filter(|_| tokens[at].kind == OpenParen) else {
@@ -63,8 +63,8 @@ impl ProgramReader<'_> {
             };
             let arguments = split(&tokens[at + 1..at + end], Comma);
             at += end + 1;
-            let mut body = Vec::with_capacity(made.body.len());
-            for part in &made.body {
+            let mut body = Vec::with_capacity(definition.body.len());
+            for part in &definition.body {
                 let word = self.words.word(*part);
                 let index = parameters.iter().position(|name| name == word);
                 match index.and_then(|index| arguments.get(index)) {
@@ -94,11 +94,11 @@ impl ProgramReader<'_> {
         arguments: &[Vec<Token>],
         frame: &mut Frame,
     ) -> Fallible<Option<ExprKind>> {
-        if frame.depth >= DEEPEST {
-            return Err(Error::new(name.span, ErrorKind::TooDeep { limit: DEEPEST }));
+        if frame.depth >= MAX_DEPTH {
+            return Err(Error::new(name.span, ErrorKind::TooDeep { limit: MAX_DEPTH }));
         }
         let word = self.words.word(name).to_owned();
-        let prefix = frame.inner_name(&word);
+        let prefix = frame.generated_name(&word);
         let mut inner = Frame {
             function: frame.function.clone(),
             nested: 1,
@@ -116,7 +116,7 @@ impl ProgramReader<'_> {
             if given.is_in {
                 let within = frame.aliases.clone();
                 let (name, value) = (given.name.clone(), argument.clone());
-                self.set_to(name, given.size, value, None, &within, &mut inner)?;
+                self.assign_within(name, given.size, value, None, &within, &mut inner)?;
             } else {
                 inner.set.push((given.name.text.clone(), given.size));
             }
@@ -134,13 +134,13 @@ impl ProgramReader<'_> {
                 ),
                 _ => return Err(Error::new(name.span, ErrorKind::OutParameter { name: word })),
             };
-            self.take_back(target, letters, value.clone(), given.size, frame);
+            self.write_back(target, letters, value.clone(), given.size, frame);
         }
         Ok(inner.aliases.find(RESULT).cloned())
     }
 
     /// Assigns `value` to `target`, or to the components `letters` of it.
-    fn take_back(
+    fn write_back(
         &mut self,
         target: Token,
         letters: Option<String>,

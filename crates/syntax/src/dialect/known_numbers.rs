@@ -23,12 +23,12 @@ pub(crate) fn count(
 }
 
 /// A number as an expression.
-pub(crate) fn written(value: f64, span: Span) -> ExprKind {
+pub(crate) fn number_expr(value: f64, span: Span) -> ExprKind {
     let number = ExprKind::Number(value.abs().to_string());
     if value < 0.0 { ExprKind::Negate(Box::new(Expr::new(number, span))) } else { number }
 }
 
-/// The value of an expression that is a number, such as one from [`written`].
+/// The value of an expression that is a number, such as one from [`number_expr`].
 pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
     match kind {
         ExprKind::Number(text) => text.parse().ok(),
@@ -59,7 +59,7 @@ impl ConstantEvaluator<'_> {
     }
 
     fn set(&mut self, name: &str, value: f64) {
-        self.aliases.push(name.to_owned(), written(value, Span::default()));
+        self.aliases.push(name.to_owned(), number_expr(value, Span::default()));
     }
 
     fn kind(&self) -> Option<TokenKind> {

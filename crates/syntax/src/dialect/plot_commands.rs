@@ -28,7 +28,7 @@ const INNER: &[&str] = &["implicit", "explicit"];
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
 
 /// Length of the longest domain that a note spells out, in bytes.
-const LONGEST: usize = 120;
+const MAX_NOTED_DOMAIN: usize = 120;
 
 /// The parts of a plot command.
 pub(crate) struct Plot {
@@ -280,7 +280,7 @@ impl Words<'_> {
             tokens.extend(high);
             tokens.push(sign(CloseBracket, end));
         }
-        let domain = if line.len() > LONGEST { "…".to_owned() } else { line };
+        let domain = if line.len() > MAX_NOTED_DOMAIN { "…".to_owned() } else { line };
         (Some(tokens), Some(Note { span: place, kind: NoteKind::PlotDomain { domain } }))
     }
 }

@@ -7,7 +7,7 @@ use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::lex::arrangement::arrange;
 use crate::lex::scanner::scan;
 use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
-use crate::tree::raw_statement::{Head, RawStatement, Wrap};
+use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
 
 use crate::lex::token::{Token, closing};
 use crate::limits::Limits;
@@ -30,7 +30,7 @@ pub(crate) struct Frame {
     /// Variables that were declared or assigned, with their number of components.
     pub set: Vec<(String, usize)>,
     /// Integer variables, such as loop counters, whose values are tracked while they are known.
-    pub whole: FxHashSet<String>,
+    pub integers: FxHashSet<String>,
     /// Number of enclosing branches and loops.
     pub nested: usize,
     /// Number of enclosing calls that are inlined.
@@ -38,7 +38,7 @@ pub(crate) struct Frame {
     /// Prefix of the names that an inlined call generates.
     pub prefix: Option<String>,
     /// True if the function's result is already a statement of its own.
-    pub is_done: bool,
+    pub has_result: bool,
 }
 
 /// A function that changes its arguments or returns nothing. Calls to it are inlined.
@@ -69,9 +69,9 @@ pub(crate) struct ProgramReader<'a> {
     /// Names that the text uses, or that were generated.
     pub taken: FxHashSet<String>,
     /// Integer variables; programs truncate their quotients.
-    pub whole: FxHashSet<String>,
+    pub integers: FxHashSet<String>,
     /// Names that have a definition.
-    pub heads: FxHashSet<String>,
+    pub defined_names: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
     /// Known values of names outside functions.
@@ -79,7 +79,7 @@ pub(crate) struct ProgramReader<'a> {
     /// Number of statements and rounds that ran.
     pub steps: usize,
     /// Number of tokens that macros expanded to.
-    pub written: Cell<usize>,
+    pub expanded_tokens: Cell<usize>,
     pub program: PastedProgram,
 }
 
@@ -100,13 +100,13 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         words,
         limits,
         taken: taken.into_iter().map(str::to_owned).collect(),
-        heads: FxHashSet::default(),
-        whole: FxHashSet::default(),
+        defined_names: FxHashSet::default(),
+        integers: FxHashSet::default(),
         macros: FxHashMap::default(),
         procedures: FxHashMap::default(),
         constants: FxHashMap::default(),
         steps: 0,
-        written: Cell::new(0),
+        expanded_tokens: Cell::new(0),
         program: PastedProgram { in_steps, ..PastedProgram::default() },
     };
     let mut top = Frame::default();
@@ -137,7 +137,7 @@ impl ProgramReader<'_> {
             return self.plain(tokens, frame, false);
         }
         if frame.function.is_none()
-            && let Some(statements) = self.words.unwrapped(&tokens)
+            && let Some(statements) = self.words.unwrap_statement(&tokens)
         {
             // Each of them has fewer tokens, so the recursion ends.
             return statements
@@ -146,18 +146,18 @@ impl ProgramReader<'_> {
         }
         match self.words.word(first) {
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
-            "for" | "while" | "if" if self.words.governs(&tokens) => {
-                return self.governing(tokens, frame, following);
+            "for" | "while" | "if" if self.words.is_control(&tokens) => {
+                return self.control(tokens, frame, following);
             }
-            "for" | "while" | "if" if self.words.governs_lines(&tokens) => {
-                return self.governing_lines(tokens, frame, following);
+            "for" | "while" | "if" if self.words.is_indented_control(&tokens) => {
+                return self.indented_control(tokens, frame, following);
             }
             "struct" | "switch" | "do" | "else" | "elif"
-                if Words::is_command(&tokens) || self.words.governs(&tokens) =>
+                if Words::is_command(&tokens) || self.words.is_control(&tokens) =>
             {
-                return Err(self.words.unread(first));
+                return Err(self.words.unsupported(first));
             }
-            "def" if tokens.len() > 3 => return self.python(&tokens, following),
+            "def" if tokens.len() > 3 => return self.python_function(&tokens, following),
             "return" if tokens.len() > 1 => {
                 tokens.remove(0);
                 return self.result(tokens, frame);
@@ -172,7 +172,7 @@ impl ProgramReader<'_> {
                     && begins_name(tokens.get(1)) =>
             {
                 tokens.remove(0);
-                return self.openscad(tokens, frame);
+                return self.openscad_function(tokens, frame);
             }
             "difference" | "union" | "intersection" | "translate" | "rotate" | "hull"
                 if tokens.get(1..).and_then(closing).is_some_and(|end| {
@@ -251,7 +251,7 @@ impl ProgramReader<'_> {
         &mut self,
         tokens: Vec<Token>,
         head: Option<Head>,
-        wrap: Option<Wrap>,
+        conversion: Option<ValueConversion>,
         aliases: &Aliases,
         is_height: bool,
     ) -> Fallible<()> {
@@ -263,7 +263,7 @@ impl ProgramReader<'_> {
             let procedure = self.procedures.get(self.words.word(**token));
             procedure.is_some_and(|procedure| procedure.parameters.iter().any(|given| given.is_out))
         };
-        if let Some(span) = self.cut_quotient(&tokens) {
+        if let Some(span) = self.truncated_quotient(&tokens) {
             return Err(Error::new(span, ErrorKind::WholeQuotient));
         }
         if let Some(token) = tokens.iter().find(changing) {
@@ -272,8 +272,8 @@ impl ProgramReader<'_> {
         }
         if let Some(lexed) = arrange(self.words.text, tokens, self.limits)? {
             let aliases = aliases.clone();
-            self.heads.extend(head.iter().map(|head| head.name.text.clone()));
-            self.program.statements.push(RawStatement { lexed, head, aliases, wrap, is_height });
+            self.defined_names.extend(head.iter().map(|head| head.name.text.clone()));
+            self.program.statements.push(RawStatement { lexed, head, aliases, conversion, is_height });
         }
         Ok(())
     }
@@ -284,15 +284,15 @@ impl ProgramReader<'_> {
             // All values are computed before any of the variables changes.
             let within = frame.aliases.clone();
             for (name, value) in left.into_iter().zip(right) {
-                self.set_to(self.words.name(name), 1, value, None, &within, frame)?;
+                self.assign_within(self.words.name(name), 1, value, None, &within, frame)?;
             }
             return Ok(true);
         }
         if let Some((names, value)) = Words::unpacked(tokens) {
             let within = frame.aliases.clone();
             for (name, letter) in names.into_iter().zip(LETTERS.chars()) {
-                let (name, part) = (self.words.name(name), Some(Wrap::Pick(letter)));
-                self.set_to(name, 1, value.to_vec(), part, &within, frame)?;
+                let (name, part) = (self.words.name(name), Some(ValueConversion::Part(letter)));
+                self.assign_within(name, 1, value.to_vec(), part, &within, frame)?;
             }
             return Ok(true);
         }
@@ -310,8 +310,8 @@ impl ProgramReader<'_> {
             if is_steps || self.words.has(&value, &name.text) {
                 let within = frame.aliases.clone();
                 let before = frame.meaning(&name.text);
-                let write = letters.map(|letters| Wrap::Write { letters, before, size });
-                return self.set_to(name, size, value, write, &within, frame).map(|()| true);
+                let write = letters.map(|letters| ValueConversion::Write { letters, before, size });
+                return self.assign_within(name, size, value, write, &within, frame).map(|()| true);
             }
             let is_number = matches!(value.as_slice(), [only] if only.kind == Number);
             if frame.function.is_none() && !is_number && self.words.lambda(tokens).is_none() {

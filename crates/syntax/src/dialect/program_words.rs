@@ -71,7 +71,7 @@ impl<'a> Words<'a> {
     }
 
     /// The error for a word of programs that is not supported.
-    pub(crate) fn unread(self, token: Token) -> Box<Error> {
+    pub(crate) fn unsupported(self, token: Token) -> Box<Error> {
         Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
@@ -172,7 +172,7 @@ impl<'a> Words<'a> {
     }
 
     /// Name and parameters of `def name(parameters):`, and the tokens behind its colon.
-    pub(crate) fn python(tokens: &[Token]) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
+    pub(crate) fn python_function(tokens: &[Token]) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
         let (parameters, rest) = bracketed(&tokens[2..])?;
         let colon = rest.iter().position(|token| token.kind == Colon)?;
         let name = *tokens.get(1)?;

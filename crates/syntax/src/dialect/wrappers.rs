@@ -39,11 +39,11 @@ const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
 const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
 /// Words before a formula that ask for its picture.
-const ASKS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
+const PLOT_WORDS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
 impl Words<'_> {
     /// Unwraps a statement. Empty if nothing in it has a meaning here; `None` if it is not wrapped.
-    pub(crate) fn unwrapped(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+    pub(crate) fn unwrap_statement(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let first = *tokens.first()?;
         let next = tokens.get(1);
         let word = self.word(first);
@@ -55,9 +55,9 @@ impl Words<'_> {
             return Some(Vec::new());
         }
         if let Some(equals) = tokens.iter().position(|token| token.kind == Equals)
-            && let [made, open, ..] = &tokens[equals + 1..]
-            && (SYMBOLS.contains(&self.word(*made)) && open.kind == OpenParen
-                || GRIDS.contains(&self.word(*made)))
+            && let [callee, open, ..] = &tokens[equals + 1..]
+            && (SYMBOLS.contains(&self.word(*callee)) && open.kind == OpenParen
+                || GRIDS.contains(&self.word(*callee)))
         {
             return Some(Vec::new());
         }
@@ -84,13 +84,13 @@ impl Words<'_> {
                 let (inner, _) = bracketed(&tokens[1..])?;
                 return Some(vec![inner.to_vec()]);
             }
-            _ if ASKS.contains(&word)
+            _ if PLOT_WORDS.contains(&word)
                 && tokens.get(2).is_some()
                 && next.is_some_and(|next| self.word(*next) == "of") =>
             {
                 return Some(vec![tokens[2..].to_vec()]);
             }
-            _ if ASKS.contains(&word)
+            _ if PLOT_WORDS.contains(&word)
                 && next
                     .is_some_and(|next| next.kind != OpenParen && next.kind.begins_operand()) =>
             {

@@ -14,7 +14,7 @@ use crate::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
 use crate::tree::builder::Builder;
 use crate::tree::built_statement::BuiltStatement;
 use crate::tree::grammar::Rule;
-use crate::tree::raw_statement::Wrap;
+use crate::tree::raw_statement::ValueConversion;
 use crate::tree::scope::{Scope, canonical};
 use crate::tree::statement::ParsedStatement;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -22,9 +22,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 /// A name and the text of its definition.
 type ImpliedDefinition = (&'static str, &'static str);
 
-const CYLINDER: &str = "sqrt(x^2 + y^2)";
-const SPHERE: &str = "sqrt(x^2 + y^2 + z^2)";
-const AROUND: &str = "atan2(y, x)";
+const CYLINDER_RADIUS: &str = "sqrt(x^2 + y^2)";
+const SPHERE_RADIUS: &str = "sqrt(x^2 + y^2 + z^2)";
+const AZIMUTH: &str = "atan2(y, x)";
 
 /// Uses of each name: index of the line, and place.
 type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
@@ -60,8 +60,8 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
                 uses.entry(name).or_default().push((index, token.span));
             }
         }
-        let before = match &raw.wrap {
-            Some(Wrap::Write { before, .. }) => Some(before),
+        let before = match &raw.conversion {
+            Some(ValueConversion::Write { before, .. }) => Some(before),
             _ => None,
         };
         if let Some(ExprKind::Name(NamedValue::Defined(name))) = before
@@ -76,7 +76,7 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
 /// Turns a line such as `r = 1 + cos(theta)` from a definition into an equation. The name on its
 /// left must not be used elsewhere. The right side must contain z without x and y, or another of
 /// the four names that has no definition.
-pub(crate) fn settle(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
+pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
     let defined: FxHashSet<String> = lines
         .iter()
         .filter_map(|line| line.head.as_ref())
@@ -154,9 +154,9 @@ pub(crate) fn implied(
             let index = ["r", "rho", "theta", "phi"].iter().position(|other| other == name);
             index.is_some_and(|index| names[index]) || (*name == "rho" && names[3]) && !names[0]
         });
-        let told: Vec<String> =
+        let listed: Vec<String> =
             definitions.iter().map(|(name, body)| format!("{name} = {body}")).collect();
-        let definitions_text = told.join("; ");
+        let definitions_text = listed.join("; ");
         let kind = NoteKind::Coordinates { system, definitions: definitions_text };
         notes.push(Note { span: place.unwrap_or_default(), kind });
         given.extend(definitions);
@@ -179,21 +179,21 @@ fn system(
         (false, false, false, _) => return None,
         (true, _, true, true) => (
             "spherical coordinates, where theta is the angle from the z axis",
-            vec![("r", SPHERE), ("theta", "acos(z/r)"), ("phi", AROUND), ("rho", CYLINDER)],
+            vec![("r", SPHERE_RADIUS), ("theta", "acos(z/r)"), ("phi", AZIMUTH), ("rho", CYLINDER_RADIUS)],
         ),
         (true, _, _, false) => {
-            (cylindrical, vec![("r", CYLINDER), ("rho", SPHERE), ("theta", AROUND)])
+            (cylindrical, vec![("r", CYLINDER_RADIUS), ("rho", SPHERE_RADIUS), ("theta", AZIMUTH)])
         }
         (true, _, false, true) => {
-            (cylindrical, vec![("r", CYLINDER), ("rho", SPHERE), ("phi", AROUND)])
+            (cylindrical, vec![("r", CYLINDER_RADIUS), ("rho", SPHERE_RADIUS), ("phi", AZIMUTH)])
         }
         (false, true, false, _) if with_z => {
-            (cylindrical, vec![("rho", CYLINDER), ("phi", AROUND)])
+            (cylindrical, vec![("rho", CYLINDER_RADIUS), ("phi", AZIMUTH)])
         }
         (false, true, _, _) | (false, false, true, true) => {
-            (spherical, vec![("rho", SPHERE), ("theta", AROUND), ("phi", "acos(z/rho)")])
+            (spherical, vec![("rho", SPHERE_RADIUS), ("theta", AZIMUTH), ("phi", "acos(z/rho)")])
         }
-        (false, false, true, false) => (cylindrical, vec![("theta", AROUND)]),
+        (false, false, true, false) => (cylindrical, vec![("theta", AZIMUTH)]),
     })
 }
 

@@ -13,7 +13,7 @@ use crate::tree::ast::Definition;
 use crate::tree::built_statement::BuiltStatement;
 use crate::tree::scope::{coordinate, nearest};
 use crate::tree::statement::is_plain_number;
-use crate::tree::whole_numbers::counting;
+use crate::tree::whole_numbers::term_count_names;
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
@@ -62,7 +62,7 @@ impl<'a> DocumentReader<'a> {
             parameters.push(Parameter { name, number, value, range, kind, span });
             NameBinding::Parameter(number)
         };
-        let counting = counting(definitions, drawings);
+        let term_count_names = term_count_names(definitions, drawings);
         let mut time_set = false;
         for (definition, _) in definitions {
             let name = definition.name.text.as_str();
@@ -81,16 +81,16 @@ impl<'a> DocumentReader<'a> {
                 names.insert(name, NameBinding::Definition(definition));
                 continue;
             }
-            if counting.contains(name) && !is_time && definition.range.is_none() {
+            if term_count_names.contains(name) && !is_time && definition.range.is_none() {
                 let limits = &self.options.limits;
                 let value = given.map_or_else(|| evaluate(&definition.body, limits), Ok);
-                let Some(value) = self.kept(value) else { continue };
+                let Some(value) = self.ok_or_record(value) else { continue };
                 names.insert(name, NameBinding::Number(value));
                 let kind = NoteKind::CountsTerms { name: name.to_owned() };
                 self.notes.push(Note { span: definition.name.span, kind });
                 continue;
             }
-            let slider = self.kept(slider(definition, given, &self.options.limits));
+            let slider = self.ok_or_record(slider(definition, given, &self.options.limits));
             let Some((mut value, range)) = slider else { continue };
             let span = definition.name.span;
             if let (true, Some(time)) = (is_time, &time) {
@@ -113,7 +113,7 @@ impl<'a> DocumentReader<'a> {
                 && name != "t"
                 && !names.contains_key(name)
             {
-                let binding = if counting.contains(name) {
+                let binding = if term_count_names.contains(name) {
                     NameBinding::Number(value.clone())
                 } else {
                     add(name, value.clone(), None, None)
@@ -152,7 +152,7 @@ fn override_value(
         let known = definitions.iter().map(|(definition, _)| definition.name.text.as_str());
         let meant = nearest(name, known.chain(used.iter().copied()));
         let error = Error::new(span, ErrorKind::UnknownOverride { name: given });
-        return Err(error.suggest_any(span, meant));
+        return Err(error.suggest_optional(span, meant));
     } else {
         // A message shows `name=value`, so the places in the value move by the length of `name=`.
         let moved = |place: Span| Span::new(place.start + span.end + 1, place.end + span.end + 1);

@@ -9,9 +9,9 @@ use crate::lex::spelling::short_name;
 use crate::limits::Limits;
 use crate::lower::constant::near_integers;
 use crate::lower::lowering::Lowering;
-use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MOST};
-use crate::messages::note::{MOST_NOTES, Note, NoteKind};
-use crate::picture::lines::{CollectedLines, PictureLines, SettingLine, placed};
+use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MAX_ERRORS};
+use crate::messages::note::{MAX_NOTES, Note, NoteKind};
+use crate::picture::lines::{CollectedLines, PictureLines, SettingLine, setting_for};
 use crate::picture::paint::{Contours, PointValues, SurfaceColor};
 use crate::picture::scene::{DomainLine, SrgbColor, ViewLine};
 use crate::span::Span;
@@ -20,7 +20,7 @@ use crate::tree::built_statement::BuiltStatement;
 use crate::tree::grammar::Rule;
 use crate::tree::print::Drawing;
 use crate::tree::scope::{NameMeaning, Scope};
-use crate::tree::statement::{build, lines, settle_heads};
+use crate::tree::statement::{build, lines, resolve_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Constant, Graph, NodeId};
 
@@ -127,7 +127,7 @@ impl Document {
         let last = self.surfaces.last()?.span.start;
         let lines = self.lines.iter().filter(|line| line.word == word);
         let lines: Vec<_> = lines.map(|line| (line.span.start, line)).collect();
-        placed(&lines, place, last).copied()
+        setting_for(&lines, place, last).copied()
     }
 }
 
@@ -194,10 +194,10 @@ impl<'a> DocumentReader<'a> {
         for (name, _) in self.options.overrides {
             scope.define(name, None);
         }
-        implied_coordinates::settle(self.text, &mut lines, &scope);
-        settle_heads(self.text, &mut lines, &mut scope, &mut self.notes);
-        for made in &program.synthesized {
-            if let Statement::Define(Definition { name, parameters, .. }) = &made.statement {
+        implied_coordinates::turn_into_equations(self.text, &mut lines, &scope);
+        resolve_heads(self.text, &mut lines, &mut scope, &mut self.notes);
+        for synthesized in &program.synthesized {
+            if let Statement::Define(Definition { name, parameters, .. }) = &synthesized.statement {
                 scope.define(&name.text, parameters.as_ref().map(Vec::len));
             }
         }
@@ -216,21 +216,21 @@ impl<'a> DocumentReader<'a> {
             } else {
                 self.settings.read(self.text, line, &scope, &self.options.limits)
             };
-            self.kept(result);
-            if self.errors.len() >= MOST {
+            self.ok_or_record(result);
+            if self.errors.len() >= MAX_ERRORS {
                 break;
             }
         }
-        for made in &program.synthesized {
+        for synthesized in &program.synthesized {
             let is_unknown = |name: &&String| {
                 !matches!(
                     scope.meaning(name, &[]),
                     NameMeaning::Value(_) | NameMeaning::Function(_)
                 )
             };
-            if let Some(name) = made.used.iter().filter(is_unknown).min() {
+            if let Some(name) = synthesized.used.iter().filter(is_unknown).min() {
                 let kind = ErrorKind::UnknownName { name: short_name(name), letter: None };
-                self.errors.push(*Error::new(made.span, kind));
+                self.errors.push(*Error::new(synthesized.span, kind));
                 break;
             }
         }
@@ -245,7 +245,7 @@ impl<'a> DocumentReader<'a> {
     }
 
     /// The value of `result`, or `None` after recording its error.
-    pub(crate) fn kept<T>(&mut self, result: Fallible<T>) -> Option<T> {
+    pub(crate) fn ok_or_record<T>(&mut self, result: Fallible<T>) -> Option<T> {
         result.map_err(|error| self.errors.push(*error)).ok()
     }
 
@@ -287,7 +287,7 @@ impl<'a> DocumentReader<'a> {
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
             // A note compares its name with every other, so a bound keeps hostile texts cheap.
-            let notes = unused.take(MOST).map(|(d, _)| unused_note(d, &scope));
+            let notes = unused.take(MAX_ERRORS).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
         }
         let overrides = self.overrides(&definitions, &used);
@@ -305,7 +305,7 @@ impl<'a> DocumentReader<'a> {
             return Err(Error::new(start, ErrorKind::TooManySurfaces { limit }).into());
         }
         for drawing in &drawings {
-            surfaces.extend(self.kept(surface(&mut lowering, drawing)));
+            surfaces.extend(self.ok_or_record(surface(&mut lowering, drawing)));
         }
         self.check()?;
         let implied;
@@ -326,11 +326,11 @@ impl<'a> DocumentReader<'a> {
         self.notes.sort_by_key(|note| note.span);
         // One note for each name is enough.
         let mut seen = FxHashSet::default();
-        self.notes.retain(|note| !note.kind.is_about_a_name() || seen.insert(note.kind.clone()));
+        self.notes.retain(|note| !note.kind.explains_a_name() || seen.insert(note.kind.clone()));
         // A note is printed with its line, which may be the whole text, so their number is bounded.
-        if let Some(note) = self.notes.get(MOST_NOTES) {
+        if let Some(note) = self.notes.get(MAX_NOTES) {
             let span = note.span;
-            self.notes.truncate(MOST_NOTES);
+            self.notes.truncate(MAX_NOTES);
             self.notes.push(Note { span, kind: NoteKind::More });
         }
         let (title, doc) = heading(self.text);
@@ -360,13 +360,13 @@ fn style<'a>(
     let last = surfaces.last().map_or(0, |surface| surface.span.start);
     for surface in surfaces {
         let place = surface.span.start;
-        let color = placed(&settings.colors, place, last);
+        let color = setting_for(&settings.colors, place, last);
         let typed = color.and_then(|(typed, _)| typed.as_ref());
         surface.color = typed.map(|typed| values.color(typed)).transpose()?;
         let own = color.and_then(|(_, opacity)| *opacity);
-        let opacity = own.or_else(|| placed(&settings.opacities, place, last).copied());
+        let opacity = own.or_else(|| setting_for(&settings.opacities, place, last).copied());
         surface.opacity = opacity.unwrap_or(1.0);
-        surface.hidden = placed(&settings.hidden, place, last) == Some(&true);
+        surface.hidden = setting_for(&settings.hidden, place, last) == Some(&true);
     }
     Ok(())
 }
@@ -399,7 +399,7 @@ fn needed(built: Vec<BuiltStatement>, generated: &FxHashSet<String>) -> Vec<Buil
 
 /// Notes on exponents that may be integers but are not known to be, at the first surface of each.
 fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
-    let mut left = near_integers(graph, MOST_NOTES);
+    let mut left = near_integers(graph, MAX_NOTES);
     let mut notes = Vec::new();
     for surface in surfaces {
         if left.is_empty() {

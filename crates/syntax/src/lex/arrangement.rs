@@ -7,7 +7,7 @@
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::scanner::{LexedStatement, scan};
-use crate::lex::spelling::{decimal, in_name};
+use crate::lex::spelling::{decimal, is_name_char};
 use crate::lex::token::{Token, outside};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
@@ -255,7 +255,7 @@ impl Arranger<'_> {
             (open.kind, close.kind) = (OpenChoice, CloseChoice);
         } else if open.kind == OpenBrace
             && !self.is_setting
-            && (comma && (nested || !relation) || nested && holds_lists(&inner))
+            && (comma && (nested || !relation) || nested && is_one_list(&inner))
         {
             (open.kind, close.kind) = (OpenList, CloseList);
         }
@@ -283,7 +283,7 @@ impl Arranger<'_> {
             // Brackets behind a name may hold arguments, and two numbers alone may be a point.
             Some(open) => {
                 let behind = self.text[..open.span.start].trim_end().chars().next_back();
-                let is_call = behind.is_some_and(|c| in_name(c) || ")]}".contains(c));
+                let is_call = behind.is_some_and(|c| is_name_char(c) || ")]}".contains(c));
                 open.kind != OpenParen || is_call || before.len() < 2
             }
         };
@@ -339,7 +339,7 @@ impl Arranger<'_> {
             let start = nodes[..choice].iter().rposition(is_equals).map_or(0, |index| index + 1);
             let rest = nodes.split_off(start);
             flatten(nodes, out);
-            return self.chosen(rest, is_ternary, out);
+            return self.push_choice(rest, is_ternary, out);
         }
         flatten(nodes, out);
         Ok(())
@@ -430,7 +430,7 @@ impl Arranger<'_> {
     }
 
     /// Appends `c ? a : b` or `a if c else b` to `out`, as the pieces of a choice.
-    fn chosen(
+    fn push_choice(
         &mut self,
         nodes: Vec<TokenTree>,
         is_ternary: bool,
@@ -446,7 +446,7 @@ impl Arranger<'_> {
         let end = nodes.last().map_or(span.end, |node| node.span().end);
         let mut rest = VecDeque::from(nodes);
         // Each round takes one piece: the nodes before the first sign, and between the two.
-        while let Some((first, second)) = self.signs(rest.iter(), is_ternary) {
+        while let Some((first, second)) = self.choice_signs(rest.iter(), is_ternary) {
             let joint = rest[second].span();
             let sign = rest[first].span();
             let mut parts = rest.drain(..=second);
@@ -471,15 +471,15 @@ impl Arranger<'_> {
         is_ternary: bool,
         out: &mut Vec<Token>,
     ) -> Fallible<()> {
-        if self.signs(nodes.iter(), is_ternary).is_some() {
-            return self.chosen(nodes, is_ternary, out);
+        if self.choice_signs(nodes.iter(), is_ternary).is_some() {
+            return self.push_choice(nodes, is_ternary, out);
         }
         flatten(nodes, out);
         Ok(())
     }
 
     /// Indices of the first sign of a choice and of the second sign that belongs to it.
-    fn signs<'n>(
+    fn choice_signs<'n>(
         &self,
         nodes: impl Iterator<Item = &'n TokenTree> + Clone,
         is_ternary: bool,
@@ -528,7 +528,7 @@ fn over(mut nodes: Vec<TokenTree>, at: usize, out: &mut Vec<Token>) {
 }
 
 /// Returns whether brackets hold nothing but one list.
-fn holds_lists(inner: &[Token]) -> bool {
+fn is_one_list(inner: &[Token]) -> bool {
     let closes = inner.iter().position(|token| token.kind == CloseList);
     inner.first().is_some_and(|token| token.kind == OpenList) && closes == Some(inner.len() - 1)
 }

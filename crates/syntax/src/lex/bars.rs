@@ -51,7 +51,7 @@ impl BarLevel {
     }
 
     /// Returns whether there are relations both before and behind a bar.
-    fn is_between(&self, bar: usize) -> bool {
+    fn is_between_relations(&self, bar: usize) -> bool {
         let place = self.places[bar];
         self.signs.first().is_some_and(|sign| *sign < place)
             && self.signs.last().is_some_and(|sign| *sign > place)
@@ -104,7 +104,7 @@ fn pair(tokens: &mut [Token], level: &BarLevel) -> Fallible<()> {
                     let is_wrong = depth > 0 && level.compares(bar);
                     let cost = reading.cost + if is_wrong { UNLIKELY } else { 0 };
                     let reading = Reading { cost, ..reading };
-                    go_on(tokens, level, bar, (depth, role, reading), &mut readings);
+                    extend_reading(tokens, level, bar, (depth, role, reading), &mut readings);
                 }
             }
         }
@@ -147,7 +147,7 @@ fn pair(tokens: &mut [Token], level: &BarLevel) -> Fallible<()> {
 }
 
 /// Extends a reading of the bars before `bar` by each possible role of `bar`.
-fn go_on(
+fn extend_reading(
     tokens: &[Token],
     level: &BarLevel,
     bar: usize,
@@ -187,7 +187,7 @@ fn go_on(
         begins(beyond.kind) && (!is_bar(beyond.kind) || is_apart)
     };
     if typed == Bar && after == Bar && depth == 0 && ends && touches() && goes_on() {
-        add(2, depth, Role::Joins, if level.is_between(bar) { 1 } else { UNLIKELY });
+        add(2, depth, Role::Joins, if level.is_between_relations(bar) { 1 } else { UNLIKELY });
     }
 }
 

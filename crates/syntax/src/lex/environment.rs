@@ -16,7 +16,7 @@ const MATRICES: &[&str] = &["matrix", "pmatrix", "bmatrix", "Bmatrix", "smallmat
 const BARRED: &[&str] = &["vmatrix", "Vmatrix"];
 
 /// Number of bytes within which the end of an environment is looked for.
-const LONGEST: usize = 10_000;
+const MAX_ENVIRONMENT_BYTES: usize = 10_000;
 
 /// The token of `\begin{…}` or `\end{…}`, and its length. `last` is the token before it.
 pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> (TokenKind, usize) {
@@ -51,7 +51,7 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
 /// that is aligned at its relations.
 fn holds_lines(rest: &str, name: &str) -> bool {
     let close = format!(r"\end{{{name}}}");
-    let Some((inner, behind)) = start(rest, LONGEST).split_once(&close) else { return false };
+    let Some((inner, behind)) = start(rest, MAX_ENVIRONMENT_BYTES).split_once(&close) else { return false };
     let behind = behind.trim_start_matches([' ', '\t', '\r', '$', '.', ',']);
     let behind = behind.strip_prefix(r"\right.").unwrap_or(behind).trim_start();
     let is_all =

@@ -1,7 +1,7 @@
 //! Signs of other languages, of markup and of print. Each stands for a token or is skipped.
 
-use crate::lex::spelling::{in_name, line_length, plain, prefix, start, token_kind};
-use crate::lex::token::Context;
+use crate::lex::spelling::{is_name_char, line_length, plain, prefix_length, start, token_kind};
+use crate::lex::token::LexContext;
 use crate::lex::token_kind::TokenKind::{self, *};
 
 /// Names of markup tags around a formula.
@@ -11,7 +11,7 @@ const TAGS: &[&str] = &["math", "i", "em", "b", "span", "p", "code", "var", "br"
 const DECLARES: &[&str] = &["#declare ", "#local "];
 
 /// The token of a foreign sign at the start of `rest`, and its length in bytes.
-pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)> {
+pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usize)> {
     let first = rest.chars().next()?;
     let length = first.len_utf8();
     match first {
@@ -32,17 +32,17 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)
         }
         // Constants of Maxima, such as `%pi`.
         '%' if !context.last.is_some_and(TokenKind::ends_operand) || context.touching.is_none() => {
-            let word = prefix(&rest[1..], in_name);
+            let word = prefix_length(&rest[1..], is_name_char);
             matches!(&rest[1..=word], "pi" | "e" | "phi").then_some((TokenKind::Name, 1 + word))
         }
         // Coordinates of Houdini, such as `$X`.
         '$' => {
             let is_axis =
-                rest[1..].starts_with(['X', 'Y', 'Z']) && prefix(&rest[1..], in_name) == 1;
+                rest[1..].starts_with(['X', 'Y', 'Z']) && prefix_length(&rest[1..], is_name_char) == 1;
             is_axis.then_some((Blank, 1))
         }
         '@' if rest[1..].trim_start().starts_with('(') => Some((At, 1)),
-        '@' if rest[1..].starts_with('P') && prefix(&rest[1..], in_name) == 1 => {
+        '@' if rest[1..].starts_with('P') && prefix_length(&rest[1..], is_name_char) == 1 => {
             Some((TokenKind::Name, 2))
         }
         // Python's product of matrices.
@@ -89,7 +89,7 @@ pub(crate) fn foreign(rest: &str, context: Context) -> Option<(TokenKind, usize)
 fn divides(rest: &str) -> bool {
     let rest = rest.trim_start_matches(' ');
     let rest = rest.strip_prefix('-').unwrap_or(rest);
-    let name = prefix(rest, in_name);
+    let name = prefix_length(rest, is_name_char);
     let behind = rest[name..].trim_start_matches(' ');
     rest.starts_with(|c: char| c.is_ascii_digit() || c == '(')
         || matches!(name, 1 | 2) && !behind.starts_with(char::is_alphabetic)
@@ -99,7 +99,7 @@ fn divides(rest: &str) -> bool {
 fn tag(rest: &str) -> Option<(TokenKind, usize)> {
     let end = start(rest, 80).find('>')?;
     let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);
-    let word = &inner[..prefix(inner, in_name)];
+    let word = &inner[..prefix_length(inner, is_name_char)];
     let attributes = &inner[word.len()..];
     if !(attributes.is_empty()
         || attributes.starts_with(' ') && attributes.contains('=')
@@ -113,7 +113,7 @@ fn tag(rest: &str) -> Option<(TokenKind, usize)> {
         }
         let close = start(&rest[end + 1..], 40).find("</sup>")?;
         // A longer exponent, such as a sum, would need brackets.
-        let is_short = rest[end + 1..end + 1 + close].chars().all(in_name);
+        let is_short = rest[end + 1..end + 1 + close].chars().all(is_name_char);
         return is_short.then_some((Caret, end + 1));
     }
     // `x <b> y` is a comparison, so a tag needs its closing tag.

@@ -6,9 +6,9 @@
 use crate::lex::environment::environment;
 use crate::lex::foreign_signs::foreign;
 use crate::lex::spelling::{
-    in_name, line_length, plain_text, prefix, start, superscript_digit, token_kind, vulgar,
+    is_name_char, line_length, plain_text, prefix_length, start, superscript_digit, token_kind, vulgar,
 };
-use crate::lex::token::Context;
+use crate::lex::token::LexContext;
 use crate::lex::token_kind::TokenKind::{self, *};
 
 /// Names of modules, as in `np.sin`. They are skipped before a dot and a name.
@@ -21,14 +21,14 @@ const MODULES: &[&str] = &[
 const LABELS: &[&str] = &["tag", "label"];
 
 /// Words in `\text{…}` that only introduce a condition, or mean nothing.
-const LEADS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
+const CONDITION_WORDS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
 
 /// Words for the piece of a choice that applies where no condition holds.
 pub(crate) const OTHERWISE: &[&str] =
     &["otherwise", "else", "elsewhere", "True", "true", "default"];
 
 /// The token at the start of `rest`, and its length in bytes. Text to skip is a `Blank`.
-pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
+pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
     let Some(character) = rest.chars().next() else {
         return (Blank, 0);
     };
@@ -41,13 +41,13 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
     }
     match character {
         '#' if rest.starts_with("#define ") => (TokenKind::Name, "#define".len()),
-        '#' => match prefix(&rest[1..], |c| c.is_ascii_hexdigit()) {
+        '#' => match prefix_length(&rest[1..], |c| c.is_ascii_hexdigit()) {
             digits @ 1.. if context.is_color => (HexColor, 1 + digits),
             _ => (Blank, line_length(rest)),
         },
         '0'..='9' if context.is_part => (Digit, 1),
-        '1'..='9' if context.last == Some(Root) && context.is_radicand => (Digit, 1),
-        '.' if rest.starts_with("..") => (Dots, prefix(rest, |c| c == '.')),
+        '1'..='9' if context.last == Some(Root) && context.follows_command => (Digit, 1),
+        '.' if rest.starts_with("..") => (Dots, prefix_length(rest, |c| c == '.')),
         '…' => (Dots, length),
         '.' if context.touching.is_some_and(ends_value) => component(rest, context),
         '0'..='9' | '.' => number(rest),
@@ -90,9 +90,9 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
         _ if character.is_alphabetic() => {
             // A name ends with its Unicode subscript.
             let is_below = |c: char| ('₀'..='₉').contains(&c);
-            let end = prefix(rest, in_name);
+            let end = prefix_length(rest, is_name_char);
             let below = rest[..end].find(is_below);
-            let end = below.map_or(end, |at| at + prefix(&rest[at..], is_below));
+            let end = below.map_or(end, |at| at + prefix_length(&rest[at..], is_below));
             // Behind an operand `AND` and `OR` join conditions. Elsewhere they may be functions.
             let is_joint = context.last.is_some_and(TokenKind::ends_operand);
             match &rest[..end] {
@@ -107,7 +107,7 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
         }
         '⁻' | '⁺' | '⁰' | '¹' | '²' | '³' | '⁴'..='⁹' => {
             let sign = if matches!(character, '⁻' | '⁺') { length } else { 0 };
-            match prefix(&rest[sign..], |c| superscript_digit(c).is_some()) {
+            match prefix_length(&rest[sign..], |c| superscript_digit(c).is_some()) {
                 0 => (Unknown, length),
                 digits => (Superscript, sign + digits),
             }
@@ -123,14 +123,14 @@ pub(crate) fn lex(rest: &str, context: Context) -> (TokenKind, usize) {
 }
 
 /// Number of bytes within which a comment must end.
-const LONGEST_COMMENT: usize = 10_000;
+const MAX_COMMENT_BYTES: usize = 10_000;
 
 /// Length of the comment, Markdown mark or line continuation at the start of `rest`.
-fn comment(rest: &str, context: Context) -> Option<usize> {
+fn comment(rest: &str, context: LexContext) -> Option<usize> {
     // A comment must be closed; otherwise its opening mark would hide all text behind it.
     for (open, close) in [("/*", "*/"), ("(*", "*)"), ("\"\"\"", "\"\"\"")] {
         if let Some(inner) = rest.strip_prefix(open) {
-            let length = start(inner, LONGEST_COMMENT).find(close);
+            let length = start(inner, MAX_COMMENT_BYTES).find(close);
             return length.map(|length| open.len() + length + close.len());
         }
     }
@@ -157,8 +157,8 @@ fn ends_value(kind: TokenKind) -> bool {
 }
 
 /// The token of `.xz` or `.sin` behind a value, and its length. Methods without meaning are blank.
-fn component(rest: &str, context: Context) -> (TokenKind, usize) {
-    let word = &rest[1..=prefix(&rest[1..], in_name)];
+fn component(rest: &str, context: LexContext) -> (TokenKind, usize) {
+    let word = &rest[1..=prefix_length(&rest[1..], is_name_char)];
     if is_component(word) {
         return (Component, 1 + word.len());
     }
@@ -203,13 +203,13 @@ fn module(rest: &str, end: usize) -> Option<usize> {
         return Some(end + 2);
     }
     let member = rest[end..].strip_prefix('.')?;
-    let word = &member[..prefix(member, in_name)];
+    let word = &member[..prefix_length(member, is_name_char)];
     let is_member = word.starts_with(char::is_alphabetic) && !is_component(word);
     (is_member && MODULES.contains(&&rest[..end])).then_some(end + 1)
 }
 
 fn number(rest: &str) -> (TokenKind, usize) {
-    let digits = |text: &str| prefix(text, |c| c.is_ascii_digit());
+    let digits = |text: &str| prefix_length(text, |c| c.is_ascii_digit());
     let mut end = digits(rest);
     let is_range = rest[end..].starts_with("..");
     if let Some(decimals) = rest[end..].strip_prefix('.').filter(|_| !is_range) {
@@ -221,7 +221,7 @@ fn number(rest: &str) -> (TokenKind, usize) {
         // C writes numbers such as `1.f` and `1.0f`.
         let is_suffix = decimals[..count].bytes().all(|digit| digit == b'0');
         if let (true, Some(after)) = (is_suffix, decimals[count..].strip_prefix('f'))
-            && !after.starts_with(in_name)
+            && !after.starts_with(is_name_char)
         {
             return (Number, end + 1);
         }
@@ -254,14 +254,14 @@ fn name(rest: &str, end: usize) -> (TokenKind, usize) {
         }
         // `\log_2` is one name.
         Some(subscript) if base == end && rest.starts_with('\\') => {
-            (TokenKind::Name, base + 1 + prefix(subscript, |c| c.is_ascii_digit()))
+            (TokenKind::Name, base + 1 + prefix_length(subscript, |c| c.is_ascii_digit()))
         }
         _ => (TokenKind::Name, end),
     }
 }
 
-fn command(rest: &str, context: Context) -> (TokenKind, usize) {
-    let end = 1 + prefix(&rest[1..], |c| c.is_ascii_alphabetic());
+fn command(rest: &str, context: LexContext) -> (TokenKind, usize) {
+    let end = 1 + prefix_length(&rest[1..], |c| c.is_ascii_alphabetic());
     if end == 1 {
         return sign(rest);
     }
@@ -277,7 +277,7 @@ fn command(rest: &str, context: Context) -> (TokenKind, usize) {
         }
         "left" | "right" => {
             let bar = [r"\lvert", r"\rvert", r"\vert", r"\lVert", r"\rVert", r"\Vert", r"\|", "|"];
-            let space = prefix(after, |c| c == ' ');
+            let space = prefix_length(after, |c| c == ' ');
             let is_bar = |bar: &&&str| after[space..].starts_with(**bar);
             return match bar.iter().find(is_bar) {
                 Some(bar) => {
@@ -308,7 +308,7 @@ fn sign(rest: &str) -> (TokenKind, usize) {
     match &rest[..two] {
         r"\\" => (RowEnd, 2 + gap(&rest[2..])),
         r"\[" => {
-            let word = prefix(&rest[2..], |c| c.is_ascii_alphabetic());
+            let word = prefix_length(&rest[2..], |c| c.is_ascii_alphabetic());
             if word > 0 && rest[2 + word..].starts_with(']') {
                 (TokenKind::Name, word + 3)
             } else {
@@ -324,7 +324,7 @@ fn sign(rest: &str) -> (TokenKind, usize) {
 /// Length of a row distance such as `[2pt]`; 0 if there is none.
 fn gap(rest: &str) -> usize {
     let Some(inner) = rest.strip_prefix('[') else { return 0 };
-    let number = prefix(inner, |c| c.is_ascii_digit() || matches!(c, '.' | '-'));
+    let number = prefix_length(inner, |c| c.is_ascii_digit() || matches!(c, '.' | '-'));
     let unit = inner.get(number..number + 3);
     let is_gap = matches!(unit, Some("pt]" | "ex]" | "em]" | "mm]" | "cm]"));
     if number > 0 && is_gap { number + 4 } else { 0 }
@@ -338,7 +338,7 @@ fn text(rest: &str) -> Option<(TokenKind, usize)> {
     let kind = match words {
         "and" => And,
         "or" => Or,
-        _ if LEADS.contains(&words) => Blank,
+        _ if CONDITION_WORDS.contains(&words) => Blank,
         _ if OTHERWISE.contains(&words) => Otherwise,
         _ => return None,
     };
@@ -348,6 +348,6 @@ fn text(rest: &str) -> Option<(TokenKind, usize)> {
 /// Length of a name or number in braces at the start of `rest`.
 fn braced(rest: &str) -> Option<usize> {
     let inner = rest.strip_prefix('{')?;
-    let length = prefix(inner, in_name);
+    let length = prefix_length(inner, is_name_char);
     (length > 0 && inner[length..].starts_with('}')).then_some(length + 2)
 }

@@ -7,8 +7,8 @@
 
 use crate::lex::bars::pair_bars;
 use crate::lex::lexer::lex;
-use crate::lex::spelling::{in_name, line_length, prefix, start, token_kind};
-use crate::lex::token::{Context, Token};
+use crate::lex::spelling::{is_name_char, line_length, prefix_length, start, token_kind};
+use crate::lex::token::{LexContext, Token};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -70,9 +70,9 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             continue;
         }
         let last = tokens.last();
-        let context = Context {
+        let context = LexContext {
             is_part,
-            is_radicand: last.is_some_and(|token| text[token.span.range()].starts_with('\\')),
+            follows_command: last.is_some_and(|token| text[token.span.range()].starts_with('\\')),
             is_color: matches!(tokens.as_slice(), [Token { kind: ColorWord | BackgroundWord, .. }]),
             starts_line,
             touching: last.filter(|token| token.span.end == end).map(|token| token.kind),
@@ -114,7 +114,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let last = tokens.last().map_or(Blank, |token| token.kind);
         let goes_on = || {
             (last.is_arithmetic() || last == Caret) && continues(&text[end..])
-                || goes_back(&text[end..], &tokens)
+                || must_continue(&text[end..], &tokens)
         };
         match kind {
             LineEnd if !open.is_empty() || goes_on() => continue,
@@ -164,7 +164,7 @@ fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> 
         Some(Token { kind: OpenParen | OpenBracket, .. }) => !line.contains([')', ']']),
         Some(_) => true,
         None => {
-            let word = prefix(line, in_name);
+            let word = prefix_length(line, is_name_char);
             let is_divisor = line.starts_with(|c: char| c.is_ascii_digit() || "(.-".contains(c));
             let is_letter = word <= 1 && word == line.len();
             !(is_divisor || is_letter || line[word..].starts_with(" ="))
@@ -189,7 +189,7 @@ fn goes_on(rest: &str) -> bool {
 fn continues(rest: &str) -> bool {
     let line = rest.trim_start_matches([' ', '\t', '\r']);
     let line = start(&line[..line_length(line)], 300);
-    let name = prefix(line, in_name);
+    let name = prefix_length(line, is_name_char);
     let after = line[name..].trim_start();
     let defines = name > 0 && (after.starts_with('=') || after.starts_with(":="));
     let is_operand = name > 0 || line.starts_with(['(', '[', '{', '\\', '+', '-', '−', '|']);
@@ -199,7 +199,7 @@ fn continues(rest: &str) -> bool {
 /// Returns whether `rest` begins with a line that can only continue the formula `above`. Such a
 /// line starts with a plus or a relation or, if it is indented, with a minus. Two lines that both
 /// contain a relation are separate statements.
-fn goes_back(rest: &str, above: &[Token]) -> bool {
+fn must_continue(rest: &str, above: &[Token]) -> bool {
     let is_relation = |c: char| "=≠<≤>≥≔".contains(c);
     let line = start(&rest[..line_length(rest)], 300);
     let formula = line.trim_start();
@@ -223,7 +223,7 @@ fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallibl
             let is_typed = !matches!(meant, CloseChoice | CloseMatrix);
             let kind = ErrorKind::Mismatched { open: open.kind.as_char(), close: kind.as_char() };
             let meant = is_typed.then(|| meant.as_char().to_string());
-            Err(Error::new(open.span.to(span), kind).suggest_any(span, meant))
+            Err(Error::new(open.span.to(span), kind).suggest_optional(span, meant))
         }
         _ => Ok(index),
     }

@@ -95,7 +95,7 @@ pub(crate) fn typed_setting(word: &str) -> Option<&'static SettingRow> {
 }
 
 /// Returns whether `character` may stand in a name after its first letter.
-pub(crate) fn in_name(character: char) -> bool {
+pub(crate) fn is_name_char(character: char) -> bool {
     character.is_alphabetic()
         || character.is_ascii_digit()
         || character == '_'
@@ -103,7 +103,7 @@ pub(crate) fn in_name(character: char) -> bool {
 }
 
 /// Length in bytes of the longest start of `text` in which all characters are `accepted`.
-pub(crate) fn prefix(text: &str, accepted: impl Fn(char) -> bool) -> usize {
+pub(crate) fn prefix_length(text: &str, accepted: impl Fn(char) -> bool) -> usize {
     text.find(|c| !accepted(c)).unwrap_or(text.len())
 }
 
@@ -120,7 +120,7 @@ pub(crate) fn start(text: &str, most: usize) -> &str {
 /// Returns whether `text` can be defined: a name in plain letters that is not an operator.
 pub(crate) fn is_definable(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)
-        && text.chars().all(|c| in_name(c) && plain_text(c.encode_utf8(&mut [0; 4])).starts_with(c))
+        && text.chars().all(|c| is_name_char(c) && plain_text(c.encode_utf8(&mut [0; 4])).starts_with(c))
         && token_kind(text).is_none_or(TokenKind::is_name)
 }
 

@@ -21,11 +21,11 @@ impl Token {
 /// The surroundings of a token that is read.
 #[derive(Clone, Copy, Default)]
 #[allow(clippy::struct_excessive_bools)] // independent observations
-pub(crate) struct Context {
+pub(crate) struct LexContext {
     /// True if a part of `\frac` is next: one digit or letter, or a group in braces.
     pub is_part: bool,
     /// True if the preceding token is spelled as in LaTeX: `\sqrt` takes one digit without braces.
-    pub is_radicand: bool,
+    pub follows_command: bool,
     /// True if a color is next.
     pub is_color: bool,
     /// True if the token is the first on its line.

@@ -12,15 +12,15 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Function, Relation, Series};
 use crate::tree::scope::signatures;
-use crate::tree::series::MOST_TERMS;
+use crate::tree::series::MAX_TERMS;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
 /// Most arithmetic steps in finding a whole number.
-const MOST_STEPS: usize = 256;
+const MAX_STEPS: usize = 256;
 
 /// Most numbers to choose between, where a choice depends on another one.
-const MOST_LEAVES: usize = 500;
+const MAX_LEAVES: usize = 500;
 
 impl<'a> Lowering<'a> {
     /// Lowers a choice: the value of the first piece whose condition holds, else `otherwise`.
@@ -60,7 +60,7 @@ impl<'a> Lowering<'a> {
     ) -> Fallible<NodeId> {
         if has_one_sign(condition) {
             let (margin, strict) = self.margin(condition, negated, Purpose::Restriction, locals)?;
-            return Ok(self.by_margin(margin, strict, yes, no));
+            return Ok(self.select_by_margin(margin, strict, yes, no));
         }
         match &condition.kind {
             ExprKind::And(items) | ExprKind::Or(items) => {
@@ -99,22 +99,22 @@ impl<'a> Lowering<'a> {
             let is_equal = relation == Relation::Equal;
             let difference = self.difference(left, right, locals)?;
             // Where a side has no value, neither relation holds.
-            let difference = self.otherwise_outside(difference, i64::from(is_equal));
+            let difference = self.or_outside(difference, i64::from(is_equal));
             let (at, off) = if is_equal { (yes, no) } else { (no, yes) };
             let opposite = self.graph.apply(Op::Neg, &[difference]);
             let above = self.graph.apply(Op::SelectNegative, &[opposite, off, at]);
             return Ok(self.graph.apply(Op::SelectNegative, &[difference, off, above]));
         };
         let margin = self.difference(high, low, locals)?;
-        let margin = self.otherwise_outside(margin, -1);
-        Ok(self.by_margin(margin, strict, yes, no))
+        let margin = self.or_outside(margin, -1);
+        Ok(self.select_by_margin(margin, strict, yes, no))
     }
 
     /// `yes` where a margin is positive, else `no`. A margin of 0 gives `yes` unless `strict`.
-    fn by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
+    fn select_by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
         // The margin may be a choice between numbers, for example whether a program has left a
         // loop. Bounds of such a margin cover all its numbers, and so do not decide.
-        if let Some(node) = self.by_numbers(margin, strict, (yes, no), &mut MOST_LEAVES.clone()) {
+        if let Some(node) = self.select_among_numbers(margin, strict, (yes, no), &mut MAX_LEAVES.clone()) {
             return node;
         }
         if strict {
@@ -128,7 +128,7 @@ impl<'a> Lowering<'a> {
     /// The choice between `values` by a margin that is itself a choice between numbers; else
     /// `None`.
     /// `None`.
-    fn by_numbers(
+    fn select_among_numbers(
         &mut self,
         margin: NodeId,
         strict: bool,
@@ -146,8 +146,8 @@ impl<'a> Lowering<'a> {
             Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return None,
         };
         let by = operands[0];
-        let below = self.by_numbers(operands[1], strict, values, left)?;
-        let above = self.by_numbers(operands[2], strict, values, left)?;
+        let below = self.select_among_numbers(operands[1], strict, values, left)?;
+        let above = self.select_among_numbers(operands[2], strict, values, left)?;
         if below == above && self.total.get(by.index()) == Some(&true) {
             return Some(below);
         }
@@ -185,9 +185,9 @@ impl<'a> Lowering<'a> {
         if step < 1 {
             return Err(Error::new(place, ErrorKind::SeriesStep));
         }
-        if high.saturating_sub(low) / step >= MOST_TERMS {
+        if high.saturating_sub(low) / step >= MAX_TERMS {
             let place = series.low.span.to(series.high.span);
-            return Err(Error::new(place, ErrorKind::TooManyTerms { limit: MOST_TERMS }));
+            return Err(Error::new(place, ErrorKind::TooManyTerms { limit: MAX_TERMS }));
         }
         let op = if series.is_product { Op::Mul } else { Op::Add };
         let mut all = None;
@@ -215,14 +215,14 @@ impl<'a> Lowering<'a> {
         span: Span,
     ) -> Fallible<Tensor> {
         let count = match arguments.remove(0) {
-            Tensor::Number(node) => integer_of(&self.graph, node, &mut { MOST_STEPS }),
+            Tensor::Number(node) => integer_of(&self.graph, node, &mut { MAX_STEPS }),
             Tensor::Vector(_) | Tensor::Matrix(_) => None,
         };
         let Some(count) = count.filter(|count| *count >= 0) else {
             return Err(Error::new(span, ErrorKind::RangeNotWhole));
         };
-        if count > MOST_TERMS {
-            return Err(Error::new(span, ErrorKind::TooManyTerms { limit: MOST_TERMS }));
+        if count > MAX_TERMS {
+            return Err(Error::new(span, ErrorKind::TooManyTerms { limit: MAX_TERMS }));
         }
         let mut value = arguments.remove(0);
         for _ in 0..count {
@@ -236,9 +236,9 @@ impl<'a> Lowering<'a> {
     /// The whole number that an expression evaluates to.
     fn whole(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<i64> {
         let node = self.number(expr, locals)?;
-        match integer_of(&self.graph, node, &mut { MOST_STEPS }) {
+        match integer_of(&self.graph, node, &mut { MAX_STEPS }) {
             Some(whole) if whole.abs() <= 1_000_000_000 => Ok(whole),
-            Some(_) => Err(Error::new(expr.span, ErrorKind::TooManyTerms { limit: MOST_TERMS })),
+            Some(_) => Err(Error::new(expr.span, ErrorKind::TooManyTerms { limit: MAX_TERMS })),
             None => Err(Error::new(expr.span, ErrorKind::RangeNotWhole)),
         }
     }

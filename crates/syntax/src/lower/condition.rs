@@ -54,7 +54,7 @@ impl<'a> Lowering<'a> {
                         Purpose::Face => 1,
                         Purpose::Restriction => -1,
                     };
-                    let margin = self.otherwise_outside(difference, outside);
+                    let margin = self.or_outside(difference, outside);
                     margins.push((margin, strict != negated));
                 }
                 true
@@ -70,7 +70,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// `node` where it is defined, else the number `outside`. A total `node` is returned as it is.
-    pub(crate) fn otherwise_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
+    pub(crate) fn or_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {
                 Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => true,

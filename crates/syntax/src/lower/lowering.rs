@@ -128,7 +128,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// Counts a visit. Fails if the formula is too large or too deep.
-    fn enter(&mut self, span: Span) -> Fallible<()> {
+    fn count_visit(&mut self, span: Span) -> Fallible<()> {
         let limit = self.limits.nodes;
         self.visits += 1;
         if self.graph.len() > limit || self.visits > limit.saturating_mul(VISITS) {
@@ -153,7 +153,7 @@ impl<'a> Lowering<'a> {
     /// The value of an expression: a number, a vector or a matrix.
     #[inline(never)]
     pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
-        self.enter(expr.span)?;
+        self.count_visit(expr.span)?;
         self.levels += 1;
         let node = match stacker::remaining_stack() {
             Some(..RED_ZONE) => self.lower_on_more_stack(expr, locals),
@@ -284,7 +284,7 @@ impl<'a> Lowering<'a> {
                 };
                 let is_typed = definition.name.span != Span::default();
                 let value = self.value_of(&definition.body, &[]);
-                let value = value.map_err(|error| at_use(error, span, is_typed))?;
+                let value = value.map_err(|error| move_to_use(error, span, is_typed))?;
                 self.values.insert(name, value.clone());
                 Ok(value)
             }
@@ -362,7 +362,7 @@ impl<'a> Lowering<'a> {
         let locals: Vec<(&str, Tensor)> = names.zip(key.1.iter().cloned()).collect();
         let (is_typed, noted) = (!matches!(function, Function::Composed(_)), self.notes.len());
         let value = self.value_of(body, &locals);
-        let value = value.map_err(|error| at_use(error, span, is_typed))?;
+        let value = value.map_err(|error| move_to_use(error, span, is_typed))?;
         if !is_typed {
             self.notes.truncate(noted);
         }
@@ -404,7 +404,7 @@ impl<'a> Lowering<'a> {
 
 /// Moves an error to the use of the definition it is in. This applies to errors of size, which the
 /// use can avoid, and to all errors if the definition was not typed and has no place in the text.
-fn at_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
+fn move_to_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
     if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;
     }

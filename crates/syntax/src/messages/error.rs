@@ -10,12 +10,12 @@ use std::fmt;
 pub struct Errors(Vec<Error>);
 
 /// Most errors that are reported at once. The search ends there.
-pub(crate) const MOST: usize = 20;
+pub(crate) const MAX_ERRORS: usize = 20;
 
 impl Errors {
     pub(crate) fn new(mut errors: Vec<Error>) -> Self {
         debug_assert!(!errors.is_empty());
-        errors.truncate(MOST);
+        errors.truncate(MAX_ERRORS);
         errors.sort_by_key(|error| (error.origin.clone(), error.span));
         Self(errors)
     }
@@ -387,7 +387,7 @@ impl Error {
     }
 
     /// This error with the suggestion to replace `span` by `meant`, or unchanged if there is none.
-    pub(crate) fn suggest_any(self: Box<Self>, span: Span, meant: Option<String>) -> Box<Self> {
+    pub(crate) fn suggest_optional(self: Box<Self>, span: Span, meant: Option<String>) -> Box<Self> {
         match meant {
             Some(meant) => self.suggest(span, meant),
             None => self,

@@ -5,7 +5,7 @@ use crate::settings::setting;
 use zeroset_style::{LOOKS, VIEWS};
 
 /// Longest corrected text that is quoted, in characters.
-const QUOTED: usize = 60;
+const MAX_QUOTED: usize = 60;
 
 impl Error {
     /// A few words to show at the caret.
@@ -232,7 +232,7 @@ impl Error {
             return meant.replacement.clone();
         };
         let corrected = format!("{before}{}{after}", meant.replacement);
-        if corrected.is_empty() || corrected.chars().count() > QUOTED || corrected.contains('\n') {
+        if corrected.is_empty() || corrected.chars().count() > MAX_QUOTED || corrected.contains('\n') {
             return meant.replacement.clone();
         }
         corrected

@@ -3,7 +3,7 @@
 use crate::span::Span;
 
 /// Most notes on a document.
-pub(crate) const MOST_NOTES: usize = 40;
+pub(crate) const MAX_NOTES: usize = 40;
 
 /// A note and its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -120,7 +120,7 @@ pub enum NoteKind {
 
 impl NoteKind {
     /// Whether the note explains a name, so that one note serves for all uses of the name.
-    pub(crate) fn is_about_a_name(&self) -> bool {
+    pub(crate) fn explains_a_name(&self) -> bool {
         matches!(
             self,
             Self::ConstantUsed { .. }

@@ -8,8 +8,8 @@ use crate::lex::token_kind::TokenKind;
 use crate::limits::Limits;
 use crate::lower::constant::evaluate;
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::picture::paint::{Contours, TypedColor, with_point_names};
-use crate::picture::scene::{DomainLine, SrgbColor, ViewLine, bad};
+use crate::picture::paint::{Contours, ParsedColor, with_point_names};
+use crate::picture::scene::{DomainLine, SrgbColor, ViewLine, bad_setting};
 use crate::settings::{SETTINGS, SettingKind, setting_word};
 use crate::span::Span;
 use crate::tree::ast::Expr;
@@ -57,7 +57,7 @@ pub(crate) struct CollectedLines {
     pub background: Option<SrgbColor>,
     pub picture: PictureLines,
     /// Colors by the offset of their line, each perhaps with an opacity of its own.
-    pub colors: Vec<(usize, (TypedColor, Option<f64>))>,
+    pub colors: Vec<(usize, (ParsedColor, Option<f64>))>,
     pub opacities: Vec<(usize, f64)>,
     pub hidden: Vec<(usize, bool)>,
     /// Places of all lines.
@@ -81,7 +81,7 @@ impl CollectedLines {
         let span = line.raw.lexed.span;
         let first = line.raw.lexed.tokens[0];
         // The ranges of a plot have no word. A `domain` line takes precedence over them.
-        let is_made = first.span.start == first.span.end;
+        let is_from_plot = first.span.start == first.span.end;
         let setting = typed_setting(&text[first.span.range()])
             .or_else(|| SETTINGS.iter().find(|row| TokenKind::of_setting(row.kind) == first.kind))
             .ok_or_else(|| Error::new(span, ErrorKind::Empty))?;
@@ -97,7 +97,7 @@ impl CollectedLines {
         match setting.kind {
             SettingKind::Domain => {
                 let domain = builder.domain(pair)?;
-                if !is_made || self.domain.is_none() {
+                if !is_from_plot || self.domain.is_none() {
                     self.domain = Some(domain);
                 }
             }
@@ -113,7 +113,7 @@ impl CollectedLines {
             SettingKind::Light => self.picture.light = Some(builder.numbers(pair, word)?),
             SettingKind::Opacity => {
                 let share = pair.into_inner().find(|part| part.as_rule() == Rule::opacity);
-                let share = share.ok_or_else(|| bad("opacity", span))?;
+                let share = share.ok_or_else(|| bad_setting("opacity", span))?;
                 self.opacities.push((at, builder.opacity(share)?));
             }
             SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, word)?)),
@@ -131,7 +131,7 @@ impl CollectedLines {
 
 /// The setting of a drawing at `place`: the last line above it. If no drawing is below the last
 /// line (the last drawing is at `last`), it is the first line below the drawing instead.
-pub(crate) fn placed<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
+pub(crate) fn setting_for<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
     let follow = lines.last().is_some_and(|(at, _)| *at > last);
     let found = if follow {
         lines.iter().find(|(at, _)| *at > place)
@@ -157,12 +157,12 @@ impl Builder<'_> {
         let mut numbers = Vec::new();
         for part in parts {
             if !matches!(part.as_rule(), Rule::expression) {
-                return Err(bad(word, self.span(&part)));
+                return Err(bad_setting(word, self.span(&part)));
             }
             let number = self.value(part)?;
             numbers.push(evaluate(&number, self.limits)?);
         }
-        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad(word, self.lexed.span))
+        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad_setting(word, self.lexed.span))
     }
 
     /// Reads values from a line that begins with `word`.
@@ -173,7 +173,7 @@ impl Builder<'_> {
     ) -> Fallible<Vec<Expr>> {
         let value = |part: Pair<'i>| match part.as_rule() {
             Rule::expression => self.value(part),
-            _ => Err(bad(word, self.span(&part))),
+            _ => Err(bad_setting(word, self.span(&part))),
         };
         parts.into_iter().map(value).collect()
     }
@@ -189,11 +189,11 @@ impl Builder<'_> {
                     "off" => Ok(false),
                     typed => {
                         let meant = nearest(typed, ["on", "off"].into_iter());
-                        Err(bad(word, place).suggest_any(place, meant))
+                        Err(bad_setting(word, place).suggest_optional(place, meant))
                     }
                 }
             }
-            _ => Err(bad(word, self.lexed.span)),
+            _ => Err(bad_setting(word, self.lexed.span)),
         }
     }
 
@@ -208,7 +208,7 @@ impl Builder<'_> {
             None => 1.0,
         };
         let share = value.lo.midpoint(value.hi) / whole;
-        if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(bad("opacity", span)) }
+        if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(bad_setting("opacity", span)) }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::lower::lowering::{Lowering, NameBinding};
 use crate::messages::error::{ErrorKind, Fallible};
-use crate::picture::scene::{SrgbColor, bad};
+use crate::picture::scene::{SrgbColor, bad_setting};
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
@@ -64,7 +64,7 @@ pub struct PointValue {
 }
 
 /// A color before names have values; `None` for the surface's default color.
-pub(crate) type TypedColor = Option<SurfaceColor<Expr>>;
+pub(crate) type ParsedColor = Option<SurfaceColor<Expr>>;
 
 /// A copy of `scope` with [`POINT_NAMES`] added, except for names that have a meaning already.
 pub(crate) fn with_point_names(scope: &Scope) -> Scope {
@@ -122,7 +122,7 @@ impl Builder<'_> {
     pub(crate) fn color_line(
         &mut self,
         line: Pair<'_>,
-    ) -> Fallible<(TypedColor, Option<(f64, Span)>)> {
+    ) -> Fallible<(ParsedColor, Option<(f64, Span)>)> {
         let (mut color, mut opacity) = (None, None);
         for part in line.into_inner() {
             match part.as_rule() {
@@ -138,7 +138,7 @@ impl Builder<'_> {
                 _ => {}
             }
         }
-        let color = color.ok_or_else(|| bad("color", self.lexed.span))?;
+        let color = color.ok_or_else(|| bad_setting("color", self.lexed.span))?;
         Ok((color, opacity))
     }
 
@@ -147,7 +147,7 @@ impl Builder<'_> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
         let name = parts.next().expect("a color map has a name");
-        let map = self.one_of(&name, &COLOR_MAPS, |map| map.name, ErrorKind::BadColorMap)?;
+        let map = self.row_named(&name, &COLOR_MAPS, |map| map.name, ErrorKind::BadColorMap)?;
         let mut arguments = self.values("color", parts)?;
         let range = match &arguments[..] {
             [_] => None,
@@ -155,7 +155,7 @@ impl Builder<'_> {
                 let span = low.span.to(high.span);
                 Some(evaluate_range(low, high, span, self.limits)?.into())
             }
-            _ => return Err(bad("color", span)),
+            _ => return Err(bad_setting("color", span)),
         };
         Ok(MappedColor { map, value: arguments.swap_remove(0), range })
     }
@@ -166,7 +166,7 @@ impl Builder<'_> {
             && amount.as_rule() == Rule::opacity
         {
             let span = self.span(amount);
-            let [number] = &parts(amount.clone())[..] else { return Err(bad("contours", span)) };
+            let [number] = &parts(amount.clone())[..] else { return Err(bad_setting("contours", span)) };
             let number = self.term(&mut number.clone().into_inner())?;
             return Ok(Contours { value: None, step: Some(step(self.limits, &number)?) });
         }
@@ -177,7 +177,7 @@ impl Builder<'_> {
             }
             [] | [_] => None,
             [_, other] => Some(step(self.limits, other)?),
-            _ => return Err(bad("contours", self.lexed.span)),
+            _ => return Err(bad_setting("contours", self.lexed.span)),
         };
         Ok(Contours { value: values.into_iter().next(), step })
     }
@@ -186,5 +186,5 @@ impl Builder<'_> {
 /// Evaluates the step between contour lines, which must be positive.
 fn step(limits: &Limits, expr: &Expr) -> Fallible<Constant> {
     let step = evaluate(expr, limits)?;
-    if step.bounds().lo > 0.0 { Ok(step) } else { Err(bad("contours", expr.span)) }
+    if step.bounds().lo > 0.0 { Ok(step) } else { Err(bad_setting("contours", expr.span)) }
 }

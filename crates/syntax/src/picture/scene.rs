@@ -167,11 +167,11 @@ impl Builder<'_> {
 
     pub(crate) fn look(&self, line: Pair<'_>) -> Fallible<&'static Look> {
         let given = line.into_inner().next().expect("a look line has a name");
-        self.one_of(&given, &LOOKS, |look| look.name, ErrorKind::BadLook)
+        self.row_named(&given, &LOOKS, |look| look.name, ErrorKind::BadLook)
     }
 
     /// The row named by `given`, in any case. Fails with `kind` if no row has that name.
-    pub(crate) fn one_of<T>(
+    pub(crate) fn row_named<T>(
         &self,
         given: &Pair<'_>,
         rows: &'static [T],
@@ -181,7 +181,7 @@ impl Builder<'_> {
         let (span, typed) = (self.span(given), self.word(given));
         let found = rows.iter().find(|row| name(row).eq_ignore_ascii_case(&typed));
         found.ok_or_else(|| {
-            Error::new(span, kind).suggest_any(span, nearest(&typed, rows.iter().map(name)))
+            Error::new(span, kind).suggest_optional(span, nearest(&typed, rows.iter().map(name)))
         })
     }
 
@@ -194,16 +194,16 @@ impl Builder<'_> {
         let (span, typed) = (self.span(given), self.word(given));
         SrgbColor::typed(&typed).ok_or_else(|| {
             if let Some(map) = COLOR_MAPS.iter().find(|map| map.name.eq_ignore_ascii_case(&typed)) {
-                return bad("color", span).suggest(span, format!("{}(z)", map.name));
+                return bad_setting("color", span).suggest(span, format!("{}(z)", map.name));
             }
             let meant = nearest(&typed, NAMED_COLORS.keys().map(|known| known.as_str()));
-            Error::new(span, ErrorKind::BadColor).suggest_any(span, meant)
+            Error::new(span, ErrorKind::BadColor).suggest_optional(span, meant)
         })
     }
 }
 
 /// The error for a line whose content does not fit its `word`.
-pub(crate) fn bad(word: &'static str, span: Span) -> Box<Error> {
+pub(crate) fn bad_setting(word: &'static str, span: Span) -> Box<Error> {
     let hint = setting(word).map_or("", |setting| setting.hint);
     Error::new(span, ErrorKind::BadSetting { word, hint })
 }

@@ -36,7 +36,7 @@ impl Builder<'_> {
             }
         }
         let brackets = match items.front() {
-            Some(FactorItem::Group(pair) | FactorItem::Closed(pair))
+            Some(FactorItem::Group(pair) | FactorItem::Delimited(pair))
                 if matches!(pair.as_rule(), Rule::group | Rule::braces) =>
             {
                 Some(pair.clone())
@@ -73,7 +73,7 @@ impl Builder<'_> {
         mut arguments: Vec<Expr>,
         items: &mut FactorItems<'_>,
     ) -> Fallible<Vec<Expr>> {
-        let Some(FactorItem::Group(radicand) | FactorItem::Closed(radicand)) = items.front() else {
+        let Some(FactorItem::Group(radicand) | FactorItem::Delimited(radicand)) = items.front() else {
             return Ok(arguments);
         };
         let is_group = radicand.as_rule() == Rule::group;
@@ -109,7 +109,7 @@ impl Builder<'_> {
         if pair.as_rule() == Rule::group {
             return pair.into_inner().map(|argument| self.argument(argument)).collect();
         }
-        Ok(vec![self.deeper(span, 1, |b| b.closed(pair, span))?])
+        Ok(vec![self.nested(span, 1, |b| b.delimited(pair, span))?])
     }
 
     /// Reads the exponent between a function and its argument, as in `sin^2 x`.
@@ -164,7 +164,7 @@ impl Builder<'_> {
             self.factor(items, &mut factors)?;
         }
         if let [_, second, ..] = factors.as_slice()
-            && spaced(&factors)
+            && has_spaced_names(&factors)
         {
             let second = second.span;
             let read: Vec<String> = factors.iter().map(factor_text).collect();
@@ -214,7 +214,7 @@ impl Builder<'_> {
     ) -> Fallible<Expr> {
         let forms = self.scope.signatures(callee);
         let mut arguments = arguments;
-        self.note_form(callee, span);
+        self.note_function(callee, span);
         let typed = &self.text[span.range()];
         match (callee, arguments.as_mut_slice()) {
             (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
@@ -291,7 +291,7 @@ impl Builder<'_> {
     }
 
     /// Adds notes on functions that other languages define differently.
-    pub(crate) fn note_form(&mut self, callee: &Callee, span: Span) {
+    pub(crate) fn note_function(&mut self, callee: &Callee, span: Span) {
         if let Callee::BuiltIn(name) = callee {
             match name.as_str() {
                 "acot" | "arccot" => self.note(span, NoteKind::ArcCotangent),
@@ -350,7 +350,7 @@ fn usage(callee: &Callee) -> Option<String> {
 
 /// Whether some factors behind a function may be meant to be outside its argument. In `sin x y`,
 /// the blank between two names suggests this.
-fn spaced(factors: &[Expr]) -> bool {
+fn has_spaced_names(factors: &[Expr]) -> bool {
     let is_name = |expr: &Expr| !matches!(expr.kind, ExprKind::Number(_));
     factors.windows(2).any(|pair| {
         let apart = pair[0].span.end < pair[1].span.start;

@@ -47,7 +47,7 @@ impl Expr {
     }
 
     /// A choice at `span`: 1 where this condition holds, else 0.
-    pub(crate) fn flag(self, span: Span) -> Self {
+    pub(crate) fn indicator(self, span: Span) -> Self {
         let number = |digits| Self::of_digits(digits, span);
         let pieces = vec![(self, number("1"))];
         Self::new(ExprKind::Choice(pieces, Some(Box::new(number("0")))), span)

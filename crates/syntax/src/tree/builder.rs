@@ -6,7 +6,7 @@ use crate::lex::token::span_of;
 use crate::lex::token_kind::TokenKind::*;
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::{MOST_NOTES, Note, NoteKind};
+use crate::messages::note::{MAX_NOTES, Note, NoteKind};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Chain, Expr, ExprKind, Function, Name, Relation, Sign};
@@ -83,23 +83,23 @@ impl<'a> Builder<'a> {
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
         // One note more than a document keeps shows that some were left out.
-        if self.notes.len() > MOST_NOTES {
+        if self.notes.len() > MAX_NOTES {
             return;
         }
-        let once = kind.is_about_a_name();
+        let once = kind.explains_a_name();
         if !once || self.notes.iter().all(|note| note.kind != kind) {
             self.notes.push(Note { span, kind });
         }
     }
 
     /// Runs `build` with the nesting depth raised by `levels`; fails if that exceeds the limit.
-    pub(crate) fn deeper<T>(
+    pub(crate) fn nested<T>(
         &mut self,
         span: Span,
         levels: usize,
         build: impl FnOnce(&mut Self) -> Fallible<T>,
     ) -> Fallible<T> {
-        self.room(span, levels)?;
+        self.check_depth(span, levels)?;
         self.depth += levels;
         let built = build(self);
         self.depth -= levels;
@@ -107,7 +107,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Fails unless `levels` more levels of nesting are allowed.
-    pub(crate) fn room(&self, span: Span, levels: usize) -> Fallible<()> {
+    pub(crate) fn check_depth(&self, span: Span, levels: usize) -> Fallible<()> {
         let limit = self.limits.depth;
         if self.depth + levels > limit {
             return Err(Error::new(span, ErrorKind::TooDeep { limit }));
@@ -144,7 +144,7 @@ impl<'a> Builder<'a> {
             return Err(Error::new(span, ErrorKind::Unexpected { found }));
         }
         let mut parts = parts_of(pair);
-        self.deeper(span, 1, |b| match parts.as_slice() {
+        self.nested(span, 1, |b| match parts.as_slice() {
             [_] => b.sum(parts.remove(0)),
             _ => b.condition(&parts),
         })
@@ -175,15 +175,15 @@ impl<'a> Builder<'a> {
         let count = parts.iter().take_while(|part| part.as_rule() == Rule::not).count();
         let (words, chain) = parts.split_at(count);
         if let Some(first) = words.first() {
-            self.room(self.span(first), count)?;
+            self.check_depth(self.span(first), count)?;
         }
         let sides = self.chain(chain)?;
-        self.denied(sides, words)
+        self.negated_comparison(sides, words)
     }
 
     /// Builds a chain of comparisons and negates it once for each `not` in `words`.
     #[inline(never)]
-    fn denied(&self, sides: Sides, words: &[Pair<'_>]) -> Fallible<Expr> {
+    fn negated_comparison(&self, sides: Sides, words: &[Pair<'_>]) -> Fallible<Expr> {
         let mut expr = compared(sides)?;
         for word in words.iter().rev() {
             condition_only(&expr, "not")?;
@@ -254,18 +254,18 @@ impl<'a> Builder<'a> {
             return build(self);
         };
         let minus = signs.iter().filter(|(sign, _)| *sign == Sign::Inverse);
-        negated(self.deeper(*first, minus.count(), build)?, signs)
+        negated(self.nested(*first, minus.count(), build)?, signs)
     }
 
     /// Reads a product. The signs in `before` belong to the left operand of its first remainder.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
-        let mut joint = Joint { sign: Sign::Direct, function: None };
+        let mut joint = RowOperator { sign: Sign::Direct, function: None };
         let mut factors: Vec<(Sign, Expr)> = Vec::new();
         loop {
             let signs = self.signs(pairs);
-            let run = self.run(pairs)?;
-            self.join(&mut factors, joint, &signs, run)?;
+            let row = self.row(pairs)?;
+            self.join(&mut factors, joint, &signs, row)?;
             if pairs.peek().is_some_and(|pair| is_remainder(&pair)) {
                 // As in other languages, the left operand of a remainder is the whole product
                 // before it.
@@ -283,7 +283,7 @@ impl<'a> Builder<'a> {
 
     /// Takes the operator that joins the next row of factors to the product.
     #[inline(never)]
-    fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<Joint> {
+    fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<RowOperator> {
         let operator = pairs.peek()?;
         let (sign, function) = match first_kind(&operator)? {
             Star => (Sign::Direct, None),
@@ -300,7 +300,7 @@ impl<'a> Builder<'a> {
             _ => return None,
         };
         pairs.next();
-        Some(Joint { sign, function })
+        Some(RowOperator { sign, function })
     }
 
     /// Joins a row of juxtaposed factors to the factors before it.
@@ -308,14 +308,14 @@ impl<'a> Builder<'a> {
     fn join(
         &mut self,
         factors: &mut Vec<(Sign, Expr)>,
-        mut joint: Joint,
+        mut joint: RowOperator,
         signs: &Signs,
-        run: Vec<Expr>,
+        row: Vec<Expr>,
     ) -> Fallible<()> {
-        let mut run = run.into_iter();
-        let first = run.next().expect("a run has a first factor");
+        let mut row = row.into_iter();
+        let first = row.next().expect("a run has a first factor");
         let first = self.signed(signs, |_| Ok(first))?;
-        let others: Vec<Expr> = run.collect();
+        let others: Vec<Expr> = row.collect();
         let first = match (factors.pop(), joint.function) {
             (Some((sign, left)), Some(function)) => {
                 joint.sign = sign;
@@ -351,7 +351,7 @@ impl<'a> Builder<'a> {
 }
 
 /// The operator between a row of juxtaposed factors and the factors before it.
-struct Joint {
+struct RowOperator {
     sign: Sign,
     /// Function that is applied to the factors on both sides of the operator.
     function: Option<Function>,

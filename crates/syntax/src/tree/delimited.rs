@@ -34,13 +34,13 @@ impl Builder<'_> {
             return Err(Error::new(span, ErrorKind::EmptyBrackets));
         }
         if first_kind(&pair) == Some(OpenBracket) {
-            return self.deeper(span, 1, |b| b.list(pair, span));
+            return self.nested(span, 1, |b| b.list(pair, span));
         }
         Err(Error::new(span, ErrorKind::Tuple))
     }
 
     /// Reads any other delimited factor, such as braces, bars, a fraction or a root.
-    pub(crate) fn closed(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
+    pub(crate) fn delimited(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         // Each kind has a function of its own, so a level takes the stack frame of one kind only.
         match pair.as_rule() {
             Rule::enclosed => self.enclosed(pair, span),
@@ -115,7 +115,7 @@ impl Builder<'_> {
         match pair.as_rule() {
             Rule::digit => Ok(Expr::of_digits(self.typed(&pair), span)),
             Rule::name => self.letter(pair),
-            _ => self.deeper(span, 1, |b| b.closed(pair, span)),
+            _ => self.nested(span, 1, |b| b.delimited(pair, span)),
         }
     }
 }

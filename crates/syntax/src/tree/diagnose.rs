@@ -12,7 +12,7 @@ use pest::Parser as _;
 use pest::error::{ErrorVariant, InputLocation};
 
 /// Longest corrected statement that is suggested, in bytes.
-const LONGEST: usize = 60;
+const MAX_SUGGESTION: usize = 60;
 
 /// Parses a statement of `text` by `rule`.
 pub(crate) fn recognise<'i>(
@@ -150,7 +150,7 @@ fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
         }
         _ => {
             let whole = lexed.span;
-            Error::new(span, ErrorKind::Comma).suggest_any(whole, listed(text, lexed, index))
+            Error::new(span, ErrorKind::Comma).suggest_optional(whole, listed(text, lexed, index))
         }
     }
 }
@@ -183,7 +183,7 @@ fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
     } else {
         return None;
     };
-    (meant.len() <= LONGEST && !meant.contains('\n')).then_some(meant)
+    (meant.len() <= MAX_SUGGESTION && !meant.contains('\n')).then_some(meant)
 }
 
 /// The place of `\frac`, if its second part is missing directly after `before`.

@@ -25,7 +25,7 @@ pub(crate) enum ForeignFunction {
 }
 
 /// Largest degree of a polynomial that is written out.
-const MOST_DEGREE: u32 = 30;
+const MAX_DEGREE: u32 = 30;
 
 /// The foreign function called `name`. `square` tells whether its arguments are in square brackets.
 pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFunction> {
@@ -54,7 +54,7 @@ impl Builder<'_> {
         let place = span.to(self.span(&group));
         let parts: Vec<Pair<'_>> = group.into_inner().collect();
         if let (ForeignFunction::Boole, [only]) = (kind, parts.as_slice()) {
-            return Ok(self.condition_of(only.clone())?.flag(place));
+            return Ok(self.condition_of(only.clone())?.indicator(place));
         }
         let count = match kind {
             ForeignFunction::Chain(_, Sign::Direct) => parts.len().max(1),
@@ -89,9 +89,9 @@ impl Builder<'_> {
             ForeignFunction::Boole => first,
             ForeignFunction::Remainder => remainder(first, values.next(), place)?,
             ForeignFunction::Chebyshev => {
-                let degree = first.whole_number().filter(|degree| *degree <= MOST_DEGREE);
+                let degree = first.whole_number().filter(|degree| *degree <= MAX_DEGREE);
                 let Some(degree) = degree else {
-                    return Err(Error::new(first.span, ErrorKind::Degree { limit: MOST_DEGREE }));
+                    return Err(Error::new(first.span, ErrorKind::Degree { limit: MAX_DEGREE }));
                 };
                 chebyshev(degree, &values.next().unwrap_or(first), place)?
             }

@@ -4,7 +4,7 @@
 //! differ, does `sin 2x cos y` become two calls, and `xyz` three factors.
 
 use crate::lex::lexer::method;
-use crate::lex::spelling::{decimal, in_name, plain_name, superscript_digit};
+use crate::lex::spelling::{decimal, is_name_char, plain_name, superscript_digit};
 use crate::lex::token_kind::TokenKind::Slash;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
@@ -34,7 +34,7 @@ pub(crate) enum FactorItem<'i> {
     /// Round or square brackets.
     Group(Pair<'i>),
     /// Any other delimited factor, such as braces, bars, `\frac` or `\sqrt{}`.
-    Closed(Pair<'i>),
+    Delimited(Pair<'i>),
     /// `!` behind a whole number.
     Factorial(Span),
     /// `^`, and the signs of the exponent that follows.
@@ -60,7 +60,7 @@ pub(crate) type FactorItems<'i> = VecDeque<FactorItem<'i>>;
 
 impl Builder<'_> {
     /// Reads the next row of juxtaposed factors.
-    pub(crate) fn run(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Vec<Expr>> {
+    pub(crate) fn row(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Vec<Expr>> {
         let mut items = self.items(pairs)?;
         let mut factors = Vec::new();
         while !items.is_empty() {
@@ -111,7 +111,7 @@ impl Builder<'_> {
             Rule::group => FactorItem::Group(pair),
             Rule::component => FactorItem::Component(letters(typed), span),
             Rule::method => {
-                let word = typed[1..].split(|c| !in_name(c)).next().unwrap_or("");
+                let word = typed[1..].split(|c| !is_name_char(c)).next().unwrap_or("");
                 FactorItem::Method(method(word).unwrap_or(word).to_owned(), span, pair)
             }
             Rule::vulgar => {
@@ -121,9 +121,9 @@ impl Builder<'_> {
                 {
                     return Err(Error::new(before.span.to(span), ErrorKind::NumberAfterNumber));
                 }
-                FactorItem::Closed(pair)
+                FactorItem::Delimited(pair)
             }
-            _ => FactorItem::Closed(pair),
+            _ => FactorItem::Delimited(pair),
         });
         Ok(())
     }
@@ -267,7 +267,7 @@ impl Builder<'_> {
                 Err(Error::new(before.span.to(next.span), kind).suggest(between, sign))
             }
             // Braces behind a factor look like a restriction; a product would hide the mistake.
-            FactorItem::Closed(pair) if pair.as_rule() == Rule::braces => {
+            FactorItem::Delimited(pair) if pair.as_rule() == Rule::braces => {
                 Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
             }
             _ => Ok(()),
@@ -295,7 +295,7 @@ impl Builder<'_> {
     fn behind(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         while let Some(FactorItem::Component(..)) = items.front() {
             base = Self::component(base, items)?;
-            self.room(base.span, 1)?;
+            self.check_depth(base.span, 1)?;
         }
         while let Some(FactorItem::Method(..)) = items.front() {
             base = self.method(base, items)?;
@@ -327,12 +327,12 @@ impl Builder<'_> {
     fn method(&mut self, base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let Some(FactorItem::Method(name, span, pair)) = items.pop_front() else { return Ok(base) };
         let place = self.span(&pair);
-        self.room(place, 1)?;
+        self.check_depth(place, 1)?;
         let mut arguments = vec![base];
         for part in pair.into_inner() {
             if part.as_rule() == Rule::group {
                 for argument in part.into_inner() {
-                    arguments.push(self.deeper(place, 1, |b| b.argument(argument))?);
+                    arguments.push(self.nested(place, 1, |b| b.argument(argument))?);
                 }
             }
         }
@@ -348,7 +348,7 @@ impl Builder<'_> {
             levels += 1 + chain.last().map_or(0, |(signs, _)| signs.len());
             chain.push(match items.pop_front() {
                 Some(FactorItem::Caret(signs, span)) => {
-                    let mut exponent = self.deeper(span, levels, |b| b.primary(items))?;
+                    let mut exponent = self.nested(span, levels, |b| b.primary(items))?;
                     while let Some(FactorItem::Component(..)) = items.front() {
                         exponent = Self::component(exponent, items)?;
                     }
@@ -359,7 +359,7 @@ impl Builder<'_> {
                     (signs, exponent)
                 }
                 Some(FactorItem::Superscript(number)) => {
-                    self.room(number.span, levels)?;
+                    self.check_depth(number.span, levels)?;
                     (Signs::new(), number)
                 }
                 _ => break,
@@ -376,7 +376,7 @@ impl Builder<'_> {
             let exponent = self.signed(&signs, |_| Ok(expr))?;
             number_only(&base)?;
             number_only(&exponent)?;
-            self.odd_root(&base, &exponent);
+            self.note_odd_root(&base, &exponent);
             let span = base.span.to(exponent.span);
             expr = Expr::new(ExprKind::Power(Box::new(base), Box::new(exponent)), span);
             signs = signs_below;
@@ -385,7 +385,7 @@ impl Builder<'_> {
     }
 
     /// Notes that `x^(1/3)` is defined only for x ≥ 0, though the root exists for all x.
-    fn odd_root(&mut self, base: &Expr, exponent: &Expr) {
+    fn note_odd_root(&mut self, base: &Expr, exponent: &Expr) {
         let Some((top, bottom)) = exponent.quotient() else {
             return;
         };
@@ -405,32 +405,32 @@ impl Builder<'_> {
     pub(crate) fn primary(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         match items.pop_front().expect("the grammar ends no run with a sign") {
             FactorItem::Group(pair) => self.group(pair),
-            item => self.worded(item, items),
+            item => self.unbracketed_factor(item, items),
         }
     }
 
     /// Reads a factor that does not begin with brackets.
     #[inline(never)] // keeps the stack frames of nested brackets small
-    fn worded(&mut self, item: FactorItem<'_>, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+    fn unbracketed_factor(&mut self, item: FactorItem<'_>, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         match item {
             FactorItem::Leaf(expr) => self.leaf_factor(expr, items),
             FactorItem::Function(callee, span) => {
-                self.deeper(span, 1, |b| b.application(&callee, span, items))
+                self.nested(span, 1, |b| b.application(&callee, span, items))
             }
             FactorItem::Special(word, span) => {
                 let group = self.brackets(items, span)?;
-                self.deeper(span, 1, |b| match word {
+                self.nested(span, 1, |b| match word {
                     SpecialCall::Form(form) => b.form(form, span, group),
                     SpecialCall::Logic(logic) => b.logic(logic, span, group),
                     SpecialCall::Foreign(kind) => b.foreign_call(kind, span, group),
                 })
             }
-            FactorItem::Closed(pair) => {
+            FactorItem::Delimited(pair) => {
                 let span = self.span(&pair);
-                self.deeper(span, 1, |b| b.closed(pair, span))
+                self.nested(span, 1, |b| b.delimited(pair, span))
             }
             FactorItem::Radical(radical, span) => {
-                self.deeper(span, 1, |b| b.radical(radical, span, items))
+                self.nested(span, 1, |b| b.radical(radical, span, items))
             }
             item => Err(self.misplaced(&item)),
         }
@@ -469,7 +469,7 @@ impl Builder<'_> {
             | FactorItem::Group(_)
             | FactorItem::Function(..)
             | FactorItem::Special(SpecialCall::Form(_), _)
-            | FactorItem::Closed(_),
+            | FactorItem::Delimited(_),
         ) = items.front()
         {
             self.note(place, NoteKind::RadicalScope { radical });
@@ -499,7 +499,7 @@ impl Builder<'_> {
         let Some(FactorItem::Group(pair)) = next else { return None };
         let is_name = match &expr.kind {
             ExprKind::Name(NamedValue::Local(_) | NamedValue::Defined(_)) => true,
-            ExprKind::Call(..) => self.text[expr.span.range()].ends_with(in_name),
+            ExprKind::Call(..) => self.text[expr.span.range()].ends_with(is_name_char),
             _ => false,
         };
         let span = self.span(pair);

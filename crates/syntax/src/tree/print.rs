@@ -3,7 +3,7 @@
 //!
 //! Parsing the printed text gives an equal tree; a property test checks this.
 
-use crate::lex::spelling::{in_name, token_kind};
+use crate::lex::spelling::{is_name_char, token_kind};
 use crate::lex::token_kind::TokenKind;
 use crate::tree::ast::{
     Chain, Definition, Expr, ExprKind, Function, NamedValue, Relation, Series, Sign, Statement,
@@ -208,7 +208,7 @@ fn may_be_defined(left: &Expr) -> bool {
 /// if the line would be read as that setting.
 fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
     let text = expr.to_string();
-    let (word, rest) = text.split_at(text.find(|c| !in_name(c)).unwrap_or(text.len()));
+    let (word, rest) = text.split_at(text.find(|c| !is_name_char(c)).unwrap_or(text.len()));
     let is_keyword = token_kind(word).is_some_and(TokenKind::is_setting);
     if is_keyword && (rest.is_empty() || rest.starts_with(" + ") || rest.starts_with(" - ")) {
         write!(f, "({word}){rest}")

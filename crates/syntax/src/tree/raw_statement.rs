@@ -14,7 +14,7 @@ pub(crate) struct RawStatement {
     /// Expressions that the program's variables stand for here.
     pub aliases: Aliases,
     /// How the program converts the value, if it does.
-    pub wrap: Option<Wrap>,
+    pub conversion: Option<ValueConversion>,
     /// Whether the value is a height over x and y, to be drawn as `z = value`.
     pub is_height: bool,
 }
@@ -27,11 +27,11 @@ pub(crate) struct Head {
 }
 
 /// Conversion of a value by a program, before the value gets its name.
-pub(crate) enum Wrap {
+pub(crate) enum ValueConversion {
     /// The value replaces the components `letters` of the vector `before` of `size` components.
     Write { letters: String, before: ExprKind, size: usize },
     /// The value is a condition, converted to 1 where it holds, else 0.
-    Flag,
+    Indicator,
     /// One component of the value.
-    Pick(char),
+    Part(char),
 }

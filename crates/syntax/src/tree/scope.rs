@@ -19,10 +19,10 @@ pub(crate) struct Scope {
 }
 
 /// Longest name, in bytes, that is tried as a product of letters.
-const LONGEST_PRODUCT: usize = 64;
+const MAX_PRODUCT_NAME: usize = 64;
 
 /// Names in other languages and what they are called here. Products of letters take precedence.
-const ELSEWHERE: &[(&str, &str)] = &[
+const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("tg", "tan"),
     ("ctg", "cot"),
     ("cotg", "cot"),
@@ -42,7 +42,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
 
 /// The meaning of `name` in the language itself. Names from other languages have none.
 pub(crate) fn built_in(name: &str) -> NameMeaning {
-    if ELSEWHERE.iter().any(|(elsewhere, _)| *elsewhere == name) {
+    if FOREIGN_NAMES.iter().any(|(elsewhere, _)| *elsewhere == name) {
         return NameMeaning::Unknown;
     }
     Scope::default().meaning(name, &[])
@@ -50,7 +50,7 @@ pub(crate) fn built_in(name: &str) -> NameMeaning {
 
 /// The function that a name of another language is read as, for a note. Constants get no note.
 pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
-    let found = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
+    let found = FOREIGN_NAMES.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
     found.filter(|here| callee.name() == *here)
 }
 
@@ -117,12 +117,12 @@ impl Scope {
             return NameMeaning::Function(Callee::Logarithm(base.to_owned()));
         }
         let mut buffer = [0; 4];
-        if name.len() <= LONGEST_PRODUCT
+        if name.len() <= MAX_PRODUCT_NAME
             && name.chars().all(|c| self.value(c.encode_utf8(&mut buffer), locals).is_some())
         {
             return NameMeaning::Product;
         }
-        if let Some((_, here)) = ELSEWHERE.iter().find(|(elsewhere, _)| *elsewhere == name) {
+        if let Some((_, here)) = FOREIGN_NAMES.iter().find(|(elsewhere, _)| *elsewhere == name) {
             return self.meaning(here, locals);
         }
         let lower = name.to_lowercase();

@@ -7,10 +7,10 @@ use crate::span::Span;
 use crate::tree::ast::{Chain, Expr, ExprKind, Name, Series, Sign};
 use crate::tree::builder::{Builder, number_only, numbers_only};
 use crate::tree::grammar::{Pair, Rule, first_kind};
-use crate::tree::special_forms::{sole, tuple};
+use crate::tree::special_forms::{descend_to, tuple};
 
 /// Most terms of a sum, factors of a product, and repetitions of a function.
-pub(crate) const MOST_TERMS: i64 = 1000;
+pub(crate) const MAX_TERMS: i64 = 1000;
 
 impl Builder<'_> {
     /// Reads the parts of `sum(…)` or `product(…)`; `None` if they have another form.
@@ -22,7 +22,7 @@ impl Builder<'_> {
     ) -> Fallible<Option<Expr>> {
         // The generator may stand in brackets of its own, as in Python's `sum([…])`.
         if let [only] = parts
-            && let Some(group) = sole(only, Rule::group)
+            && let Some(group) = descend_to(only, Rule::group)
         {
             let inner: Vec<Pair<'_>> = group.into_inner().collect();
             return self.series_call(is_product, &inner, place);
@@ -35,20 +35,20 @@ impl Builder<'_> {
             }
             (Some(Rule::expression), Some(Rule::expression), 2) => {
                 let Some(range) = tuple(&parts[1]) else { return Ok(None) };
-                return self.series_of(is_product, &parts[0], &range, place);
+                return self.series_from_list(is_product, &parts[0], &range, place);
             }
             (Some(Rule::expression), Some(Rule::expression), 4) => {
-                return self.series_of(is_product, &parts[0], &parts[1..], place);
+                return self.series_from_list(is_product, &parts[0], &parts[1..], place);
             }
             _ => return Ok(None),
         };
-        let (index, ends) = self.counted(range, place)?;
-        self.series_over(is_product, body, &index, ends, place)
+        let (index, ends) = self.index_and_ends(range, place)?;
+        self.series_with_index(is_product, body, &index, ends, place)
     }
 
     /// Reads the index of a range and its ends.
     #[inline(never)] // keeps its locals out of the stack frames of nested sums
-    fn counted<'i>(&mut self, range: Pair<'i>, place: Span) -> Fallible<(Pair<'i>, Vec<Expr>)> {
+    fn index_and_ends<'i>(&mut self, range: Pair<'i>, place: Span) -> Fallible<(Pair<'i>, Vec<Expr>)> {
         let is_generator = range.as_rule() == Rule::generator;
         let mut ends = range.into_inner();
         let index = ends.next().expect("a range has an index");
@@ -77,7 +77,7 @@ impl Builder<'_> {
 
     /// Reads a series whose range is a list: index, first and last number, step.
     #[inline(never)]
-    fn series_of(
+    fn series_from_list(
         &mut self,
         is_product: bool,
         body: &Pair<'_>,
@@ -85,17 +85,17 @@ impl Builder<'_> {
         place: Span,
     ) -> Fallible<Option<Expr>> {
         let Some((index, ends)) = range.split_first() else { return Ok(None) };
-        let Some(index) = sole(index, Rule::name) else { return Ok(None) };
+        let Some(index) = descend_to(index, Rule::name) else { return Ok(None) };
         let built: Fallible<Vec<Expr>> = ends.iter().map(|end| self.value(end.clone())).collect();
         let mut built = built?;
         if built.len() == 1 {
             built.insert(0, Expr::of_digits("1", place));
         }
-        self.series_over(is_product, body, &index, built, place)
+        self.series_with_index(is_product, body, &index, built, place)
     }
 
     #[inline(never)]
-    fn series_over(
+    fn series_with_index(
         &mut self,
         is_product: bool,
         body: &Pair<'_>,
@@ -131,19 +131,19 @@ impl Builder<'_> {
         let end = to.into_inner().next().expect("a last number");
         let end_span = self.span(&end);
         if matches!(self.typed(&end).trim_matches(['{', '}', ' ']), "∞" | r"\infty" | "inf") {
-            let limit = MOST_TERMS;
+            let limit = MAX_TERMS;
             return Err(Error::new(end_span, ErrorKind::TooManyTerms { limit }));
         }
         let high = match end.as_rule() {
             Rule::number => Expr::of_digits(decimal(self.typed(&end)), end_span),
             Rule::name => self.letter(end)?,
-            Rule::group => self.deeper(end_span, 1, |b| b.group(end))?,
-            _ => self.deeper(end_span, 1, |b| b.closed(end, end_span))?,
+            Rule::group => self.nested(end_span, 1, |b| b.group(end))?,
+            _ => self.nested(end_span, 1, |b| b.delimited(end, end_span))?,
         };
         number_only(&high)?;
         let index = Name { text: plain_name(self.typed(&index)), span: self.span(&index) };
         self.locals.push(index.clone());
-        let body = self.deeper(span, 1, |b| b.term(&mut term.into_inner()));
+        let body = self.nested(span, 1, |b| b.term(&mut term.into_inner()));
         self.locals.pop();
         let body = body?;
         number_only(&body)?;

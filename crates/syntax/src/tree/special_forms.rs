@@ -38,7 +38,7 @@ pub(crate) fn logic(name: &str) -> Option<Logic> {
 }
 
 /// Descends through pairs with a single child to a pair of `rule`, if there is one.
-pub(crate) fn sole<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
+pub(crate) fn descend_to<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
     let mut pair = pair.clone();
     loop {
         if pair.as_rule() == rule {
@@ -54,9 +54,9 @@ pub(crate) fn sole<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
 
 /// The parts of a list or of brackets, if there are several or one of them is a list.
 pub(crate) fn tuple<'i>(pair: &Pair<'i>) -> Option<Vec<Pair<'i>>> {
-    let inner = sole(pair, Rule::list).or_else(|| sole(pair, Rule::group))?;
+    let inner = descend_to(pair, Rule::list).or_else(|| descend_to(pair, Rule::group))?;
     let parts: Vec<Pair<'i>> = inner.into_inner().collect();
-    (parts.len() > 1 || parts.iter().any(|part| sole(part, Rule::list).is_some())).then_some(parts)
+    (parts.len() > 1 || parts.iter().any(|part| descend_to(part, Rule::list).is_some())).then_some(parts)
 }
 
 impl Builder<'_> {
@@ -77,14 +77,14 @@ impl Builder<'_> {
             }
             FormKind::Iterate => self.iterate(&parts, span, place),
             FormKind::Vector(size) => {
-                let built = self.of_values(Function::Vector(size), None, parts, place);
+                let built = self.value_call(Function::Vector(size), None, parts, place);
                 // `np.array([[a, b], [c, d]])` is a matrix.
                 built.map(|built| built.map(without_array))
             }
             FormKind::Matrix(size) => self.matrix(size, span, parts, place),
             FormKind::OfVectors(function) => {
                 let count = Some(function.arity());
-                self.of_values(Function::OfVectors(function), count, parts, place)
+                self.value_call(Function::OfVectors(function), count, parts, place)
             }
             FormKind::Multiply => self.multiply(&parts, place),
         };
@@ -95,7 +95,7 @@ impl Builder<'_> {
     /// Reads a function of values. `None` unless it has `count` arguments, or if no `count` is
     /// given, at least one.
     #[inline(never)]
-    fn of_values(
+    fn value_call(
         &mut self,
         function: Function,
         count: Option<usize>,
@@ -112,11 +112,11 @@ impl Builder<'_> {
 
     /// Reads an argument: a value, or a vector in brackets of its own.
     pub(crate) fn argument(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
-        if let Some(group) = sole(&pair, Rule::group)
+        if let Some(group) = descend_to(&pair, Rule::group)
             && matches!(group.clone().into_inner().count(), 2..=4)
         {
             let span = self.span(&group);
-            return self.deeper(span, 1, |b| b.list(group, span));
+            return self.nested(span, 1, |b| b.list(group, span));
         }
         self.value(pair)
     }
@@ -132,7 +132,7 @@ impl Builder<'_> {
     ) -> Fallible<Option<Expr>> {
         let typed = &self.text[span.range()];
         let by_rows = ["float", "half", "Matrix"].iter().any(|stem| typed.starts_with(stem));
-        let built = self.of_values(Function::Matrix(size), None, parts, place)?;
+        let built = self.value_call(Function::Matrix(size), None, parts, place)?;
         let Some(built) = built.map(without_array) else { return Ok(None) };
         let is_list = matches!(&built.kind, ExprKind::Call(_, all) if all.len() == 1);
         Ok(Some(if by_rows && !is_list && built.span == place {
@@ -175,7 +175,7 @@ impl Builder<'_> {
             return Ok(matrix);
         }
         // A list of lists can only be a matrix.
-        if inner.iter().any(|part| sole(part, Rule::list).is_some()) {
+        if inner.iter().any(|part| descend_to(part, Rule::list).is_some()) {
             return Err(Error::new(span, ErrorKind::MatrixShape));
         }
         let parts: Fallible<Vec<Expr>> = pair.into_inner().map(|part| self.value(part)).collect();
@@ -219,7 +219,7 @@ impl Builder<'_> {
                 [] => {}
             }
         }
-        Ok(chosen(pieces, last, place))
+        Ok(choice_or_last(pieces, last, place))
     }
 
     /// Reads pieces that have brackets of their own, with the value first.
@@ -236,7 +236,7 @@ impl Builder<'_> {
             (None, _) if tuple(first).is_some() => (parts.to_vec(), None),
             (None, _) => return self.choose(parts, place),
         };
-        let is_list = parts.len() == 1 && sole(first, Rule::list).is_some();
+        let is_list = parts.len() == 1 && descend_to(first, Rule::list).is_some();
         let mut pieces = Vec::new();
         let mut otherwise = last.map(|last| self.argument(last)).transpose()?;
         for row in rows {
@@ -256,7 +256,7 @@ impl Builder<'_> {
             self.note(span, NoteKind::ZeroElsewhere);
             otherwise = Some(Expr::of_digits("0", span));
         }
-        Ok(chosen(pieces, otherwise, place))
+        Ok(choice_or_last(pieces, otherwise, place))
     }
 
     /// Reads a choice that the grammar has found.
@@ -296,7 +296,7 @@ impl Builder<'_> {
                 }
             }
         }
-        chosen(pieces, last, span).ok_or_else(|| Error::new(span, ErrorKind::PieceWithoutCondition))
+        choice_or_last(pieces, last, span).ok_or_else(|| Error::new(span, ErrorKind::PieceWithoutCondition))
     }
 
     /// Reads a condition written as a function.
@@ -333,7 +333,7 @@ impl Builder<'_> {
     #[inline(never)]
     fn iterate(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let [name, rest @ ..] = parts else { return Ok(None) };
-        let Some(name) = sole(name, Rule::name) else { return Ok(None) };
+        let Some(name) = descend_to(name, Rule::name) else { return Ok(None) };
         if rest.len() < 2 {
             return Ok(None);
         }
@@ -357,7 +357,7 @@ impl Builder<'_> {
         let Some(function) = self.scope.signatures(&callee).function(count) else {
             return Err(self.wrong_count(&callee, at, place, count));
         };
-        self.note_form(&callee, at);
+        self.note_function(&callee, at);
         let function = Function::Iterate(Box::new(function));
         Ok(Some(Expr::new(ExprKind::Call(function, arguments), place)))
     }
@@ -379,7 +379,7 @@ fn without_array(array: Expr) -> Expr {
 }
 
 /// A choice, or its last value alone if it has no pieces. `None` if it has neither.
-fn chosen(pieces: Vec<(Expr, Expr)>, last: Option<Expr>, span: Span) -> Option<Expr> {
+fn choice_or_last(pieces: Vec<(Expr, Expr)>, last: Option<Expr>, span: Span) -> Option<Expr> {
     match (pieces.is_empty(), last) {
         (true, last) => last,
         (false, last) => Some(Expr::new(ExprKind::Choice(pieces, last.map(Box::new)), span)),

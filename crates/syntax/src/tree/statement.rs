@@ -5,7 +5,7 @@ use crate::lex::spelling::{is_definable, plain_name};
 use crate::lex::token::Token;
 use crate::lex::token_kind::TokenKind::*;
 use crate::limits::Limits;
-use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MOST};
+use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MAX_ERRORS};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, ExprKind, Name, NamedValue, Relation, Statement};
@@ -13,14 +13,14 @@ use crate::tree::builder::{Builder, relation};
 use crate::tree::built_statement::{BuiltStatement, with_parts};
 use crate::tree::diagnose::recognise;
 use crate::tree::grammar::{Pair, Rule};
-use crate::tree::raw_statement::{Head, RawStatement, Wrap};
+use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
 use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::FormKind;
 
 /// Most parameters of a function. Each use of a name searches them, so their number is bounded.
-const MOST_PARAMETERS: usize = 64;
+const MAX_PARAMETERS: usize = 64;
 
 /// A statement that the grammar has recognized.
 pub(crate) struct ParsedStatement<'i> {
@@ -50,7 +50,7 @@ pub(crate) fn lines<'i>(
             }
             Err(error) => errors.push(*error),
         }
-        if errors.len() >= MOST {
+        if errors.len() >= MAX_ERRORS {
             break;
         }
     }
@@ -121,7 +121,7 @@ fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
 }
 
 /// Decides which lines with a head are definitions, and removes the heads of all others.
-pub(crate) fn settle_heads(
+pub(crate) fn resolve_heads(
     text: &str,
     lines: &mut [ParsedStatement<'_>],
     scope: &mut Scope,
@@ -135,7 +135,7 @@ pub(crate) fn settle_heads(
             line.head = None;
         }
     }
-    settle_levels(text, lines, notes);
+    resolve_level_sets(text, lines, notes);
     // `hypot(a, b) = 2` is drawn only if a and b have values, so other definitions come first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
@@ -164,7 +164,7 @@ pub(crate) fn settle_heads(
 
 /// Finds equations that look like definitions. If `f(x, y, z)` is defined above, `f(x, y, z) = 4`
 /// is one of its levels. If `f(x, y)` is, `f(x, y) = z` is its graph.
-fn settle_levels(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
+fn resolve_level_sets(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     let numbers = numbers(text, lines);
     for line in lines.iter_mut() {
@@ -307,11 +307,11 @@ pub(crate) fn build(
             let bounds = slider_bounds(&head.name, &restrictions);
             let typed = builder.text[line.raw.lexed.span.start..span.start].trim_end();
             let meant = bounds.map(|(low, high)| format!("{typed} in [{low}, {high}]"));
-            return Err(error.suggest_any(line.raw.lexed.span, meant));
+            return Err(error.suggest_optional(line.raw.lexed.span, meant));
         }
         let range = range.map(|(ends, _)| ends);
         Statement::Define(match &line.raw.head {
-            Some(_) => set(&mut builder, head, expression, line.raw.wrap.as_ref())?,
+            Some(_) => set(&mut builder, head, expression, line.raw.conversion.as_ref())?,
             None => define(&mut builder, head, expression, range)?,
         })
     } else {
@@ -352,25 +352,25 @@ fn set(
     builder: &mut Builder<'_>,
     head: &Head,
     expression: Pair<'_>,
-    wrap: Option<&Wrap>,
+    conversion: Option<&ValueConversion>,
 ) -> Fallible<Definition> {
     check_head(head, false, false)?;
     let mut body = builder.expression(expression)?;
     let span = body.span;
     let is_condition = body.is_condition();
-    match wrap {
-        Some(Wrap::Flag) => {
+    match conversion {
+        Some(ValueConversion::Indicator) => {
             if !is_condition {
                 // In C, any value other than 0 is true.
                 body = body.compared(Relation::Unequal, Expr::of_digits("0", span), span);
             }
-            body = body.flag(span);
+            body = body.indicator(span);
         }
         _ if is_condition => return Err(Error::new(span, ErrorKind::ConditionAsValue)),
-        Some(Wrap::Pick(letter)) => {
+        Some(ValueConversion::Part(letter)) => {
             body = Expr::new(ExprKind::Component(Box::new(body), letter.to_string()), span);
         }
-        Some(Wrap::Write { letters, before, size }) => {
+        Some(ValueConversion::Write { letters, before, size }) => {
             builder.used.extend(before.defined().map(str::to_owned));
             if let ExprKind::Name(NamedValue::Defined(name)) = before {
                 let meaning = builder.scope.meaning(name, &builder.locals);
@@ -390,8 +390,8 @@ fn set(
 /// cannot be defined. The flags tell whether the name is that of a function or a keyword here.
 fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
     let parameters = head.parameters.as_deref().unwrap_or_default();
-    if parameters.len() > MOST_PARAMETERS {
-        let limit = MOST_PARAMETERS;
+    if parameters.len() > MAX_PARAMETERS {
+        let limit = MAX_PARAMETERS;
         return Err(Error::new(head.name.span, ErrorKind::TooManyParameters { limit }));
     }
     for (index, parameter) in parameters.iter().enumerate() {
@@ -441,7 +441,7 @@ fn define(
             Error::new(builder.span(&body).to(end), ErrorKind::DefinitionIsCondition)
         });
     }
-    let body = builder.deeper(span, 1, |b| b.sum(body))?;
+    let body = builder.nested(span, 1, |b| b.sum(body))?;
     if body.is_condition() {
         return Err(Error::new(body.span, ErrorKind::DefinitionIsCondition));
     }

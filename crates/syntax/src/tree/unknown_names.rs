@@ -10,7 +10,7 @@ use crate::tree::builder::Builder;
 use crate::tree::scope::{NameMeaning, Scope, nearest, read_as};
 
 /// Longest name, in bytes, whose parts are looked up. The limit keeps hostile names cheap.
-const LONGEST: usize = 64;
+const MAX_NAME: usize = 64;
 
 /// Names of solids, and how to write each as a formula.
 const SOLIDS: &[(&str, &str)] = &[
@@ -33,14 +33,14 @@ const IN_WORDS: &[&str] =
 impl Builder<'_> {
     /// The error for a function without a meaning.
     pub(crate) fn unknown_function(&self, name: &str, span: Span) -> Box<Error> {
-        if let Some(kind) = elsewhere(name) {
+        if let Some(kind) = unsupported_function(name) {
             return Error::new(span, kind);
         }
         if let Some(error) = self.in_words() {
             return error;
         }
         let kind = ErrorKind::UnknownFunction { name: short_name(name) };
-        Error::new(span, kind).suggest_any(span, self.scope.likely(name, &self.locals, true))
+        Error::new(span, kind).suggest_optional(span, self.scope.suggest_name(name, &self.locals, true))
     }
 
     /// The error for a statement that is in words instead of signs.
@@ -50,7 +50,7 @@ impl Builder<'_> {
             return None;
         }
         let statement = self.lexed.span;
-        let text = start(&self.text[statement.range()], LONGEST);
+        let text = start(&self.text[statement.range()], MAX_NAME);
         let mut words = text.split(|c: char| !c.is_alphabetic());
         // In `cylinder(r = 1, h = 2)` the equals signs only name arguments.
         let is_called = self.lexed.tokens.get(1).is_some_and(|next| next.kind == OpenParen);
@@ -70,7 +70,7 @@ impl Builder<'_> {
     }
 
     /// The brackets around `place`, if they end the statement with words, as in `x = 1 (a plane)`.
-    fn remark(&self, place: Span) -> Option<Span> {
+    fn bracketed_remark(&self, place: Span) -> Option<Span> {
         let tokens = &self.lexed.tokens;
         let close = tokens.last().filter(|last| last.kind == CloseParen)?;
         let open = tokens.iter().rposition(|token| token.kind == OpenParen).filter(|at| *at > 0)?;
@@ -85,7 +85,7 @@ impl Builder<'_> {
     }
 
     /// The span of `f x y z` before an equals sign, which is a call in other languages.
-    fn juxtaposed(&self, span: Span) -> Option<Span> {
+    fn call_without_brackets(&self, span: Span) -> Option<Span> {
         let is_first = self.lexed.span.start == span.start;
         let kinds = self.lexed.tokens.iter().map(|token| token.kind).take(5);
         (is_first && kinds.eq([TokenKind::Name, X, Y, Z, Equals]))
@@ -98,11 +98,11 @@ impl Builder<'_> {
             return error;
         }
         let (scope, locals) = (self.scope, self.locals.as_slice());
-        if let Some(words) = self.remark(span) {
+        if let Some(words) = self.bracketed_remark(span) {
             let typed = &self.text[words.range()];
             return Error::new(words, ErrorKind::Remark).suggest(words, format!("# {typed}"));
         }
-        if let Some(left) = self.juxtaposed(span) {
+        if let Some(left) = self.call_without_brackets(span) {
             let kind = ErrorKind::UnknownFunction { name: short_name(name) };
             let meant = format!("{name}(x, y, z)");
             return Error::new(span, kind).suggest(left, meant);
@@ -114,7 +114,7 @@ impl Builder<'_> {
             return Error::new(span, ErrorKind::Complex);
         }
         let is_parameter = matches!(name, "u" | "v" | "s");
-        if is_parameter && ["x", "y", "z"].iter().all(|axis| sets(self.text, axis)) {
+        if is_parameter && ["x", "y", "z"].iter().all(|axis| assigns(self.text, axis)) {
             return Error::new(span, ErrorKind::Parametric);
         }
         let after = self.text[span.end..].trim_start_matches(['}', ' ']);
@@ -143,7 +143,7 @@ impl Builder<'_> {
             return Error::new(span, ErrorKind::LostSuperscript { name }).suggest(span, powers);
         }
         let is_called = self.text[span.end..].trim_start().starts_with(['(', '[']);
-        if is_called && let Some(kind) = elsewhere(name) {
+        if is_called && let Some(kind) = unsupported_function(name) {
             return Error::new(span, kind);
         }
         let kind = if is_called || typed.starts_with('\\') {
@@ -152,7 +152,7 @@ impl Builder<'_> {
             let letter = scope.missing_letter(name, locals);
             ErrorKind::UnknownName { name: short_name(name), letter }
         };
-        Error::new(span, kind).suggest_any(span, scope.likely(name, locals, is_called))
+        Error::new(span, kind).suggest_optional(span, scope.suggest_name(name, locals, is_called))
     }
 }
 
@@ -167,7 +167,7 @@ enum NamePart {
 }
 
 /// The kind of error for a function of other systems that has no equivalent here.
-fn elsewhere(name: &str) -> Option<ErrorKind> {
+fn unsupported_function(name: &str) -> Option<ErrorKind> {
     Some(match name {
         "D" | "diff" | "Diff" | "Derivative" | "integrate" | "Integrate" | "Dt" | "limit"
         | "Limit" | "grad" | "Grad" => ErrorKind::Calculus,
@@ -182,7 +182,7 @@ fn elsewhere(name: &str) -> Option<ErrorKind> {
 }
 
 /// Whether a part of `text` between line ends, commas and semicolons begins with `axis =`.
-fn sets(text: &str, axis: &str) -> bool {
+fn assigns(text: &str, axis: &str) -> bool {
     text.split(['\n', ',', ';']).any(|line| {
         let rest = line.trim_start().strip_prefix(axis);
         rest.is_some_and(|rest| rest.trim_start().starts_with('='))
@@ -192,11 +192,11 @@ fn sets(text: &str, axis: &str) -> bool {
 impl Scope {
     /// A suggestion for the name of a definition that nothing uses.
     pub(crate) fn meant(&self, name: &str, is_function: bool) -> Option<String> {
-        self.lost_superscripts(name, &[]).or_else(|| self.likely(name, &[], is_function))
+        self.lost_superscripts(name, &[]).or_else(|| self.suggest_name(name, &[], is_function))
     }
 
     /// The known names that `name` consists of, separated, or else the nearest known name.
-    fn likely(&self, name: &str, locals: &[Name], is_function: bool) -> Option<String> {
+    fn suggest_name(&self, name: &str, locals: &[Name], is_function: bool) -> Option<String> {
         // Computer algebra systems write `E` for e.
         if name == "E" && !is_function {
             return Some("e".to_owned());
@@ -206,7 +206,7 @@ impl Scope {
 
     /// Reads `x2y` as `x^2*y`, if its letters are values. Superscripts are often lost in copying.
     fn lost_superscripts(&self, name: &str, locals: &[Name]) -> Option<String> {
-        if name.len() > LONGEST || !name.contains(|c: char| c.is_ascii_digit()) {
+        if name.len() > MAX_NAME || !name.contains(|c: char| c.is_ascii_digit()) {
             return None;
         }
         let mut powers = String::new();
@@ -243,7 +243,7 @@ impl Scope {
 
     /// Reads `xsin` as `x*sin`, `sin2x` as `sin(2x)` and `pix` as `pi*x`, if all parts are known.
     fn run_together(&self, name: &str, locals: &[Name]) -> Option<String> {
-        if name.len() > LONGEST {
+        if name.len() > MAX_NAME {
             return None;
         }
         let parts = self.split(name, locals)?;

@@ -13,7 +13,7 @@ impl Builder<'_> {
     #[inline(never)] // keeps its locals out of the stack frames of nested factors
     pub(crate) fn factorial(&mut self, base: Expr, sign: Span) -> Fallible<Expr> {
         number_only(&base)?;
-        self.room(base.span, 2)?;
+        self.check_depth(base.span, 2)?;
         let varies = |part: &Expr| match &part.kind {
             ExprKind::Name(NamedValue::Coordinate(_) | NamedValue::Time) => true,
             ExprKind::Number(_) => part.whole_number().is_none(),
@@ -40,7 +40,7 @@ impl Builder<'_> {
 }
 
 /// The names that determine the number of terms or repetitions, directly or through definitions.
-pub(crate) fn counting<'d>(
+pub(crate) fn term_count_names<'d>(
     definitions: &[(&'d Definition, &'d BuiltStatement)],
     drawings: &[&'d BuiltStatement],
 ) -> FxHashSet<&'d str> {
