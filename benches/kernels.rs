@@ -49,7 +49,7 @@ fn native<Q: Query>(formula: &str, half: f64) -> Native<Q> {
 }
 
 /// Evaluates the kernel on all batches, `times` times.
-fn ask_often<Q: Query>(kernel: &dyn Kernel<Q>, inputs: &[Q::Input<f32>], times: usize) {
+fn eval_often<Q: Query>(kernel: &dyn Kernel<Q>, inputs: &[Q::Input<f32>], times: usize) {
     let mut answers = Q::Output::<f32>::default();
     for input in (0..times).flat_map(|_| inputs) {
         kernel.eval(black_box(input), black_box(&mut answers));
@@ -67,7 +67,7 @@ fn time(native: &dyn Kernel<Enclose>, rival: &dyn Kernel<Enclose>, half: f64) ->
             assert!((a.neg_lo[lane] - b.neg_lo[lane]).abs() < 1e-5 * size, "{a:?} {b:?}");
         }
     }
-    compare(ROUNDS, || ask_often(native, &boxes, CALLS), || ask_often(rival, &boxes, CALLS))
+    compare(ROUNDS, || eval_often(native, &boxes, CALLS), || eval_often(rival, &boxes, CALLS))
 }
 
 fn main() {
@@ -105,8 +105,8 @@ fn gyroid() {
         boxes.iter().map(|boxes| Points { at: boxes.hi, count: boxes.count }).collect();
     let result = compare(
         ROUNDS,
-        || ask_often(&interval, &boxes, FEWER),
-        || ask_often(&point, &points, FEWER),
+        || eval_often(&interval, &boxes, FEWER),
+        || eval_often(&point, &points, FEWER),
     );
     let per_batch = 1e9 / (FEWER * BATCHES) as f64;
     println!("\n{:24}{:>12}{:>12}", "ns per batch of 16", "interval", "point");

@@ -25,9 +25,9 @@ const ROUNDS: usize = 201;
 
 /// The gradient of half the squared distance from the origin, which is the cheapest kernel
 /// possible.
-struct HandedOn;
+struct CopyPoints;
 
-impl<T: Real> Kernel<SampleGradient, T> for HandedOn {
+impl<T: Real> Kernel<SampleGradient, T> for CopyPoints {
     fn eval(&self, points: &Points<T>, out: &mut Gradients<T>) {
         out.gradient = points.at;
     }
@@ -51,9 +51,9 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
 }
 
 /// A tracer that finds what is in the given buffer, if there is one.
-struct Known<'a>(Option<&'a GBuffer>);
+struct KnownHits<'a>(Option<&'a GBuffer>);
 
-impl Tracer for Known<'_> {
+impl Tracer for KnownHits<'_> {
     fn follow(&self, _: &[Segment], _: Start, _: &mut [RayResult], _: &mut KernelStats) {}
 
     fn band(&self, _: &RayGrid, band: &mut Band<'_>, _: &mut KernelStats) {
@@ -83,15 +83,15 @@ const STAGES: [&str; 8] = [
     "frame lit",
 ];
 /// Indices of stages whose cost is the same for each pixel.
-const OF_EACH: [usize; 3] = [0, 1, 6];
+const PER_PIXEL_STAGES: [usize; 3] = [0, 1, 6];
 
 /// Seconds of each stage: the 5th percentile of interleaved rounds. Other load slows most rounds
 /// down, and there is no rival here whose time would cancel it.
 fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     let far = Appearance::new(Default::default(), Light::above_left(rays));
     let near = Appearance::new(Default::default(), Light::Positional(DVec3::new(3.0, -3.0, 3.0)));
-    let gradients = NormalSource::<f32>::Gradient(&HandedOn);
-    let gradients_in_f64 = NormalSource::<f64>::Gradient(&HandedOn);
+    let gradients = NormalSource::<f32>::Gradient(&CopyPoints);
+    let gradients_in_f64 = NormalSource::<f64>::Gradient(&CopyPoints);
     let shader = Shader::new(rays, &far);
     let mut times = [const { Vec::new() }; STAGES.len() + 1];
     for _ in 0..ROUNDS {
@@ -139,14 +139,15 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
 
 /// Draws a frame of the known hits, with normals and colors if there is a shader.
 fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
-    let driver = Driver { rays, tracer: &Known(known), advance: &|_| true };
+    let driver = Driver { rays, tracer: &KnownHits(known), advance: &|_| true };
     let mut colors = unset_colors(SIZE * SIZE);
     let parts = colors.chunks_mut(3 * BAND_ROWS * SIZE).collect();
-    let source = NormalSource::<f32>::Gradient(&HandedOn);
+    let source = NormalSource::<f32>::Gradient(&CopyPoints);
     let (buffer, _) = driver.new_picture(0, Kept::default(), &[], None, parts, |rows, bytes| {
         let canvas = shader.map(|shader| shader.canvas(bytes));
-        canvas
-            .map_or_else(KernelStats::default, |canvas| source.compute_normals(rows, rays, 1e-3, Some(canvas)))
+        canvas.map_or_else(KernelStats::default, |canvas| {
+            source.compute_normals(rows, rays, 1e-3, Some(canvas))
+        })
     });
     black_box(&buffer);
     buffer.hand_back();
@@ -173,7 +174,7 @@ fn main() {
         // Set-up is shared by all pixels. From the rest, the cost of the background is subtracted.
         let (share, mut times) = ((all - drawn) as f64 / all as f64, time(&rays, &mut buffer));
         for (stage, time) in times.iter_mut().enumerate() {
-            *time = if OF_EACH.contains(&stage) {
+            *time = if PER_PIXEL_STAGES.contains(&stage) {
                 *time * drawn as f64 / all as f64
             } else {
                 *time - share * background[stage]

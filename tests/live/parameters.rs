@@ -28,7 +28,7 @@ fn assert_as_compiled_afresh(frame: &Rendering) {
 }
 
 /// Enters each line in turn; returns for each whether the code was reused.
-fn kept(text: &str, lines: &[&str]) -> Vec<bool> {
+fn code_reused(text: &str, lines: &[&str]) -> Vec<bool> {
     let live = start(text, 28);
     let mut last = settled(&live);
     assert!(!last.model.is_rebound());
@@ -64,7 +64,7 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
         // large.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 0.1", ":set r = 3", ":set r = 5"]),
     ] {
-        assert_eq!(kept(text, lines), vec![true; lines.len()], "{text}");
+        assert_eq!(code_reused(text, lines), vec![true; lines.len()], "{text}");
     }
 }
 
@@ -82,7 +82,7 @@ fn what_other_code_is_needed_for_is_compiled() {
         ("domain 2\nr = 2 in [0, 5]\n1/x = r y", "1/x <= r y"),
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", ":set r = 0.5 in [0, 6]"),
     ] {
-        assert_eq!(kept(text, &[line]), [false], "{text} and {line}");
+        assert_eq!(code_reused(text, &[line]), [false], "{text} and {line}");
     }
 }
 

@@ -251,7 +251,9 @@ fn commands_are_answered() {
     assert!(say(":depth 33").contains("depth 33"));
     let fine = settled(&live);
     assert!(fine.picture.precision == Precision::F64 && fine.picture.rgb == rendered(&fine));
-    assert!(fine.summary().contains(" f64 0.1 px · ") && say(":status").contains(", precision f64"));
+    assert!(
+        fine.summary().contains(" f64 0.1 px · ") && say(":status").contains(", precision f64")
+    );
     let command = fine.command("out.png");
     assert!(command.contains("--precision f64"), "{command}");
     assert!(say(":precision f32").starts_with("precision f32"));

@@ -9,7 +9,7 @@ use std::fmt::{Display, Formatter};
 use zeroset_scene::gallery::examples;
 use zeroset_scene::view::{DomainChoice, region};
 use zeroset_syntax::{Options, read};
-use zeroset_testkit::property::{RayClaim, Formula, Pixel, Scene, picture as hold};
+use zeroset_testkit::property::{Formula, Pixel, RayClaim, Scene, picture as check_claims};
 use zeroset_testkit::{Adversarial, Effort, Rng};
 use zeroset_trace::METHODS;
 
@@ -133,8 +133,10 @@ impl Survey {
         for method in &METHODS {
             let Some((camera, picture)) = picture(scene, method) else { continue };
             let all = claims(scene, &camera, &picture);
-            let undecided: Vec<&Pixel> =
-                all.iter().filter(|pixel| matches!(pixel.claimed, RayClaim::Undecided(_))).collect();
+            let undecided: Vec<&Pixel> = all
+                .iter()
+                .filter(|pixel| matches!(pixel.claimed, RayClaim::Undecided(_)))
+                .collect();
             for k in 0..RAYS {
                 let pixel = match &undecided[..] {
                     some if k % 2 == 0 && !some.is_empty() => {
@@ -158,7 +160,7 @@ impl Survey {
     /// If a claim is false. The message names it and how to repeat the case.
     pub fn add(&mut self, scene: &Scene, case: u64, rng: &mut Rng) {
         let pixels = self.chosen(scene, rng);
-        let tally = hold(scene, &|_| Some(pixels.clone()))
+        let tally = check_claims(scene, &|_| Some(pixels.clone()))
             .unwrap_or_else(|failure| panic!("ZEROSET_SEED={case:#x} ZEROSET_CASES=1: {failure}"));
         self.crossings += tally.defined;
     }

@@ -48,7 +48,7 @@ fn holds([low, high]: [f64; 2], other: [f64; 2], spare: f64) -> bool {
 }
 
 /// The difference between a found domain and the wanted one, if there is one.
-fn miss(row: &Row, found: &AutoDomain) -> Option<&'static str> {
+fn difference(row: &Row, found: &AutoDomain) -> Option<&'static str> {
     let ranges = [0, 1, 2].map(|axis| [found.low[axis], found.high[axis]]);
     if found.finding.is_bounded() != row.bounded {
         return Some(if row.bounded { "not proven bounded" } else { "bounded, it is said" });
@@ -89,7 +89,7 @@ fn domains_are_those_that_a_mathematician_would_choose() {
         let found = view::search(&document).expect(&row.text);
         times.push(started.elapsed().as_secs_f64() * 1e3);
         let ms = times.last().copied().unwrap_or_default();
-        let why = miss(row, &found);
+        let why = difference(row, &found);
         let name = row.text.lines().last().unwrap_or_default();
         let _ = writeln!(report, "{:18} {ms:6.2} ms {name}: {found:?}", why.unwrap_or("agrees"));
         // Other differences are a matter of judgment, but a bounded surface must not be cut.

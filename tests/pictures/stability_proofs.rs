@@ -7,7 +7,7 @@ use crate::truth_support::{Pixel, SIDE, read};
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice};
-use zeroset_testkit::property::{Formula, Scene, picture as hold};
+use zeroset_testkit::property::{Formula, Scene, picture as check_claims};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, Projection, Status, UndecidedReason};
 
@@ -90,7 +90,7 @@ fn proofs_are_true_and_little_is_undecided() {
 }
 
 /// Compares claims of a picture with the certified tracer.
-fn hold_against_certified(case: &Case, camera: &Camera, picture: &Picture) {
+fn check_against_certified(case: &Case, camera: &Camera, picture: &Picture) {
     let [x0, x1, y0, y1, z0, z1] = case.domain;
     let formula = Formula::from_text(&case.formula, [[x0, x1], [y0, y1], [z0, z1]]).expect("reads");
     let Projection::Perspective { fov } = camera.projection() else { panic!("the default") };
@@ -106,7 +106,8 @@ fn hold_against_certified(case: &Case, camera: &Camera, picture: &Picture) {
         precision: "auto",
     };
     let some: Vec<_> = claims(&scene, camera, picture).into_iter().step_by(37).collect();
-    let tally = hold(&scene, &|_| Some(some.clone())).unwrap_or_else(|failure| panic!("{failure}"));
+    let tally =
+        check_claims(&scene, &|_| Some(some.clone())).unwrap_or_else(|failure| panic!("{failure}"));
     println!("{}: {tally:?}", case.slug);
     assert!(tally.compared > 100);
 }
@@ -131,7 +132,7 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
             }
             "refused-or-undecided" => {
                 assert!(counts.hit + counts.undecided > 0, "{}", case.slug);
-                hold_against_certified(&case, &camera, &picture);
+                check_against_certified(&case, &camera, &picture);
             }
             other => panic!("{}: {other}?", case.slug),
         }

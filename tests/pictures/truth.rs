@@ -182,7 +182,7 @@ const DISTANCE: f64 = 1e-5;
 
 /// Counts of undecided rays with a root at which the function changes sign.
 #[derive(Clone, Copy, Debug, Default)]
-struct Open {
+struct UndecidedCounts {
     /// All such rays.
     rays: usize,
     /// Rays on which nothing is painted.
@@ -193,7 +193,7 @@ struct Open {
     late: usize,
 }
 
-impl Open {
+impl UndecidedCounts {
     /// Adds a ray painted at `drawn`, with the tolerance `reach` in world units.
     fn add(&mut self, pixel: &Pixel, drawn: f64, reach: f64) {
         self.rays += 1;
@@ -205,7 +205,7 @@ impl Open {
 
 /// Results of the method `affine` for one surface or all of them.
 #[derive(Clone, Copy, Default)]
-struct Proofs {
+struct ProofCounts {
     hits: usize,
     misses: usize,
     undecided: usize,
@@ -216,11 +216,11 @@ struct Proofs {
     /// Painted pixels without a root.
     phantoms: usize,
     /// Painted distances of undecided rays with a crossing.
-    open: Open,
+    open: UndecidedCounts,
     reasons: [usize; 5],
 }
 
-impl Proofs {
+impl ProofCounts {
     /// Counts of a picture's claims, and descriptions of those that the truth contradicts.
     fn new(
         truth: &Truth,
@@ -293,7 +293,7 @@ impl Proofs {
     }
 }
 
-impl fmt::Display for Proofs {
+impl fmt::Display for ProofCounts {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { hits, misses, undecided, needless, far, phantoms, open, reasons } = self;
         write!(
@@ -307,7 +307,7 @@ impl fmt::Display for Proofs {
 #[test]
 fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
     let mut wrong = Vec::new();
-    let mut all = [Proofs::default(); CLAIMS.len()];
+    let mut all = [ProofCounts::default(); CLAIMS.len()];
     for truth in read("truth") {
         let slug = &truth.view.slug;
         for ((precision, tolerance), all) in CLAIMS.into_iter().zip(&mut all) {
@@ -317,13 +317,13 @@ fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
                 ..Settings::default()
             };
             let (frame, buffer) = picture(&truth, &settings);
-            let (proofs, found) = Proofs::new(&truth, &frame, &buffer, tolerance);
+            let (proofs, found) = ProofCounts::new(&truth, &frame, &buffer, tolerance);
             if proofs.undecided + proofs.phantoms > 0 {
                 println!("{slug}, {precision}, within {tolerance} pixels: {proofs}");
             }
             let known = EARLY.iter().find(|(of, at, ..)| of == slug && *at == precision);
             let early = known.map_or(0, |(_, _, early, _)| *early);
-            let Open { blank, early: too_near, late, .. } = proofs.open;
+            let UndecidedCounts { blank, early: too_near, late, .. } = proofs.open;
             if blank + late > 0 || too_near > early {
                 wrong.push(format!("{slug}, {precision}: {:?}, {known:?}", proofs.open));
             }
@@ -340,9 +340,9 @@ fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
         println!("all, {precision}, within {tolerance} pixels: {proofs}");
     }
     expect_none(&wrong);
-    let [Proofs { hits, far, .. }, ..] = all;
+    let [ProofCounts { hits, far, .. }, ..] = all;
     assert!(1000 * far <= hits, "{far} of {hits} hits are far from their root");
-    for Proofs { hits, undecided, phantoms, .. } in all {
+    for ProofCounts { hits, undecided, phantoms, .. } in all {
         assert!(1000 * phantoms <= hits + undecided, "{phantoms} painted without a root");
     }
 }

@@ -8,7 +8,7 @@ use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{DomainChoice, region};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options, read};
-use zeroset_testkit::property::{Formula, Scene, picture as hold};
+use zeroset_testkit::property::{Formula, Scene, picture as check_claims};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Precision, Projection, Status};
 
@@ -146,7 +146,7 @@ fn no_zero_behind_the_eye_is_hit() {
                 formula,
             };
             let hits = Cell::new(0);
-            let tally = hold(&scene, &|scene| {
+            let tally = check_claims(&scene, &|scene| {
                 let (camera, picture) = picture_of(scene, &METHODS[0])?;
                 let brackets = &picture.buffer.bracket;
                 assert!(brackets.iter().all(|[near, _]| near.is_nan() || *near >= 0.0), "{scene}");

@@ -1,17 +1,17 @@
 //! Axes and legends drawn over pictures, by flags and by lines of the document.
 
-use crate::cli_support::Place;
+use crate::cli_support::Sandbox;
 
 const DOCUMENT: &str = "color viridis(z)\nx^2+y^2+z^2 = 1";
 
-fn bytes(place: &Place, name: &str) -> Vec<u8> {
+fn bytes(place: &Sandbox, name: &str) -> Vec<u8> {
     let image = image::open(place.path(name)).expect("a picture");
     image.to_rgb8().into_raw()
 }
 
 #[test]
 fn axes_and_legends_are_drawn_where_they_are_asked_for() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |text: &str, flags: &[&str]| {
         let fixed = ["render", text, "-o", "out.png", "--size", "200x160", "--status", "s.npy"];
         place.run(&[&fixed[..], flags].concat()).ok();
@@ -35,7 +35,7 @@ fn axes_and_legends_are_drawn_where_they_are_asked_for() {
 
 #[test]
 fn a_domain_is_clipped_as_asked_and_the_note_says_how() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |text: &str, flags: &[&str]| {
         let fixed = ["render", text, "--json", "--size", "32"];
         let run = place.run(&[&fixed[..], flags].concat()).ok();
@@ -55,7 +55,7 @@ fn a_domain_is_clipped_as_asked_and_the_note_says_how() {
 
 #[test]
 fn a_saved_picture_has_what_its_document_draws_around_it() {
-    let place = Place::new();
+    let place = Sandbox::new();
     place.write("wave.zset", "axes\ncolor turbo(z, -1, 1)\nz = x*y\n");
     let run = place.run_with(&["--preview", "wave.zset"], b":png seen.png\n").ok();
     let said = String::from_utf8_lossy(&run.stdout).into_owned() + &run.stderr;

@@ -1,13 +1,13 @@
 //! Invalid input on the command line gives one clear message and exit code 2. There is no panic and
 //! no partial file, and the time is bounded.
 
-use crate::cli_support::{Place, Run};
+use crate::cli_support::{Run, Sandbox};
 
 /// File name of the picture in every run here.
 const PICTURE: &str = "picture.png";
 
 /// Asserts that a run ended with a user error whose only message contains `expected`.
-fn assert_refused(place: &Place, run: &Run, expected: &str, case: &str) {
+fn assert_refused(place: &Sandbox, run: &Run, expected: &str, case: &str) {
     let stderr = &run.stderr;
     assert_eq!(run.code, Some(2), "{case}: {stderr}");
     assert!(stderr.contains(expected), "{case}: {expected:?} is not in {stderr}");
@@ -23,7 +23,7 @@ fn assert_refused(place: &Place, run: &Run, expected: &str, case: &str) {
 
 /// Renders `formula` with further arguments and asserts that it is refused.
 fn refused(formula: &str, arguments: &[&str], expected: &str) {
-    let place = Place::new();
+    let place = Sandbox::new();
     let mut all = vec!["render", formula, "-o", PICTURE];
     all.extend(arguments);
     let case: String = formula.chars().take(40).collect();
@@ -81,7 +81,7 @@ fn each_limit_says_which_it_is() {
         ),
         (format!("g = {huge}\n{exhausting}"), "all surfaces together need more than 8388608 bytes"),
     ] {
-        let place = Place::new();
+        let place = Sandbox::new();
         std::fs::write(place.path("long.zset"), &text).expect("written");
         let run =
             place.run(&["render", "long.zset", "-o", PICTURE, "--domain", "2", "--size", "2"]);
@@ -98,7 +98,7 @@ fn texts_made_to_break_a_parser() {
     refused(&powers, &[], "nested more than");
     let signs = format!("{}x", "-".repeat(100_000));
     refused(&signs, &[], "error: ");
-    let pasted = Place::new();
+    let pasted = Sandbox::new();
     // This is longer than an argument may be, so it is read from standard input and from a file.
     let line = format!("x{}", "+x".repeat(512 * 1024));
     let run = pasted.run_with(&["render", "-", "-o", PICTURE], line.as_bytes());
@@ -133,7 +133,7 @@ fn formulas_without_a_surface() {
 
 #[test]
 fn files_that_cannot_be_read() {
-    let place = Place::new();
+    let place = Sandbox::new();
     place.write("latin1.zset", b"x^2 # caf\xe9\n");
     let run = place.run(&["render", "latin1.zset", "-o", PICTURE]);
     assert_refused(&place, &run, "'latin1.zset' is not valid UTF-8 text: line 1", "invalid UTF-8");
@@ -163,7 +163,7 @@ fn files_that_cannot_be_read() {
 fn files_that_may_not_be_read_and_names_that_are_no_text() {
     use std::os::unix::ffi::OsStrExt;
     use std::os::unix::fs::PermissionsExt;
-    let place = Place::new();
+    let place = Sandbox::new();
     let secret = place.write("secret.zset", "x");
     std::fs::set_permissions(&secret, std::fs::Permissions::from_mode(0o000)).expect("set");
     // The superuser can read the file all the same.
@@ -184,7 +184,7 @@ fn files_that_may_not_be_read_and_names_that_are_no_text() {
 
 #[test]
 fn outputs_that_cannot_be_written() {
-    let place = Place::new();
+    let place = Sandbox::new();
     std::fs::create_dir(place.path("folder")).expect("made");
     let run = place.run(&["render", "sphere", "-o", "nowhere/picture.png"]);
     assert_refused(&place, &run, "there is no directory 'nowhere'", "a missing directory");
@@ -213,7 +213,7 @@ fn outputs_that_cannot_be_written() {
 #[test]
 fn links_stay_links() {
     use std::os::unix::fs::symlink;
-    let place = Place::new();
+    let place = Sandbox::new();
     std::fs::create_dir(place.path("folder")).expect("made");
     place.write("folder/old.png", "old");
     symlink("folder/old.png", place.path("link.png")).expect("made");
@@ -252,7 +252,7 @@ fn links_stay_links() {
 
 #[test]
 fn pictures_in_another_format_than_png() {
-    let place = Place::new();
+    let place = Sandbox::new();
     for (name, meant) in [("c.jpg", "'c.png'"), ("a.b.svg", "'a.b.png'")] {
         let run = place.run(&["render", "x+y", "-o", name]);
         assert_refused(&place, &run, &format!("PNG only: '{name}'"), name);
@@ -265,7 +265,7 @@ fn pictures_in_another_format_than_png() {
 
 #[test]
 fn an_error_leaves_an_old_picture_as_it_was() {
-    let place = Place::new();
+    let place = Sandbox::new();
     place.write(PICTURE, "old");
     let run = place.run(&["render", "x+", "-o", PICTURE]);
     assert_eq!(run.code, Some(2));
@@ -372,7 +372,7 @@ fn standard_output_that_is_full_or_closed() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_leaves_nothing() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_zeroset"))
         .args(["render", "gyroid", "--size", "4000", "--max-depth", "18", "-o", PICTURE])
         .args(["--status", "status.npy"])
@@ -429,14 +429,14 @@ fn whoever_has_read_enough_ends_the_output_without_an_error() {
 
 #[test]
 fn a_prompt_whose_input_is_not_text_says_so() {
-    let run = Place::new().run_with(&["--preview", "x+y+z"], b"x = 0.5\n\xff\xfe\n:list\n");
+    let run = Sandbox::new().run_with(&["--preview", "x+y+z"], b"x = 0.5\n\xff\xfe\n:list\n");
     assert_eq!(run.code, Some(2), "{}", run.stderr);
     assert!(run.stderr.contains("the prompt has stopped"), "{}", run.stderr);
 }
 
 #[test]
 fn a_directory_hides_no_surface_of_the_gallery() {
-    let place = Place::new();
+    let place = Sandbox::new();
     for name in ["gyroid", "pictures"] {
         std::fs::create_dir(place.path(name)).expect("made");
     }
@@ -448,7 +448,7 @@ fn a_directory_hides_no_surface_of_the_gallery() {
 
 #[test]
 fn a_mark_of_utf_8_is_no_part_of_a_text() {
-    let place = Place::new();
+    let place = Sandbox::new();
     place.write("marked.zset", "\u{feff}x^2+y^2+z^2 = 1\n");
     let input = b":hide 1\n:show\n:save plain.zset\n";
     let run = place.run_with(&["--preview", "marked.zset"], input).ok();

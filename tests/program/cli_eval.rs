@@ -1,10 +1,10 @@
 //! `zeroset eval`: JSON lines in and out.
 
-use crate::cli_support::Place;
+use crate::cli_support::Sandbox;
 use serde_json::{Value, json};
 
 fn answers(arguments: &[&str], input: &str) -> Vec<Value> {
-    let place = Place::new();
+    let place = Sandbox::new();
     let all = [&["eval"], arguments].concat();
     let run = place.run_with(&all, input.as_bytes()).ok();
     run.text().lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
@@ -185,7 +185,7 @@ fn a_bad_line_is_answered_and_the_next_one_too() {
 
 #[test]
 fn bytes_that_are_no_text_are_answered() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run = place.run_with(&["eval", "-"], b"{\"f\":\"\xff\"}\n").ok();
     assert!(run.json()["error"].is_string());
 }

@@ -1,18 +1,18 @@
 //! Pictures that are rendered strip by strip.
 
-use crate::cli_support::Place;
+use crate::cli_support::Sandbox;
 use image::RgbImage;
 
 const TEXT: &str = "domain 1.5\ncolor viridis(z)\nx^2+y^2+z^2 <= 1";
 
-fn picture(place: &Place, name: &str) -> RgbImage {
+fn picture(place: &Sandbox, name: &str) -> RgbImage {
     image::open(place.path(name)).expect("a picture").to_rgb8()
 }
 
 /// A picture just too large for one strip looks like a smaller one. Its counts match its arrays.
 #[test]
 fn a_large_picture_is_written_in_strips() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |name: &str, size: &str, more: &[&str]| {
         let fixed = ["render", TEXT, "-o", name, "--size", size, "--axes", "--shadows", "--json"];
         let run = place.run(&[&fixed[..], more].concat()).ok();
@@ -50,7 +50,7 @@ fn a_large_picture_is_written_in_strips() {
 
 #[test]
 fn frames_of_a_sequence_are_held_whole() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let arguments =
         ["render", TEXT, "-o", "a.gif", "--turntable", "--frames", "2", "--size", "16384"];
     let run = place.run(&arguments);

@@ -1,6 +1,6 @@
 //! End-to-end tests of `zeroset render`, `gallery` and `explain`.
 
-use crate::cli_support::Place;
+use crate::cli_support::Sandbox;
 use serde_json::Value;
 
 const SPHERE: &str = "x^2+y^2+z^2 = 1";
@@ -12,11 +12,11 @@ pub const BULB: &str = "\
     s = sqrt(u^2+v^2+w^2); c = 8 acos(w/s); d = 8 atan2(v, u)\n\
     (s^8 sin(c) cos(d) + x)^2 + (s^8 sin(c) sin(d) + y)^2 + (s^8 cos(c) + z)^2 = 4\n";
 
-fn picture(place: &Place, name: &str) -> image::RgbImage {
+fn picture(place: &Sandbox, name: &str) -> image::RgbImage {
     image::open(place.path(name)).expect("a picture").to_rgb8()
 }
 
-fn array<T: npyz::Deserialize>(place: &Place, name: &str) -> (Vec<u64>, Vec<T>) {
+fn array<T: npyz::Deserialize>(place: &Sandbox, name: &str) -> (Vec<u64>, Vec<T>) {
     let bytes = std::fs::read(place.path(name)).expect("written");
     let array = npyz::NpyFile::new(&bytes[..]).expect("an array");
     (array.shape().to_vec(), array.into_vec().expect("of this type"))
@@ -24,7 +24,7 @@ fn array<T: npyz::Deserialize>(place: &Place, name: &str) -> (Vec<u64>, Vec<T>) 
 
 #[test]
 fn a_formula_becomes_a_picture() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run = place.run(&["render", SPHERE, "-o", "sphere.png", "--size", "64x48"]).ok();
     assert!(run.stdout.is_empty());
     assert_eq!(place.files(), ["sphere.png"]);
@@ -40,7 +40,7 @@ fn a_formula_becomes_a_picture() {
 /// camera is refused.
 #[test]
 fn no_extreme_camera_hides_what_its_rays_meet() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |formula: &str, camera: &str, method: &str| {
         let fixed = ["render", formula, "--domain", "2", "--status", "status.npy"];
         let method = ["--method", method];
@@ -93,7 +93,7 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
 
 #[test]
 fn arrays_hold_what_the_picture_shows() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let arguments = [
         "render",
         SPHERE,
@@ -157,7 +157,7 @@ fn arrays_hold_what_the_picture_shows() {
 
 #[test]
 fn one_json_object_tells_times_counts_and_what_was_used() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run = place.run(&["render", SPHERE, "--json", "--size", "32"]).ok();
     let object = run.json();
     for stage in ["parse", "simplify", "compile", "trace", "shade"] {
@@ -186,7 +186,7 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
 
 #[test]
 fn rays_that_stay_undecided_are_given_up_with_a_reason() {
-    let place = Place::new();
+    let place = Sandbox::new();
     // (x - 1)^7: near x = 1 the terms cancel, and slabs stay undecided however thin they are.
     let formula = "x^7 - 7x^6 + 21x^5 - 35x^4 + 35x^3 - 21x^2 + 7x - 1 + 0*y + 1e-9";
     let render = |depth: &str| {
@@ -209,7 +209,7 @@ fn rays_that_stay_undecided_are_given_up_with_a_reason() {
 
 #[test]
 fn depth_has_three_names_and_changes_the_work() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let lanes = |flag: &str, depth: &str| {
         let knoll = ["--method", "knoll"];
         let arguments = [&["render", SPHERE, "--json", "--size", "32", flag, depth], &knoll[..]];
@@ -224,7 +224,7 @@ fn depth_has_three_names_and_changes_the_work() {
 
 #[test]
 fn text_comes_from_a_file_before_the_gallery_before_the_command_line() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let surfaces = |arguments: &[&str], input: &str| {
         let all = [&["render"], arguments, &["--json", "--size", "8"]].concat();
         place.run_with(&all, input.as_bytes()).ok().json()["surfaces"].clone()
@@ -243,7 +243,7 @@ fn text_comes_from_a_file_before_the_gallery_before_the_command_line() {
 
 #[test]
 fn values_may_begin_with_a_minus() {
-    let place = Place::new();
+    let place = Sandbox::new();
     for arguments in [
         ["-x^2-y^2-z^2+1", "--domain", "-2,2,-2,2,-2,2"],
         ["-sin(x)+y", "--eye", "-3,-4,5"],
@@ -262,14 +262,14 @@ fn values_may_begin_with_a_minus() {
 
 #[test]
 fn flags_may_come_first_and_hold_their_values() {
-    let place = Place::new();
+    let place = Sandbox::new();
     place.run(&["render", "-oa.png", "-Dr=2", "--size", "8", "sphere"]).ok();
     assert_eq!(place.files(), ["a.png"]);
 }
 
 #[test]
 fn definitions_and_time_change_the_surface() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let pixels = |arguments: &[&str]| {
         let formula = "r = 1\nx^2+y^2+z^2 = (r+t)^2";
         let camera = ["--domain", "3", "--eye", "6,-9,4.5"];
@@ -284,7 +284,7 @@ fn definitions_and_time_change_the_surface() {
 
 #[test]
 fn a_number_means_the_same_wherever_it_is_typed() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let status = |text: &str, arguments: &[&str]| {
         ["affine", "knoll"].map(|method| {
             let fixed = ["render", text, "--status", "s.npy", "--size", "64", "--domain", "1"];
@@ -303,7 +303,7 @@ fn a_number_means_the_same_wherever_it_is_typed() {
 
 #[test]
 fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run = |arguments: &[&str]| {
         let fixed = ["render", "x^2+y^2+z^2 <= 1", "--size", "32", "--view", "front"];
         place.run(&[&fixed[..], arguments].concat()).ok();
@@ -337,7 +337,7 @@ fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
 
 #[test]
 fn undecided_pixels_can_be_told_apart_and_counted_against() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |style: &str| {
         let name = format!("{style}.png");
         let fixed = ["render", SPHERE, "--size", "32", "-o", &name, "--undecided", style];
@@ -367,7 +367,7 @@ fn undecided_pixels_can_be_told_apart_and_counted_against() {
 
 #[test]
 fn an_empty_picture_says_why() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let note = |arguments: &[&str]| {
         let all = [&["render"], arguments, &["--json", "--size", "8"]].concat();
         place.run(&all).ok().stderr
@@ -384,7 +384,7 @@ fn an_empty_picture_says_why() {
 
 #[test]
 fn a_function_that_may_be_0_everywhere_is_remarked_on() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let note = |formula: &str| {
         let run = place.run(&["render", formula, "--domain", "2", "--size", "16", "--json"]).ok();
         run.stderr.contains("0 everywhere")
@@ -399,7 +399,7 @@ fn a_function_that_may_be_0_everywhere_is_remarked_on() {
 
 #[test]
 fn a_background_has_a_name_or_a_number() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let ground = |color: &str| {
         let all = ["render", "x^2+y^2+z^2=1", "--size", "8", "-o", "p.png", "--background", color];
         place.run(&all).ok();
@@ -411,21 +411,21 @@ fn a_background_has_a_name_or_a_number() {
 
 #[test]
 fn output_is_plain_where_nobody_sees_colors() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run = place.run(&["render", "x+", "-o", "a.png"]);
     assert!(!run.stderr.contains('\x1b'));
 }
 
 #[test]
 fn a_picture_goes_to_standard_output() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run = place.run(&["render", SPHERE, "-o", "-", "--size", "8"]).ok();
     assert_eq!(&run.stdout[..8], b"\x89PNG\r\n\x1a\n");
 }
 
 #[test]
 fn shadows_central_normals_and_parallel_rays() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |name: &str, arguments: &[&str]| {
         let fixed = ["render", "box", "--size", "48", "-o", name];
         place.run(&[&fixed[..], arguments].concat()).ok();
@@ -448,7 +448,7 @@ fn shadows_central_normals_and_parallel_rays() {
 fn every_thread_count_gives_the_same_picture_and_arrays() {
     const ARRAYS: [&str; 5] = ["status", "distance", "bracket", "normal", "surface-id"];
 
-    let place = Place::new();
+    let place = Sandbox::new();
     place.write("behind.zset", "domain 1.5\nopacity 40%\nx^2+y^2+z^2 = 1\nz = x*y\nx < -1\n");
     place.write("shadows.zset", "domain 2\nx^2+y^2+z^2 = 1/2\nz = -1\n");
     let made = |arguments: &[&str], threads: &str| {
@@ -493,7 +493,7 @@ fn every_thread_count_gives_the_same_picture_and_arrays() {
 /// evaluates kernels, too.
 #[test]
 fn kernels_are_made_for_what_the_picture_asks() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let ball = "x^2+y^2+z^2 = 1";
     let found = ["the function: segments, f32", "the function: tiles, f32"];
     let [values, gradients] =
@@ -548,7 +548,7 @@ fn kernels_are_made_for_what_the_picture_asks() {
 /// millions of times per pixel.
 #[test]
 fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
-    let place = Place::new();
+    let place = Sandbox::new();
     place.write("bulb.zset", BULB);
     let size = "700";
     for (formula, domain) in [
@@ -578,7 +578,7 @@ fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
 /// The budget includes the time for choosing the domain and the view.
 #[test]
 fn a_budget_of_time_is_no_other_for_the_view() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let formula = "sum(k = 1..10, tan(k*1e6*x + k*y)) = z";
     for domain in [&["--domain", "1"][..], &[]] {
         let fixed = ["render", formula, "--size", "64", "--budget", "1e-9", "--json"];
@@ -603,7 +603,7 @@ fn a_budget_of_time_is_no_other_for_the_view() {
 
 #[test]
 fn explain_tells_how_a_formula_is_read_and_compiled() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run = place.run(&["explain", "2x sin y = z^2"]).ok();
     for part in [
         "read as     2*x*sin(y) = z^2",
@@ -647,7 +647,7 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
 
 #[test]
 fn the_gallery_is_listed_and_rendered_without_a_checkout() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let list = place.run(&["gallery", "--list"]).ok();
     let names: Vec<&str> =
         list.text().lines().filter_map(|line| line.split_whitespace().next()).collect();
@@ -666,7 +666,7 @@ fn the_gallery_is_listed_and_rendered_without_a_checkout() {
 
 #[test]
 fn completions_are_generated() {
-    let place = Place::new();
+    let place = Sandbox::new();
     for shell in ["bash", "zsh", "fish"] {
         assert!(place.run(&["completions", shell]).ok().text().contains("--max-depth"), "{shell}");
     }
@@ -674,7 +674,7 @@ fn completions_are_generated() {
 
 #[test]
 fn double_precision_reaches_deeper_and_writes_wider_distances() {
-    let place = Place::new();
+    let place = Sandbox::new();
     // A sphere of radius 10^4, whose squares f32 resolves only to a few units.
     let far = |precision: &str, method: &[&str]| {
         let arguments = [
@@ -724,7 +724,7 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
 
 #[test]
 fn a_time_may_be_a_constant_expression_and_is_noted_where_nothing_depends_on_it() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let json = |time: &str| {
         let all = ["render", "x^2+y^2+z^2 = t", "--size", "8", "--json", "--time", time];
         place.run(&all).ok().json()["domain"].clone()
@@ -742,7 +742,7 @@ fn a_time_may_be_a_constant_expression_and_is_noted_where_nothing_depends_on_it(
 
 #[test]
 fn the_paper_s_method_proves_misses_only_and_is_accounted_for() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run = place.run(&["render", SPHERE, "--json", "--size", "32", "--method", "knoll"]).ok();
     let object = run.json();
     let count = |path: &str| object.pointer(path).and_then(Value::as_u64).expect("a count");
@@ -756,7 +756,7 @@ fn the_paper_s_method_proves_misses_only_and_is_accounted_for() {
 
 #[test]
 fn a_method_that_proves_nothing_says_so() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let march = ["render", SPHERE, "--json", "--size", "32", "--domain", "1", "--method", "march"];
     let run = place.run(&[&march[..], &["--steps", "64", "--ortho", "1"]].concat()).ok();
     let object = run.json();
@@ -773,7 +773,7 @@ fn a_method_that_proves_nothing_says_so() {
 /// anywhere is refused.
 #[test]
 fn what_is_constant_on_this_domain_only_is_noted() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |text: &str, domain: &str| {
         place.write("text.zset", text);
         place.run(&[
@@ -809,7 +809,7 @@ fn what_is_constant_on_this_domain_only_is_noted() {
 
 #[test]
 fn a_picture_tells_which_command_made_it() {
-    let place = Place::new();
+    let place = Sandbox::new();
     place.run(&["render", "x^2+y^2 = z^2 + ½", "--size", "16", "-o", "it.png"]).ok();
     let file = std::fs::File::open(place.path("it.png")).expect("written");
     let reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("valid");
@@ -822,7 +822,7 @@ fn a_picture_tells_which_command_made_it() {
 
 #[test]
 fn looks_and_edges_change_colors_and_nothing_else() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |more: &[&str]| {
         let fixed = ["render", SPHERE, "--size", "48", "-o", "p.png", "--status", "s.npy"];
         place.run(&[&fixed[..], more].concat()).ok();
@@ -848,7 +848,7 @@ fn looks_and_edges_change_colors_and_nothing_else() {
 
 #[test]
 fn a_document_says_how_its_picture_looks() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let render = |text: &str, more: &[&str]| {
         let fixed = ["render", text, "--size", "48", "--json", "-o", "p.png"];
         let run = place.run(&[&fixed[..], more].concat()).ok();
@@ -878,7 +878,7 @@ fn a_document_says_how_its_picture_looks() {
 /// The parser has its own lists of names, since it does not depend on the tracer.
 #[test]
 fn a_domain_of_multiples_of_pi_is_written_as_such() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let run =
         place.run(&["render", "sin(x)+sin(y)+sin(z) = 0", "--status", "s.npy", "--size", "8"]);
     let run = run.ok();

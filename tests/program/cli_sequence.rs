@@ -1,11 +1,11 @@
 //! End-to-end tests of `zeroset render --frames`.
 
-use crate::cli_support::Place;
+use crate::cli_support::Sandbox;
 use serde_json::Value;
 
 const GROWING: &str = "x^2+y^2+z^2 = r^2; r = 1";
 
-fn pixels(place: &Place, name: &str) -> Vec<u8> {
+fn pixels(place: &Sandbox, name: &str) -> Vec<u8> {
     image::open(place.path(name)).expect("a picture").to_rgb8().into_raw()
 }
 
@@ -16,7 +16,7 @@ fn frames(stdout: &str) -> Vec<Value> {
 
 #[test]
 fn each_frame_is_the_picture_of_its_values() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let sweep = ["--sweep", "r=0.3..1.2", "--frames", "4", "--size", "48"];
     let files = ["-o", "f-%02d.png", "--json"];
     let run = place.run(&[&["render", GROWING], &sweep[..], &files].concat()).ok();
@@ -54,7 +54,7 @@ fn each_frame_is_the_picture_of_its_values() {
 
 #[test]
 fn shards_make_what_one_run_makes_and_resuming_makes_what_is_missing() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let turn = ["render", "tangle", "--turntable", "--frames", "5", "--size", "32", "-o"];
     place.run(&[&turn[..], &["whole-%d.png"]].concat()).ok();
     for shard in ["1/2", "2/2"] {
@@ -79,7 +79,7 @@ fn shards_make_what_one_run_makes_and_resuming_makes_what_is_missing() {
 
 #[test]
 fn resuming_makes_anew_what_another_sequence_has_written_over() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let turn = |more: &[&str]| {
         let fixed = ["render", "tangle", "--turntable", "--frames", "3", "--size", "16"];
         let arrays = ["--status", "s-%d.npy", "--resume"];
@@ -98,7 +98,7 @@ fn resuming_makes_anew_what_another_sequence_has_written_over() {
 
 #[test]
 fn one_file_holds_all_frames() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let sweep = ["render", GROWING, "--sweep", "r=0.5..1", "--frames", "3", "--size", "24x16"];
     let to = |name: &str| place.run(&[&sweep[..], &["-o", name]].concat());
     to("f-%d.png").ok();
@@ -136,7 +136,7 @@ fn one_file_holds_all_frames() {
 
 #[test]
 fn a_loop_leaves_out_the_end_and_a_whole_turn_is_one() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let values = |more: &[&str]| {
         let sweep = ["render", "x^2+y^2+z^2 = 1+sin(t)^2", "--time", "0..pi", "--frames", "4"];
         let rest = ["--size", "8", "-o", "f-%d.png", "--json"];
@@ -165,7 +165,7 @@ fn a_loop_leaves_out_the_end_and_a_whole_turn_is_one() {
 
 #[test]
 fn what_is_wrong_with_a_sequence_is_said() {
-    let place = Place::new();
+    let place = Sandbox::new();
     let refused = |more: &str, why: &str| {
         let words: Vec<&str> = more.split(' ').collect();
         let run = place.run(&[&["render", GROWING, "--size", "8"], &words[..]].concat());

@@ -2,7 +2,7 @@
 //!
 //! The call into it is the only unsafe code here.
 
-use crate::side::{Asked, Side};
+use crate::side::{EnclosureCalls, Side};
 use crate::surfaces::EYE;
 use anyhow::{Result, ensure};
 use rayon::prelude::*;
@@ -54,14 +54,14 @@ mod library {
 }
 
 /// The compiled packet sizes.
-pub const WIDTHS: &[Width] = &[
-    Width { lanes: 4, draw: library::knoll2007_w4 },
+pub const PACKET_WIDTHS: &[PacketWidth] = &[
+    PacketWidth { lanes: 4, draw: library::knoll2007_w4 },
     #[cfg(sixteen_lanes)]
-    Width { lanes: 16, draw: library::knoll2007_w16 },
+    PacketWidth { lanes: 16, draw: library::knoll2007_w16 },
 ];
 
 /// The code for packets of one size.
-pub struct Width {
+pub struct PacketWidth {
     /// Number of rays in a packet.
     pub lanes: usize,
     draw: Draw,
@@ -74,7 +74,7 @@ const DEEPEST: u32 = 32;
 
 /// A surface, with the buffers of its pictures.
 pub struct Knoll2007 {
-    width: &'static Width,
+    width: &'static PacketWidth,
     name: CString,
     size: usize,
     depth: u32,
@@ -88,7 +88,7 @@ impl Knoll2007 {
     ///
     /// # Errors
     /// If the picture is too large, or the depth is not from 1 to 32.
-    pub fn new(width: &'static Width, name: &str, size: usize, depth: u32) -> Result<Option<Self>> {
+    pub fn new(width: &'static PacketWidth, name: &str, size: usize, depth: u32) -> Result<Option<Self>> {
         ensure!((1..=DEEPEST).contains(&depth), "the C++ takes depths from 1 to {DEEPEST}");
         // The C++ has `int` indices, and three bytes per pixel.
         ensure!(size <= 1 << 14, "the C++ draws no more than {} rows", 1 << 14);
@@ -160,7 +160,7 @@ impl Side for Knoll2007 {
         self.distance.iter().map(far).collect()
     }
 
-    fn asked(&self) -> Option<Asked> {
-        Some(Asked { calls: self.boxes, lanes: self.width.lanes as f64 })
+    fn enclosure_calls(&self) -> Option<EnclosureCalls> {
+        Some(EnclosureCalls { calls: self.boxes, lanes: self.width.lanes as f64 })
     }
 }

@@ -16,9 +16,9 @@ mod voxels;
 use anyhow::{Context, Result};
 use clap::Parser;
 use clap::builder::PossibleValuesParser;
-use knoll2007::{Knoll2007, WIDTHS};
+use knoll2007::{Knoll2007, PACKET_WIDTHS};
 use measure::measure;
-use ours::Ours;
+use ours::ZerosetSide;
 use reference::{Entries, Reference};
 use report::{Report, Row};
 use scaling::Pooled;
@@ -95,7 +95,7 @@ impl Arguments {
             let threads = threads as usize;
             for (pictures, threads) in [(1, 1), (1, threads), (threads, 1)] {
                 for method in self.methods() {
-                    let picture = |_| Ours::new(surface, method, size, depth);
+                    let picture = |_| ZerosetSide::new(surface, method, size, depth);
                     let pictures = (0..pictures).map(picture).collect::<Result<_>>()?;
                     sides.push(Box::new(Pooled::new(pictures, threads)?));
                 }
@@ -103,9 +103,9 @@ impl Arguments {
             return Ok(sides);
         }
         for method in self.methods() {
-            sides.push(Box::new(Ours::new(surface, method, size, depth)?));
+            sides.push(Box::new(ZerosetSide::new(surface, method, size, depth)?));
         }
-        for width in WIDTHS.iter().filter(|_| !self.no_cpp) {
+        for width in PACKET_WIDTHS.iter().filter(|_| !self.no_cpp) {
             if let Some(side) = Knoll2007::new(width, surface.name, size, depth)? {
                 sides.push(Box::new(side));
             }
@@ -160,8 +160,8 @@ fn main() -> Result<()> {
         for ((side, times), ratios) in sides.iter().zip(times).zip(ratios) {
             let reference = references.get(&side.size());
             let errors = reference.map(|reference| reference.errors(&side.distances()));
-            let (side, asked, remark) = (side.name(), side.asked(), side.remark());
-            report.add(surface.name, Row { side, times, errors, asked, ratios, remark });
+            let (side, enclosure_calls, remark) = (side.name(), side.enclosure_calls(), side.remark());
+            report.add(surface.name, Row { side, times, errors, enclosure_calls, ratios, remark });
         }
         if let Some(reference) = references.get(&(arguments.size as usize)) {
             let [none, roots, open] = reference.counts();
@@ -179,7 +179,7 @@ fn main() -> Result<()> {
 fn print_head(arguments: &Arguments) {
     println!("{}, {} of {} threads", processor(), arguments.threads, threads());
     println!("C++ by {} {}", env!("RIVALS_COMPILER"), env!("RIVALS_FLAGS"));
-    if WIDTHS.len() < 2 {
+    if PACKET_WIDTHS.len() < 2 {
         println!("no C++ on 16 lanes: the processor has no AVX-512");
     }
     println!(

@@ -1,7 +1,7 @@
 //! zeroset's methods, called through the library.
 
 use zeroset_trace::TraceOptions;
-use crate::side::{Asked, Side};
+use crate::side::{EnclosureCalls, Side};
 use crate::surfaces::Surface;
 use anyhow::Result;
 use zeroset_render::model::Model;
@@ -9,14 +9,14 @@ use zeroset_render::picture::{Normals, Picture, Settings};
 use zeroset_trace::{Camera, Method};
 
 /// A compiled surface, with its last picture.
-pub struct Ours {
+pub struct ZerosetSide {
     model: Model,
     camera: Camera,
     settings: Settings,
     picture: Option<Picture>,
 }
 
-impl Ours {
+impl ZerosetSide {
     /// Compiles the surface.
     ///
     /// # Errors
@@ -42,7 +42,7 @@ impl Ours {
     }
 }
 
-impl Side for Ours {
+impl Side for ZerosetSide {
     fn name(&self) -> String {
         self.settings.method.name.to_owned()
     }
@@ -65,10 +65,10 @@ impl Side for Ours {
         self.picture.as_ref().map_or_else(Vec::new, |picture| picture.buffer.drawn.clone())
     }
 
-    fn asked(&self) -> Option<Asked> {
+    fn enclosure_calls(&self) -> Option<EnclosureCalls> {
         let work = &self.picture.as_ref()?.statistics.work.interval;
         // Some methods evaluate no intervals.
         (work.calls > 0)
-            .then(|| Asked { calls: work.calls, lanes: work.lanes as f64 / work.calls as f64 })
+            .then(|| EnclosureCalls { calls: work.calls, lanes: work.lanes as f64 / work.calls as f64 })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::measure::Times;
 use crate::reference::Errors;
-use crate::side::Asked;
+use crate::side::EnclosureCalls;
 use std::fmt::Write as _;
 
 /// Results of one side on one surface.
@@ -14,7 +14,7 @@ pub struct Row {
     /// Errors of its picture, if they are measured.
     pub errors: Option<Errors>,
     /// Its calls of the function's enclosure, if it counts them.
-    pub asked: Option<Asked>,
+    pub enclosure_calls: Option<EnclosureCalls>,
     /// Its times relative to each method, in the order of the columns.
     pub ratios: Vec<f64>,
     /// Reason why its picture is not the zero set, if so.
@@ -52,8 +52,8 @@ impl Report {
                 .map(|count| row.errors.as_ref().map_or("-".to_owned(), |e| count(e).to_string()));
         let off = row.errors.and_then(|errors| errors.distance);
         let off = off.map_or("-".to_owned(), |off| format!("{off:.1e}"));
-        let boxes = row.asked.map_or("-".to_owned(), |asked| {
-            format!("{:.2} M", asked.calls as f64 * asked.lanes / 1e6)
+        let boxes = row.enclosure_calls.map_or("-".to_owned(), |enclosure_calls| {
+            format!("{:.2} M", enclosure_calls.calls as f64 * enclosure_calls.lanes / 1e6)
         });
         println!("{line}{rootless:>10}{missed:>8}{off:>10}{boxes:>11}");
         self.rows.push((surface, row));

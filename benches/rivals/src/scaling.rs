@@ -1,6 +1,6 @@
 //! Speed-up by threads, compared with that of independent pictures.
 
-use crate::ours::Ours;
+use crate::ours::ZerosetSide;
 use crate::side::Side;
 use anyhow::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -11,7 +11,7 @@ const IN_A_ROW: usize = 32;
 
 /// Pictures drawn at the same time, each with threads of its own.
 pub struct Pooled {
-    pictures: Vec<(ThreadPool, Ours)>,
+    pictures: Vec<(ThreadPool, ZerosetSide)>,
     threads: usize,
 }
 
@@ -20,7 +20,7 @@ impl Pooled {
     ///
     /// # Errors
     /// If a thread cannot be started.
-    pub fn new(pictures: Vec<Ours>, threads: usize) -> Result<Self> {
+    pub fn new(pictures: Vec<ZerosetSide>, threads: usize) -> Result<Self> {
         let pool = |picture| Ok((ThreadPoolBuilder::new().num_threads(threads).build()?, picture));
         Ok(Self { pictures: pictures.into_iter().map(pool).collect::<Result<_>>()?, threads })
     }
@@ -45,7 +45,7 @@ impl Side for Pooled {
     }
 
     fn draw(&mut self) -> Result<()> {
-        let draw = |(pool, picture): &mut (ThreadPool, Ours)| {
+        let draw = |(pool, picture): &mut (ThreadPool, ZerosetSide)| {
             pool.install(|| (0..IN_A_ROW).try_for_each(|_| picture.draw()))
         };
         if let [only] = self.pictures.as_mut_slice() {

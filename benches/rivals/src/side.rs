@@ -26,7 +26,7 @@ pub trait Side {
     fn distances(&self) -> Vec<f64>;
 
     /// Number and size of the calls for bounds of f in the last picture, if they are counted.
-    fn asked(&self) -> Option<Asked> {
+    fn enclosure_calls(&self) -> Option<EnclosureCalls> {
         None
     }
 
@@ -38,7 +38,7 @@ pub trait Side {
 
 /// Calls of a function's enclosure.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub struct EnclosureCalls {
     /// Number of calls.
     pub calls: u64,
     /// Mean number of boxes per call.

@@ -2,7 +2,7 @@
 
 use crate::error::ChartError;
 use crate::groups::grouped;
-use crate::machine::Machine;
+use crate::machine::Environment;
 use crate::measure::pool;
 use crate::progress::progress;
 use crate::row::Row;
@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// Greatest accepted relative change of a time. Two runs on an otherwise idle machine differ by
 /// less.
-pub const ROOM: f64 = 0.15;
+pub const TIME_TOLERANCE: f64 = 0.15;
 
 /// Differences between results and a repetition of them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,7 +23,7 @@ pub struct Differences {
     pub rows: usize,
     /// Counts or hashes that differ, one line each.
     pub counts: Vec<String>,
-    /// Rows whose time changed by more than [`ROOM`] relative to their view's other rows, one line
+    /// Rows whose time changed by more than [`TIME_TOLERANCE`] relative to their view's other rows, one line
     /// each.
     pub times: Vec<String>,
 }
@@ -34,7 +34,7 @@ pub struct Differences {
 /// If there are no rows, or they cannot be repeated by this version.
 pub fn check(directory: &Path) -> Result<Differences, ChartError> {
     let store = Store::existing(directory)?;
-    let machine = Machine::this();
+    let machine = Environment::this();
     let mut differences = Differences::default();
     // Rows are grouped as they were measured.
     let batches = grouped(&store.rows, |row| (&row.surface, &row.view, row.conditions()));
@@ -78,7 +78,7 @@ impl Differences {
                 self.counts.push(format!("{key}: hash {before}, now {now}"));
             }
             let ratio = ratio / common;
-            if !(1.0 - ROOM..=1.0 + ROOM).contains(&ratio) {
+            if !(1.0 - TIME_TOLERANCE..=1.0 + TIME_TOLERANCE).contains(&ratio) {
                 let (before, now) = (old.total_ms, new.total_ms);
                 self.times.push(format!(
                     "{key}: {before:.2} ms, now {now:.2} ms: {ratio:.2} times as long as before, beside its view's others"

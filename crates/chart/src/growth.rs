@@ -9,7 +9,7 @@ pub use formulas::Source;
 use crate::arguments::CompileArguments;
 use crate::error::ChartError;
 use crate::files::write_csv;
-use crate::machine::Machine;
+use crate::machine::Environment;
 use crate::measure::pool;
 use crate::progress::progress;
 use crate::surfaces::Surface;
@@ -63,7 +63,7 @@ pub struct Row {
 pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
     let CompileArguments { nodes, repeats, seed, .. } = *arguments;
     let formulas = all(nodes, seed)?;
-    let (machine, pool) = (Machine::this(), pool(1));
+    let (machine, pool) = (Environment::this(), pool(1));
     let bar = progress((1 + repeats) * formulas.len());
     let mut random = rng(&format!("{seed} growth order"));
     let mut order: Vec<usize> = (0..formulas.len()).collect();
@@ -81,7 +81,7 @@ pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
             bar.inc(1);
         }
         if round > 0 {
-            rows = rounds.iter().map(|rounds| together(rounds)).collect();
+            rows = rounds.iter().map(|rounds| combine_rounds(rounds)).collect();
             save(&rows, &arguments.output)?;
         }
     }
@@ -101,7 +101,7 @@ fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
 fn compile(
     (source, formula): &(Source, Surface),
     seed: u64,
-    machine: &Machine,
+    machine: &Environment,
 ) -> Result<Row, ChartError> {
     let refuse = ChartError::of_surface(&formula.name);
     let mut start = Instant::now();
@@ -123,7 +123,7 @@ fn compile(
     let compile_ms = lap();
     let made = program.made();
     let (nodes_typed, nodes) = program.nodes();
-    let Machine { version, rustc, flags, processor, .. } = machine.clone();
+    let Environment { version, rustc, flags, processor, .. } = machine.clone();
     Ok(Row {
         name: formula.name.clone(),
         source: *source,
@@ -145,7 +145,7 @@ fn compile(
 }
 
 /// Combines a formula's rounds: each time is the least of its kind.
-fn together(rounds: &[Row]) -> Row {
+fn combine_rounds(rounds: &[Row]) -> Row {
     let least = |time: fn(&Row) -> f64| rounds.iter().map(time).fold(f64::INFINITY, f64::min);
     Row {
         parse_ms: least(|row| row.parse_ms),

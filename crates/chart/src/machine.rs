@@ -5,7 +5,7 @@ use zeroset_testkit::machine::{processor, threads};
 
 /// Everything that times depend on, besides the code.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Machine {
+pub struct Environment {
     /// Version of this crate, which is that of the workspace.
     pub version: String,
     /// Version of the compiler.
@@ -18,7 +18,7 @@ pub struct Machine {
     pub processor_threads: usize,
 }
 
-impl Machine {
+impl Environment {
     /// The machine and build of this process.
     pub fn this() -> Self {
         Self {

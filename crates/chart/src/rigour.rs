@@ -10,19 +10,19 @@ mod inputs;
 mod kernels;
 mod row;
 
-pub use row::{Asked, Row, name};
+pub use row::{Row, Workload, name};
 
 use crate::arguments::RigourArguments;
 use crate::error::ChartError;
 use crate::files::write_csv;
-use crate::machine::Machine;
+use crate::machine::Environment;
 use crate::measure::pool;
 use crate::progress::progress;
 use crate::quantile::{Quartiles, geometric_mean};
 use crate::surfaces::{self, Surface};
 use crate::views::{View, rng, views};
-use inputs::{Three, boxes, chosen, errors, lengths, widths};
-use kernels::{Float, Has, Own, Set};
+use inputs::{ByArithmetic, boxes, chosen, errors, lengths, widths};
+use kernels::{HasKernel, KernelPrecision, KernelSet, PrecisionKernels};
 use std::hint::black_box;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -33,7 +33,7 @@ use zeroset_scene::view;
 use zeroset_trace::{Driver, GBuffer, Method, Precision, TraceOptions};
 
 /// Least time that a kernel runs between two readings of the clock.
-const TURN: Duration = Duration::from_micros(300);
+const MIN_RUN: Duration = Duration::from_micros(300);
 
 /// Measures surfaces, and writes `rigour.csv` and `rigour.svg` after each. Returns a table of the
 /// results.
@@ -43,7 +43,7 @@ const TURN: Duration = Duration::from_micros(300);
 /// written. Parameters and poles need kernels that are not compared here.
 pub fn rigour(arguments: &RigourArguments) -> Result<String, ChartError> {
     let surfaces = surfaces::chosen(&arguments.surfaces)?;
-    let (machine, pool) = (Machine::this(), pool(1));
+    let (machine, pool) = (Environment::this(), pool(1));
     let mut rows = Vec::new();
     let bar = progress(2 * surfaces.len());
     for surface in &surfaces {
@@ -100,13 +100,15 @@ struct Plan<'a> {
     view: &'a View,
     program: &'a Program,
     arguments: &'a RigourArguments,
-    machine: &'a Machine,
+    machine: &'a Environment,
 }
 
 /// The kernels for a query, one per arithmetic in the order of [`Arithmetic::ALL`].
-fn three<T: Float, Q: Query>(sets: &[Set; 3]) -> Result<Three<'_, Q, T>, KernelError>
+fn three<T: KernelPrecision, Q: Query>(
+    sets: &[KernelSet; 3],
+) -> Result<ByArithmetic<'_, Q, T>, KernelError>
 where
-    Own<T>: Has<Q, T>,
+    PrecisionKernels<T>: HasKernel<Q, T>,
 {
     let [unsound, widened, upward] = sets;
     Ok([unsound.kernel()?, widened.kernel()?, upward.kernel()?])
@@ -119,10 +121,12 @@ struct Task<'a> {
 }
 
 impl Plan<'_> {
-    fn rows<T: Float>(&self) -> Result<Vec<Row>, ChartError> {
+    fn rows<T: KernelPrecision>(&self) -> Result<Vec<Row>, ChartError> {
         let surface = &self.surface;
         let refuse = ChartError::of_surface(&surface.name);
-        let set = |arithmetic, keeps| Set::new(self.program, arithmetic, keeps).map_err(&refuse);
+        let set = |arithmetic, records| {
+            KernelSet::new(self.program, arithmetic, records).map_err(&refuse)
+        };
         // A picture in the sound arithmetic records the inputs of its kernels.
         let asked = set(Arithmetic::Upward, true)?;
         self.picture(&asked, T::PRECISION)?;
@@ -134,24 +138,24 @@ impl Plan<'_> {
 
         let kernels = three::<T, Enclose>(&sets).map_err(&refuse)?;
         let widths = [widths(&kernels, &places), widths(&kernels, &points)];
-        let mut rows = self.kernel_rows(Asked::Boxes, &kernels, &places, widths);
+        let mut rows = self.kernel_rows(Workload::Boxes, &kernels, &places, widths);
         let kernels = three::<T, ContractSegments>(&sets).map_err(&refuse)?;
-        let segments = asked.seen::<T, ContractSegments>().map_err(&refuse)?;
+        let segments = asked.recorded::<T, ContractSegments>().map_err(&refuse)?;
         let widths = [lengths(&kernels, &segments), [None; 3]];
-        rows.extend(self.kernel_rows(Asked::Segments, &kernels, &segments, widths));
+        rows.extend(self.kernel_rows(Workload::Segments, &kernels, &segments, widths));
         let kernels = three::<T, ContractTiles>(&sets).map_err(&refuse)?;
-        let tiles = asked.seen::<T, ContractTiles>().map_err(&refuse)?;
+        let tiles = asked.recorded::<T, ContractTiles>().map_err(&refuse)?;
         let widths = [errors(&kernels, &tiles), [None; 3]];
-        rows.extend(self.kernel_rows(Asked::Tiles, &kernels, &tiles, widths));
+        rows.extend(self.kernel_rows(Workload::Tiles, &kernels, &tiles, widths));
         rows.extend(self.picture_rows(&sets, T::PRECISION)?);
         Ok(rows)
     }
 
     /// Rows with the kernels' times on some of `inputs`, and with the given `widths`.
-    fn kernel_rows<T: Float, Q: Query>(
+    fn kernel_rows<T: KernelPrecision, Q: Query>(
         &self,
-        asked: Asked,
-        kernels: &Three<Q, T>,
+        asked: Workload,
+        kernels: &ByArithmetic<Q, T>,
         inputs: &[Q::Input<T>],
         widths: [[Option<f64>; 3]; 2],
     ) -> Vec<Row> {
@@ -179,7 +183,11 @@ impl Plan<'_> {
         rows
     }
 
-    fn picture_rows(&self, sets: &[Set; 3], precision: Precision) -> Result<Vec<Row>, ChartError> {
+    fn picture_rows(
+        &self,
+        sets: &[KernelSet; 3],
+        precision: Precision,
+    ) -> Result<Vec<Row>, ChartError> {
         // These pictures compile the kernels before any time is taken.
         let mut undecided = Vec::new();
         for set in sets {
@@ -194,7 +202,7 @@ impl Plan<'_> {
             };
             Task { run: Box::new(run), lanes: self.arguments.size * self.arguments.size }
         });
-        let mut rows = self.timed(Asked::Picture, precision, &tasks);
+        let mut rows = self.timed(Workload::Picture, precision, &tasks);
         for (row, undecided) in rows.iter_mut().zip(undecided) {
             row.undecided = Some(undecided);
         }
@@ -202,7 +210,7 @@ impl Plan<'_> {
     }
 
     /// Traces the surface by the method `affine`; returns the number of undecided pixels.
-    fn picture(&self, set: &Set, precision: Precision) -> Result<usize, ChartError> {
+    fn picture(&self, set: &KernelSet, precision: Precision) -> Result<usize, ChartError> {
         let size = self.arguments.size;
         let affine = Method::named("affine").expect("the default");
         let options = TraceOptions { precision, ..TraceOptions::default() };
@@ -219,7 +227,7 @@ impl Plan<'_> {
 
     /// Times the three tasks in rounds of random order; rows are in the order of
     /// [`Arithmetic::ALL`].
-    fn timed(&self, asked: Asked, precision: Precision, tasks: &[Task<'_>; 3]) -> Vec<Row> {
+    fn timed(&self, asked: Workload, precision: Precision, tasks: &[Task<'_>; 3]) -> Vec<Row> {
         // Interruptions only lengthen a time, so the least of three counts.
         let time = |task: &Task<'_>, times: usize| {
             let once = || {
@@ -232,7 +240,7 @@ impl Plan<'_> {
         // The first round warms up, and determines the number of repetitions.
         let times = tasks.each_ref().map(|task| {
             let once = time(task, 1);
-            (TURN.as_secs_f64() / once.max(1e-9)).ceil() as usize
+            (MIN_RUN.as_secs_f64() / once.max(1e-9)).ceil() as usize
         });
         let RigourArguments { size, repeats, seed, .. } = *self.arguments;
         let mut order = [0, 1, 2];
@@ -253,7 +261,7 @@ impl Plan<'_> {
         let rows = Arithmetic::ALL.iter().enumerate().map(|(number, arithmetic)| {
             let own = quartiles(&|round| round[number]);
             let ratio = quartiles(&|round| round[number] / round[0]);
-            let Machine { version, rustc, flags, processor, .. } = self.machine.clone();
+            let Environment { version, rustc, flags, processor, .. } = self.machine.clone();
             Row {
                 surface: self.surface.name.clone(),
                 asked,

@@ -3,7 +3,7 @@
 use crate::error::ChartError;
 use crate::errors::Errors;
 use crate::grid::{Configuration, precision};
-use crate::machine::Machine;
+use crate::machine::Environment;
 use crate::measure::Measured;
 use crate::surfaces::Surface;
 use crate::views::View;
@@ -118,7 +118,7 @@ impl Row {
         configuration: &Configuration,
         measured: &Measured,
         errors: &Errors,
-        machine: &Machine,
+        machine: &Environment,
     ) -> Self {
         let [eye, target, up] = [view.camera.eye(), view.camera.target(), view.camera.up()];
         let fov = match view.camera.projection() {
@@ -209,8 +209,8 @@ impl Row {
     }
 
     /// The machine that the row was measured on.
-    pub fn machine(&self) -> Machine {
-        Machine {
+    pub fn machine(&self) -> Environment {
+        Environment {
             version: self.version.clone(),
             rustc: self.rustc.clone(),
             flags: self.flags.clone(),

@@ -4,7 +4,7 @@ use crate::arguments::RunArguments;
 use crate::error::ChartError;
 use crate::errors::Errors;
 use crate::grid::{Configuration, configurations};
-use crate::machine::Machine;
+use crate::machine::Environment;
 use crate::measure::{measure, pool};
 use crate::progress::progress;
 use crate::reference::{Reference, Sampling};
@@ -26,7 +26,7 @@ pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
     let configurations = configurations(&arguments.methods.chosen(), &arguments.values());
     let (all, number) = (arguments.conditions(), arguments.views());
     let mut store = Store::open(&arguments.output)?;
-    let machine = Machine::this();
+    let machine = Environment::this();
     if store.rows.iter().any(|row| row.machine() != machine) {
         let why = "holds results of another machine, compiler or version";
         return Err(ChartError::of_content(&arguments.output)(why));
@@ -68,7 +68,7 @@ pub struct Batch<'a> {
     /// The conditions.
     pub conditions: Conditions,
     /// The machine.
-    pub machine: &'a Machine,
+    pub machine: &'a Environment,
 }
 
 impl Batch<'_> {

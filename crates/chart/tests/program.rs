@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use zeroset_chart::growth;
-use zeroset_chart::rigour::{self, Asked};
+use zeroset_chart::rigour::{self, Workload};
 
 fn chart(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_zeroset-chart")).args(arguments).output().expect("it runs")
@@ -129,7 +129,7 @@ fn rigour_has_a_price() {
     assert_eq!(rows.len(), 2 * 4 * 2 * 3, "{rows:?}");
     for row in &rows {
         assert!(row.ns > 0.0 && row.ns_lower <= row.ns && row.ns <= row.ns_upper, "{row:?}");
-        assert_eq!(row.code_bytes.is_some(), row.asked != Asked::Picture, "{row:?}");
+        assert_eq!(row.code_bytes.is_some(), row.asked != Workload::Picture, "{row:?}");
         match row.arithmetic.as_str() {
             "unsound" => assert_eq!(row.times_unsound, 1.0),
             "upward" => assert!(row.width.is_none_or(|width| width == 1.0), "{row:?}"),
@@ -141,7 +141,7 @@ fn rigour_has_a_price() {
     // widened one has more of it than rounding up.
     let of = |arithmetic: &'static str| rows.iter().filter(move |row| row.arithmetic == arithmetic);
     for ((unsound, widened), upward) in of("unsound").zip(of("widened")).zip(of("upward")) {
-        if unsound.asked == Asked::Boxes {
+        if unsound.asked == Workload::Boxes {
             let [unsound, widened] = [unsound, widened].map(|row| row.width_at_points);
             assert!(unsound < Some(1.0) && widened > Some(1.5), "{unsound:?} {widened:?}");
         }

@@ -173,7 +173,10 @@ mod tests {
             let other = |class: TokenClass| {
                 words().any(|(name, kind)| name == word && class == TokenClass::Word(kind))
             };
-            assert!(class == TokenClass::Word(kind) || other(class), "{line}: {class:?}, not {kind:?}");
+            assert!(
+                class == TokenClass::Word(kind) || other(class),
+                "{line}: {class:?}, not {kind:?}"
+            );
             count += 1;
         }
         assert!(count > 150, "{count} words");
@@ -221,7 +224,10 @@ mod tests {
         assert!(is_open("x = 1 {y > 0,\n"));
         assert!(is_open("max(x > 0 ? y\n: z,") && is_open("max(x > 0 ? y\n:z,"));
         assert_eq!(abandoned_formula("max(x,\n:quit"), Some(("max(x,", ":quit")));
-        assert_eq!(abandoned_formula("max(x,\ny,\n :help sin\n"), Some(("max(x,\ny,", " :help sin")));
+        assert_eq!(
+            abandoned_formula("max(x,\ny,\n :help sin\n"),
+            Some(("max(x,\ny,", " :help sin"))
+        );
         assert!(!is_open("max(x,\n:quit") && abandoned_formula("x = 1\n:quit").is_none());
         assert!(
             !is_open("max(x,\ny)") && !is_open("x # (") && !is_open(":help (") && !is_open(")")

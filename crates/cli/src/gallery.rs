@@ -5,7 +5,7 @@ use super::notes;
 use super::output::{Output, print};
 use super::png_file::{PictureOrigin, write_png};
 use super::progress::Progress;
-use super::render::{with_effects, in_threads, method_settings};
+use super::render::{in_threads, method_settings, with_effects};
 use super::sheet::ContactSheet;
 use super::stage::stage;
 use anyhow::{Context, Result};
@@ -57,13 +57,16 @@ fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()
         let file = Output::create(&directory.join(format!("{}.png", example.slug)))?;
         let picture = render(example, settings).with_context(|| example.slug)?;
         let (width, height) = (settings.width, settings.height);
-        file.finish(|out| write_png(out, picture.as_raw(), [width, height], &PictureOrigin::default()))?;
+        file.finish(|out| {
+            write_png(out, picture.as_raw(), [width, height], &PictureOrigin::default())
+        })?;
         sheet.add(example.title(), &picture);
         bar.reach(done as u64 + 1);
     }
     let sheet = sheet.into_image();
     let (width, height) = (sheet.width() as usize, sheet.height() as usize);
-    sheet_file.finish(|out| write_png(out, sheet.as_raw(), [width, height], &PictureOrigin::default()))
+    sheet_file
+        .finish(|out| write_png(out, sheet.as_raw(), [width, height], &PictureOrigin::default()))
 }
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {

@@ -145,7 +145,10 @@ mod tests {
 
     #[test]
     fn terminals_are_known_by_their_environment_or_asked() {
-        let (kitty, iterm) = (GraphicsSupport::Supports(Protocol::Kitty), GraphicsSupport::Supports(Protocol::Iterm));
+        let (kitty, iterm) = (
+            GraphicsSupport::Supports(Protocol::Kitty),
+            GraphicsSupport::Supports(Protocol::Iterm),
+        );
         assert_eq!(detected(&[("TERM", "xterm-kitty")]), kitty);
         assert_eq!(detected(&[("TERM", "xterm"), ("TERM_PROGRAM", "ghostty")]), kitty);
         assert_eq!(detected(&[("TERM", "xterm"), ("TERM_PROGRAM", "WezTerm")]), iterm);

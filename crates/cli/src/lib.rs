@@ -75,15 +75,16 @@ pub fn run() -> ExitCode {
 }
 
 fn dispatch() -> anyhow::Result<ExitCode> {
-    let arguments = match Arguments::try_parse_from(std::env::args_os().flat_map(split_attached_value)) {
-        Ok(arguments) => arguments,
-        Err(wrong) if wrong.use_stderr() => wrong.exit(),
-        // Help and version go to standard output like any result.
-        Err(help) => {
-            output::written(help.print())?;
-            return Ok(ExitCode::SUCCESS);
-        }
-    };
+    let arguments =
+        match Arguments::try_parse_from(std::env::args_os().flat_map(split_attached_value)) {
+            Ok(arguments) => arguments,
+            Err(wrong) if wrong.use_stderr() => wrong.exit(),
+            // Help and version go to standard output like any result.
+            Err(help) => {
+                output::written(help.print())?;
+                return Ok(ExitCode::SUCCESS);
+            }
+        };
     match arguments.command {
         None => interactive::run(&arguments.interactive),
         Some(Command::Render(arguments)) => render::run(&arguments),

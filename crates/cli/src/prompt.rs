@@ -1,6 +1,6 @@
 //! The prompt: a line editor with history, completion and colors. Does not know what a line means.
 
-use super::completion::{TokenClass, candidates, token_classes, abandoned_formula, is_open};
+use super::completion::{TokenClass, abandoned_formula, candidates, is_open, token_classes};
 use super::data::data_directory;
 use super::history::KEPT_LINES;
 use super::session::{Session, lock};
@@ -122,7 +122,8 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             // Append at once, so that nothing is lost however the program ends.
             let _ = editor.append_history(history);
         }
-        let parts = abandoned_formula(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
+        let parts =
+            abandoned_formula(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
                 // A command's output must not scroll away behind a picture that was shown before.
@@ -174,7 +175,8 @@ fn report_faults(session: &Arc<Session>, typing: &Mutex<Typing>) {
         std::thread::sleep(POLL_INTERVAL);
         let mut typing = lock(typing);
         let Some(fault) = session.live.snapshot().fault else { continue };
-        let is_new = fault.revision != typing.reported && session.reports_in_terminal(fault.revision);
+        let is_new =
+            fault.revision != typing.reported && session.reports_in_terminal(fault.revision);
         if typing.at.elapsed() < PAUSE || !is_new {
             continue;
         }

@@ -17,7 +17,7 @@ use zeroset_render::framing;
 use zeroset_render::model::{Model, Strip};
 use zeroset_render::overlay::Overlay;
 use zeroset_render::overlay::PictureView;
-use zeroset_render::picture::{UndecidedStatistics, Picture, Precision, Settings};
+use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, DomainChoice};
@@ -41,7 +41,8 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let around = Overlay::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
+    let around =
+        Overlay::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
     let render = || -> Result<_> {
         let document = &subject.document;
         let wanted = settings.has_time_to_choose();

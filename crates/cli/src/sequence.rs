@@ -84,7 +84,10 @@ pub fn asked(arguments: &RenderArgs) -> Result<Option<SequenceRequest>> {
     let shard = shard.as_deref().map_or(Ok((0, 1)), |text| {
         part(text).with_context(|| format!("--shard '{text}' is not of the form I/N, as 1/8"))
     })?;
-    Ok(Some(SequenceRequest { sequence: Sequence { frames, sweeps, turn: *turntable, is_loop }, shard }))
+    Ok(Some(SequenceRequest {
+        sequence: Sequence { frames, sweeps, turn: *turntable, is_loop },
+        shard,
+    }))
 }
 
 /// Parses `NAME=A..B`.
@@ -116,7 +119,11 @@ fn part(text: &str) -> Option<(usize, usize)> {
 ///
 /// # Errors
 /// If a frame cannot be rendered or written; earlier frames stay.
-pub fn run(arguments: &RenderArgs, asked: &SequenceRequest, settings: &Settings) -> Result<ExitCode> {
+pub fn run(
+    arguments: &RenderArgs,
+    asked: &SequenceRequest,
+    settings: &Settings,
+) -> Result<ExitCode> {
     let wanted = &arguments.outputs;
     wanted.check()?;
     let format = one_file(wanted, arguments.sequence.fps)?;
@@ -283,7 +290,11 @@ impl<'a> FrameRenderer<'a> {
     }
 
     /// Renders a frame. Reuses the kernels of the last frame if possible.
-    fn render_frame(&mut self, frame: usize, last: &mut Option<Model>) -> Result<(Camera, Picture)> {
+    fn render_frame(
+        &mut self,
+        frame: usize,
+        last: &mut Option<Model>,
+    ) -> Result<(Camera, Picture)> {
         let Self { overrides, time, sequence, stage, .. } = self;
         let settings = self.settings.begin();
         let options = Options { overrides, time: *time, ..Options::default() };

@@ -6,7 +6,7 @@ use super::gallery::listed;
 use super::history::History;
 use super::output::{Output, print};
 use super::png_file::{PictureOrigin, check_png, write_png};
-use super::render::{with_effects, kernel_settings};
+use super::render::{kernel_settings, with_effects};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
@@ -349,7 +349,8 @@ impl Session {
         let place = path.canonicalize().ok();
         let own = self.path().and_then(|own| own.canonicalize().ok());
         let is_another = place.is_some() && place != own;
-        if is_another && lock(&self.refused_overwrite).replace(path.clone()).as_ref() != Some(&path) {
+        if is_another && lock(&self.refused_overwrite).replace(path.clone()).as_ref() != Some(&path)
+        {
             anyhow::bail!(
                 "there is another file '{}' already; enter the line once more to write over it",
                 path.display()
@@ -382,8 +383,8 @@ impl Session {
         let output = Output::create(&path)?;
         // A picture that fits a terminal is too small for a file.
         let Settings { width, height, .. } = self.live.settings();
-        let small =
-            self.in_terminal.load(Ordering::Relaxed) && width * height < MIN_SAVED_SIDE * MIN_SAVED_SIDE;
+        let small = self.in_terminal.load(Ordering::Relaxed)
+            && width * height < MIN_SAVED_SIDE * MIN_SAVED_SIDE;
         if small {
             let usual = Settings::default();
             self.live.resize(usual.width, usual.height);

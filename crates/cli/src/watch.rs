@@ -67,7 +67,8 @@ impl Watch {
             watcher.watch(&directory, RecursiveMode::NonRecursive).ok()?;
             Some(watcher)
         });
-        let mut watched = WatchedFile { path, text: text.to_owned(), lost: false, stamp: None, report };
+        let mut watched =
+            WatchedFile { path, text: text.to_owned(), lost: false, stamp: None, report };
         let thread = std::thread::spawn(move || watched.run(&messages));
         Ok(Self { _watcher: watcher, stop, thread: Some(thread) })
     }

@@ -65,8 +65,7 @@ impl Branches {
     }
 
     fn within<T: Real>(tape: &Tape<T>, combinations: usize) -> Self {
-        let splits: Vec<Split> =
-            (0..tape.steps().len()).map(|index| split(tape, index)).collect();
+        let splits: Vec<Split> = (0..tape.steps().len()).map(|index| split(tape, index)).collect();
         let mut choices: Vec<Choice> = Vec::new();
         let mut makes = vec![None; splits.len()];
         let mut left = combinations;
@@ -373,7 +372,8 @@ mod tests {
         assert!(builder.branches(smooth).is_none());
         // Only the last of several roots counts.
         let jump = builder.of(Op::Floor, &[x]);
-        let tape = |roots: &[NodeId]| Tape::<f32>::branches(&builder.0, roots, &Assumptions::none(0));
+        let tape =
+            |roots: &[NodeId]| Tape::<f32>::branches(&builder.0, roots, &Assumptions::none(0));
         assert!(tape(&[jump, smooth]).is_none());
         assert!(tape(&[smooth, jump]).is_some());
         assert_eq!(tape(&[smooth, jump]).expect("it jumps").outputs(), 1);

@@ -118,14 +118,21 @@ impl Path<3> for TilePath {
 }
 
 /// The first output of a tape on a path: its form, where it may be 0, and the range of t.
-pub(crate) fn evaluate_and_contract<P: Path<N>, T: Real, V: Copy, M: Machine<V = V>, const N: usize>(
+pub(crate) fn evaluate_and_contract<
+    P: Path<N>,
+    T: Real,
+    V: Copy,
+    M: Machine<V = V>,
+    const N: usize,
+>(
     tape: &Tape<T>,
     m: &mut M,
     loader: &mut impl Loader<M>,
 ) -> (Form<V, N>, Contraction<V>, RayRange<V>) {
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
     let depth = RayRange::between(m, T::FORMAT, ends);
-    let form = tape.evaluate(m, &mut AffineDomain::<_, _, P, N> { loader, depth, path: PhantomData })[0];
+    let form =
+        tape.evaluate(m, &mut AffineDomain::<_, _, P, N> { loader, depth, path: PhantomData })[0];
     // Read again: a value that lives long is written to memory and read back.
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
     let new = contract(m, T::FORMAT, &form, [depth.middle, depth.half], ends);

@@ -10,7 +10,7 @@ use crate::batch::{
 };
 use crate::binding::Binding;
 use crate::differentiable::SmoothnessDomain;
-use crate::forms::{TilePath, SegmentPath, RayRange, evaluate_and_contract};
+use crate::forms::{RayRange, SegmentPath, TilePath, evaluate_and_contract};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
@@ -238,7 +238,8 @@ impl Query for ContractTiles {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
-        let (form, new, RayRange { middle, half }) = evaluate_and_contract::<TilePath, _, _, _, _>(tape, m, loader);
+        let (form, new, RayRange { middle, half }) =
+            evaluate_and_contract::<TilePath, _, _, _, _>(tape, m, loader);
         let zero = m.number(T::FORMAT, 0.0);
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
         let error = form.error(m, T::FORMAT).unwrap_or(zero);

@@ -4,7 +4,8 @@
 
 use crate::real::{Real, middle};
 use zeroset_interval::{
-    Enclosure, Exponent, Interval, Machine, Term, enclose, enclose_sincos, evaluate, evaluate_sincos,
+    Enclosure, Exponent, Interval, Machine, Term, enclose, enclose_sincos, evaluate,
+    evaluate_sincos,
 };
 use zeroset_ir::Axis;
 use zeroset_ops::Op;

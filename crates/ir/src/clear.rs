@@ -276,7 +276,7 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::{Random, GraphBuilder, Expr, evaluate};
+    use crate::testing::{Expr, GraphBuilder, Random, evaluate};
 
     fn cleared(
         formula: impl for<'a> Fn([Expr<'a>; 3], Expr<'a>) -> Expr<'a>,

@@ -163,7 +163,7 @@ impl FormulaParser<'_> {
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::{Random, GraphBuilder, evaluate};
+    use crate::testing::{GraphBuilder, Random, evaluate};
     use zeroset_ops::composed;
 
     fn apply(graph: &mut Graph, op: Op, operands: &[NodeId]) -> NodeId {

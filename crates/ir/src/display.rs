@@ -85,9 +85,10 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Precedence, Vec<Piece>) 
                 (precedence, pieces)
             };
             match op.row().class {
-                Class::Negation => {
-                    (Precedence::Sign, vec![text("-"), Piece::Node(operands[0], Precedence::Product)])
-                }
+                Class::Negation => (
+                    Precedence::Sign,
+                    vec![text("-"), Piece::Node(operands[0], Precedence::Product)],
+                ),
                 Class::Sum => infix(Precedence::Sum, " ", Precedence::Product, Precedence::Sum),
                 Class::Product | Class::Quotient => {
                     infix(Precedence::Product, "", Precedence::Power, Precedence::Product)

@@ -15,9 +15,9 @@ mod exponents;
 mod graph;
 mod hoist;
 mod radical;
-mod variability;
 mod simplify;
 mod univariate;
+mod variability;
 
 #[cfg(test)]
 mod testing;
@@ -32,5 +32,5 @@ pub use exponents::fix_exponents;
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
 pub use hoist::{Hoisted, hoist};
 pub use radical::radical;
-pub use variability::{Variability, variabilities};
 pub use simplify::{rewrite, simplify};
+pub use variability::{Variability, variabilities};

@@ -21,9 +21,9 @@ pub fn variabilities(graph: &Graph) -> Vec<Variability> {
             Node::Variable(_) => Variability::Varying,
             Node::Parameter(_) => Variability::Uniform,
             Node::Constant(_) => Variability::Constant,
-            Node::Apply(_, operands) => {
-                operands.iter().fold(Variability::Constant, |rank, id| rank.max(variabilities[id.index()]))
-            }
+            Node::Apply(_, operands) => operands
+                .iter()
+                .fold(Variability::Constant, |rank, id| rank.max(variabilities[id.index()])),
         });
     }
     variabilities

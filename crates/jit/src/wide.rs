@@ -123,7 +123,9 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
             if is_of_vectors {
                 widen(&instruction, width, &mut written)?;
                 if let Some(Some(register)) = kept.get(number) {
-                    written[first..].iter_mut().for_each(|one| spilled::replace_memory_operand(one, *register));
+                    written[first..]
+                        .iter_mut()
+                        .for_each(|one| spilled::replace_memory_operand(one, *register));
                 }
             } else if is_of_integers(&instruction) {
                 if instruction.code() == Code::Retnq {

@@ -39,7 +39,8 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let start = base.len() + 1;
     // Statements that the parser adds, such as definitions of coordinates, have no place in the
     // text.
-    let typed = statements.iter().map(|one| (statement_span(one), one)).filter(|(_, one)| is_typed(one));
+    let typed =
+        statements.iter().map(|one| (statement_span(one), one)).filter(|(_, one)| is_typed(one));
     let (old, new): (Vec<_>, Vec<_>) = typed.partition(|(span, _)| span.start < start);
     if let Some(text) = with_value_replaced(base, line, &old, &new) {
         return text;
@@ -135,7 +136,12 @@ fn is_typed(statement: &Statement) -> bool {
 
 /// The text with one value replaced in place, so that parameters keep their order. `None` if `line`
 /// is anything but one definition of a value that the text has once.
-fn with_value_replaced(base: &str, line: &str, old: &[Placed<'_>], new: &[Placed<'_>]) -> Option<String> {
+fn with_value_replaced(
+    base: &str,
+    line: &str,
+    old: &[Placed<'_>],
+    new: &[Placed<'_>],
+) -> Option<String> {
     let value = |(_, one): &Placed<'_>| match one {
         Statement::Define(value) if value.parameters.is_none() => Some(value.name.text.clone()),
         Statement::Define(_) | Statement::Draw { .. } => None,

@@ -6,7 +6,7 @@ use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused};
 use super::session::Live;
 use super::source::DocumentSource;
-use super::undo::{Gesture, Checkpoint};
+use super::undo::{Checkpoint, Gesture};
 use super::values::{self, TIME, defined};
 use std::borrow::Cow;
 use std::sync::Arc;

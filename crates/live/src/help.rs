@@ -1,8 +1,8 @@
 //! The help of the prompt, built from the tables of commands, of functions and of equivalents in
 //! other programs.
 
-use super::equivalents;
 use super::command::COMMANDS;
+use super::equivalents;
 use super::reply::{Refusal, Reply, refused, say};
 use super::status_words;
 use std::collections::HashSet;

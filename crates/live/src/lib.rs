@@ -18,11 +18,11 @@
 //! # Ok::<(), zeroset_live::Refusal>(())
 //! ```
 
-mod equivalents;
 mod command;
 mod cut;
 mod draft;
 mod edit;
+mod equivalents;
 mod help;
 mod orbit;
 mod pipeline;
@@ -37,9 +37,9 @@ mod surfaces;
 mod undo;
 mod values;
 
-pub use equivalents::EQUIVALENTS;
 pub use command::{COMMANDS, CommandRow};
 pub use draft::entered;
+pub use equivalents::EQUIVALENTS;
 pub use orbit::Orbit;
 pub use pipeline::{Axes, Fault, Rendering, Request, Snapshot};
 pub use reply::{Refusal, Reply};

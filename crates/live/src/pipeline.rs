@@ -5,9 +5,9 @@
 //! something it depends on changes. Pictures and models are reference-counted, so the last user of
 //! a kernel frees it.
 
+mod domain_hysteresis;
 mod glide;
 mod pace;
-mod domain_hysteresis;
 mod view;
 mod worker;
 
@@ -174,7 +174,9 @@ impl Fault {
                 errors.iter().next().map(|error| error.message()).unwrap_or_default()
             }
             FaultReason::Scene(error) => error.to_string(),
-            FaultReason::Bug => "internal error: this is a bug in zeroset, not in your formula".into(),
+            FaultReason::Bug => {
+                "internal error: this is a bug in zeroset, not in your formula".into()
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use super::orbit::Orbit;
 use super::pipeline::{Axes, Pipeline, Rendering, Request, Snapshot, same_document};
 use super::reply::Refusal;
 use super::source::DocumentSource;
-use super::undo::{Dragged, Gesture, Checkpoint, Undo};
+use super::undo::{Checkpoint, Dragged, Gesture, Undo};
 use super::values::right_side;
 use std::mem;
 use std::path::Path;
@@ -55,7 +55,11 @@ pub(super) struct State {
 impl State {
     pub fn checkpoint(&self) -> Checkpoint {
         let Self { request, readable, dragged, .. } = self;
-        Checkpoint { request: request.clone(), readable: Arc::clone(readable), dragged: dragged.clone() }
+        Checkpoint {
+            request: request.clone(),
+            readable: Arc::clone(readable),
+            dragged: dragged.clone(),
+        }
     }
 
     /// Returns whether the document is unchanged since this snapshot.
@@ -331,8 +335,9 @@ impl Live {
         let Some(seen) = self.snapshot().rendering else { return };
         self.change_by(Some(Gesture::View), |request| {
             // The requested orbit may be ahead of the visible one.
-            let orbit =
-                request.orbit.get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.view_anchor));
+            let orbit = request
+                .orbit
+                .get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.view_anchor));
             turn(orbit);
         });
     }

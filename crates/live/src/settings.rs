@@ -78,7 +78,11 @@ pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<R
         format!(": slabs of at most {:.2e}", extent * 0.5_f64.powi(settings.options.depth as i32))
     });
     let unused_note = unused_note(&settings, option);
-    say(format!("{}{}{unused_note}", (option.describe)(&settings.options), slabs.unwrap_or_default()))
+    say(format!(
+        "{}{}{unused_note}",
+        (option.describe)(&settings.options),
+        slabs.unwrap_or_default()
+    ))
 }
 
 /// A remark if the current method ignores an option; else empty.

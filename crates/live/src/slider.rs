@@ -5,8 +5,8 @@ use super::draft::with_value;
 use super::edit::base;
 use super::pipeline::Rendering;
 use super::session::Live;
-use super::undo::{Dragged, Gesture, Checkpoint};
-use super::values::{right_side, format_value};
+use super::undo::{Checkpoint, Dragged, Gesture};
+use super::values::{format_value, right_side};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use zeroset_scene::view::{self, nearest};
@@ -156,7 +156,8 @@ impl Live {
             if state.dragged.iter().all(|other| other.name != *name) {
                 let given = state.request.overrides.iter().find(|(other, _)| other == name);
                 let time = state.request.time.filter(|_| slider.is_time);
-                let (typed, side) = typed.unwrap_or_else(|| (format_value(slider.value), String::new()));
+                let (typed, side) =
+                    typed.unwrap_or_else(|| (format_value(slider.value), String::new()));
                 let value = given.map(|(_, value)| value.clone()).or(time.map(format_value));
                 let value = value.unwrap_or(typed);
                 state.dragged.push(Dragged { name: name.clone(), value, side });
@@ -199,7 +200,10 @@ mod tests {
 
     #[test]
     fn a_value_without_a_range_has_room_on_both_sides() {
-        assert_eq!([default_range(2.0), default_range(-0.5), default_range(0.0)], [(0.0, 4.0), (-1.0, 0.0), (-1.0, 1.0)]);
+        assert_eq!(
+            [default_range(2.0), default_range(-0.5), default_range(0.0)],
+            [(0.0, 4.0), (-1.0, 0.0), (-1.0, 1.0)]
+        );
         assert!(default_range(f64::MAX).1.is_finite());
     }
 }

@@ -77,7 +77,9 @@ impl StyledDrawing {
             let color = line.map_or(DEFAULT_STYLE.0, |line| {
                 let end = line.share.map_or(line.span.end, |share| share.start);
                 let whole = text[line.span.start..end].trim();
-                whole.split_once(char::is_whitespace).map_or(DEFAULT_STYLE.0, |(_, color)| color.trim())
+                whole
+                    .split_once(char::is_whitespace)
+                    .map_or(DEFAULT_STYLE.0, |(_, color)| color.trim())
             });
             Self {
                 body: text[surface.span.range()].to_owned(),
@@ -307,7 +309,11 @@ pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
 mod tests {
     use super::*;
 
-    fn edited(text: &str, words: &[&str], change: impl FnOnce(&mut Vec<StyledDrawing>)) -> Option<String> {
+    fn edited(
+        text: &str,
+        words: &[&str],
+        change: impl FnOnce(&mut Vec<StyledDrawing>),
+    ) -> Option<String> {
         changed(text, &Options::default(), words, change).map(|(text, _)| text)
     }
 

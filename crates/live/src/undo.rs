@@ -162,7 +162,8 @@ mod tests {
     #[test]
     fn the_oldest_steps_are_forgotten() {
         let mut undo = Undo::default();
-        (0..MAX_STEPS + 9).for_each(|n| undo.note(checkpoint(&n.to_string()), &checkpoint("now"), None));
+        (0..MAX_STEPS + 9)
+            .for_each(|n| undo.note(checkpoint(&n.to_string()), &checkpoint("now"), None));
         assert_eq!(undo.past.len(), MAX_STEPS);
         assert_eq!(undo.past[0], checkpoint("9"));
     }

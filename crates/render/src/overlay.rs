@@ -177,7 +177,8 @@ mod tests {
         // The same lines, with nothing in front of them.
         let mut clear = picture.clone();
         clear.buffer.drawn.fill(f64::INFINITY);
-        let seen = Overlay { axes: true, legend: false }.over(PictureView { picture: &clear, ..shown });
+        let seen =
+            Overlay { axes: true, legend: false }.over(PictureView { picture: &clear, ..shown });
         let change = |rgb: &[u8], on_surface: bool| -> u64 {
             let lines = lines.iter().filter(|&&n| picture.buffer.is_drawn(n) == on_surface);
             lines.map(|&n| u64::from(picture.rgb[3 * n].abs_diff(rgb[3 * n]))).sum()

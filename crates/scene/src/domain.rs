@@ -27,7 +27,7 @@ use zeroset_eval::Assumptions;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
-use zeroset_space::{BOX_DEPTH, Cell, FINE_DEPTH, DEFAULT_HALF, Search, places_about};
+use zeroset_space::{BOX_DEPTH, Cell, DEFAULT_HALF, FINE_DEPTH, Search, places_about};
 
 /// Half the extent of the largest cube that is searched for a surface that cannot be proven bounded
 /// everywhere.
@@ -383,7 +383,8 @@ fn with_margin(cell: &Cell) -> Cell {
         let low = neat(cell.low[axis] - space, f64::floor);
         let high = neat(cell.high[axis] + space, f64::ceil);
         // Far from the origin, floats may not have such digits.
-        with_margin.low[axis] = if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
+        with_margin.low[axis] =
+            if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
         with_margin.high[axis] =
             if high.is_finite() { high.max(cell.high[axis]) } else { cell.high[axis] };
     }

@@ -189,7 +189,8 @@ impl CodeStore {
         // Other kernels may have used up the limit.
         self.ledger.is_open()?;
         let (question, format) = (Q::NAME, T::FORMAT);
-        let mut made = CompiledKernel { surface, question, form, format, bytes: 0, vector_bytes: 0 };
+        let mut made =
+            CompiledKernel { surface, question, form, format, bytes: 0, vector_bytes: 0 };
         let steps = match self.evaluator {
             Evaluator::Native => {
                 let compiled = Compiled::new(tape)?;

@@ -1,13 +1,13 @@
 //! A document prepared for evaluation: simplified over a domain, with parameters bound, its kernels
 //! compiled on request.
 
-use crate::kernels::{BoundSurface, Evaluator, CompiledKernel, CodeStore};
+use crate::kernels::{BoundSurface, CodeStore, CompiledKernel, Evaluator};
 use crate::simplified::Simplified;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, NodeId, Variability, fix_exponents, radical, variabilities, rewrite, simplify,
+    Constant, Graph, NodeId, Variability, fix_exponents, radical, rewrite, simplify, variabilities,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -173,8 +173,8 @@ impl Program {
     /// The value of a surface's function if it is constant on the domain.
     fn constant(&self, surface: usize) -> Option<Interval> {
         let root = self.roots()[surface];
-        let varies =
-            variabilities(self.graph())[root.index()] == Variability::Varying || self.is_undefined(surface);
+        let varies = variabilities(self.graph())[root.index()] == Variability::Varying
+            || self.is_undefined(surface);
         (!varies).then(|| self.enclosures[surface].0)
     }
 

@@ -67,7 +67,11 @@ impl Uniforms {
 }
 
 /// Bounds and facts of the parameters, and then of `nodes`.
-fn enclose_inputs(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Vec<(Interval, Facts)> {
+fn enclose_inputs(
+    graph: &Graph,
+    nodes: &[NodeId],
+    parameters: &[Interval],
+) -> Vec<(Interval, Facts)> {
     let assumptions =
         Assumptions { domain: [Interval::ENTIRE; 3], parameters: parameters.to_vec() };
     let computed = zeroset_eval::enclose_all(graph, nodes, &assumptions);

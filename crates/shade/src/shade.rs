@@ -8,7 +8,7 @@ use crate::light::Light;
 use fearless_simd::Level;
 use rayon::prelude::*;
 pub use shader::{Canvas, Shader};
-pub(crate) use shader::{ViewAndNormals, ShadingInput};
+pub(crate) use shader::{ShadingInput, ViewAndNormals};
 use zeroset_style::Look;
 use zeroset_trace::GBuffer;
 use zeroset_trace::RayGrid;
@@ -166,7 +166,8 @@ fn shade_with(
         let here = band * size..band * size + bytes.len() / 3;
         let columns = buffer.columns(here.clone());
         let seen = ShadingInput { columns, paint: paint.get(here).unwrap_or_default() };
-        let windows = windows(level, columns.status, columns.drawn, band * SHADED_ROWS, rays.width());
+        let windows =
+            windows(level, columns.status, columns.drawn, band * SHADED_ROWS, rays.width());
         shader.canvas(bytes).windows(&seen, &windows);
     });
     bytes

@@ -23,7 +23,7 @@ pub use contracting::{ContractionTally, Engine, KernelOptions, check_contraction
 pub use enclosing::{compared_interval, enclose, native_interval};
 pub use linear::{FormTally, linear};
 pub use narrowing::check_narrowing;
-pub use picturing::{RayClaim, Pixel, picture};
+pub use picturing::{Pixel, RayClaim, picture};
 pub use reading::read_and_print;
 pub use rewriting::check_simplification;
 pub use scene::{Formula, Scene};

@@ -327,7 +327,8 @@ impl MethodOption {
 
     /// The flag and its value, as a command line has them; `None` for the default.
     pub fn flag(&self, options: &TraceOptions) -> Option<String> {
-        let value = if self.is_switch() { String::new() } else { format!(" {}", (self.get)(options)) };
+        let value =
+            if self.is_switch() { String::new() } else { format!(" {}", (self.get)(options)) };
         (!self.is_default(options)).then(|| format!("--{}{value}", self.name))
     }
 

@@ -37,7 +37,9 @@ pub fn cap<T: Real>(
     only: &[bool],
 ) -> KernelStats {
     buffer.keep_caps();
-    for_each_part(buffer.rows(BAND_ROWS), |mut rows| cap_rows(&mut rows, rays, region, kernel, only))
+    for_each_part(buffer.rows(BAND_ROWS), |mut rows| {
+        cap_rows(&mut rows, rays, region, kernel, only)
+    })
 }
 
 /// As [`cap`], for some rows of a picture that [keeps](crate::Kept) caps and normals. `only` is for

@@ -11,7 +11,7 @@ use zeroset_render::picture::{Picture, Precision, Settings};
 use zeroset_scene::program::Program;
 use zeroset_space::Region;
 use zeroset_testkit::certified::Line;
-use zeroset_testkit::property::{RayClaim, Formula, Pixel, Scene};
+use zeroset_testkit::property::{Formula, Pixel, RayClaim, Scene};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Method, Projection, Status};
 

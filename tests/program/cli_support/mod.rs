@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 const LIMIT: Duration = Duration::from_mins(1);
 
 /// A temporary directory, in which the program runs.
-pub struct Place {
+pub struct Sandbox {
     directory: tempfile::TempDir,
 }
 
@@ -19,7 +19,7 @@ pub struct Run {
     pub stderr: String,
 }
 
-impl Place {
+impl Sandbox {
     pub fn new() -> Self {
         Self { directory: tempfile::tempdir().expect("a temporary directory") }
     }

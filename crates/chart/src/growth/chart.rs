@@ -15,14 +15,14 @@ pub const QUANTITIES: [Quantity; 4] = [
 ];
 
 /// Least number of nodes that the exponent is fitted to: below, fixed costs dominate.
-const FROM: usize = 100;
+const FIT_FROM_NODES: usize = 100;
 
 /// The exponent of growth: slope of the least-squares line through the logarithms. `None` of less
-/// than two different sizes from [`FROM`] on.
+/// than two different sizes from [`FIT_FROM_NODES`] on.
 pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
     let points: Vec<[f64; 2]> = rows
         .iter()
-        .filter(|row| row.nodes >= FROM)
+        .filter(|row| row.nodes >= FIT_FROM_NODES)
         .map(|row| [row.nodes as f64, value(row)].map(f64::ln))
         .collect();
     let mean = |axis: usize| points.iter().map(|at| at[axis]).sum::<f64>() / points.len() as f64;
@@ -87,7 +87,7 @@ fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
         "kernels: those that affine asks for",
     ];
     let mut notes: Vec<String> = notes.map(str::to_owned).into();
-    notes.push(format!("exponents: from {FROM} nodes on"));
+    notes.push(format!("exponents: from {FIT_FROM_NODES} nodes on"));
     let rounds = rows.first().map_or(0, |row| row.repeats);
     notes.push(format!("times: the least of {rounds} rounds"));
     let x = "nodes of the simplified graph".to_owned();

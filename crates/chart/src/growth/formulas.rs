@@ -38,7 +38,7 @@ pub fn all(nodes: usize, seed: u64) -> Result<Vec<(Source, Surface)>, ChartError
     let (mut terms, most) = (1, (nodes / NODES).max(1));
     loop {
         for source in [Source::Sum, Source::Product] {
-            all.push((source, made(source, terms, seed)?));
+            all.push((source, generated(source, terms, seed)?));
         }
         if terms == most {
             return Ok(all);
@@ -49,7 +49,7 @@ pub fn all(nodes: usize, seed: u64) -> Result<Vec<(Source, Surface)>, ChartError
 
 /// A sum or product of `terms` different linear functions. Their values on the domain are within
 /// [−1, 1], so that no bounds of a product become infinite.
-fn made(source: Source, terms: usize, seed: u64) -> Result<Surface, ChartError> {
+fn generated(source: Source, terms: usize, seed: u64) -> Result<Surface, ChartError> {
     let name = format!("{source:?}-{terms}").to_lowercase();
     let mut rng = rng(&format!("{seed} {name}"));
     let linear: Vec<String> = (0..terms).map(|_| format!("({})", linear(&mut rng))).collect();

@@ -35,7 +35,7 @@ pub fn pictures(store: &Store) -> Result<String, ChartError> {
 }
 
 /// The middle one of each method's measured configurations, or of those in `auto` if there are any.
-fn middles(rows: &[&Row]) -> Vec<Configuration> {
+fn middle_configurations(rows: &[&Row]) -> Vec<Configuration> {
     let measured = distinct(rows.iter().filter_map(|row| row.configuration().ok()));
     let middle = |method: &Method| {
         let of_method = measured.iter().filter(|one| one.method == method);
@@ -57,7 +57,7 @@ fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
     let rays = view.camera.rays(SIZE, SIZE);
     let name = escaped(&surface.name);
     let mut text = vec![format!("<h3>{name}</h3>\n<div class=\"pictures\">\n")];
-    for configuration in middles(rows) {
+    for configuration in middle_configurations(rows) {
         let settings = configuration.settings(SIZE);
         let picture = surface.picture(&view.camera, &settings)?;
         let errors = Errors::new(&reference, &rays, &picture.buffer);

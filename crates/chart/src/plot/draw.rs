@@ -37,9 +37,9 @@ const GRID: RGBColor = RGBColor(226, 226, 226);
 const ZERO: RGBColor = RGBColor(242, 242, 242);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Drawn = Result<(), Box<dyn std::error::Error>>;
+type DrawResult = Result<(), Box<dyn std::error::Error>>;
 
-struct Canvas<'a> {
+struct PlotArea<'a> {
     area: Area<'a>,
     x: Scale,
     y: Scale,
@@ -54,7 +54,7 @@ pub fn draw(figure: &Figure) -> Result<String, ChartError> {
     let mut svg = String::new();
     let drawn = {
         let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
-        Canvas::new(area, figure).draw(figure)
+        PlotArea::new(area, figure).draw(figure)
     };
     drawn.map_err(ChartError::of_chart(&figure.title))?;
     // Without a fixed size, the picture fills the available width.
@@ -73,7 +73,7 @@ fn front_style() -> ShapeStyle {
     RGBColor(120, 120, 60).mix(0.25).stroke_width(13)
 }
 
-impl<'a> Canvas<'a> {
+impl<'a> PlotArea<'a> {
     fn new(area: Area<'a>, figure: &Figure) -> Self {
         let marks = figure.series.iter().flat_map(|series| &series.marks);
         let thin = figure.series.iter().flat_map(|series| series.behind.iter().flatten());
@@ -106,7 +106,7 @@ impl<'a> Canvas<'a> {
         Some((Self::across(self.x.place(x)?), self.upward(self.y.place(y)?)))
     }
 
-    fn text(&self, words: &str, at: (i32, i32), style: TextStyle<'static>) -> Drawn {
+    fn text(&self, words: &str, at: (i32, i32), style: TextStyle<'static>) -> DrawResult {
         Ok(self.area.draw(&Text::new(words, at, style))?)
     }
 
@@ -114,7 +114,7 @@ impl<'a> Canvas<'a> {
         points.iter().filter_map(|point| self.at(*point)).collect()
     }
 
-    fn draw(&self, figure: &Figure) -> Drawn {
+    fn draw(&self, figure: &Figure) -> DrawResult {
         self.area.fill(&WHITE)?;
         self.axes(figure)?;
         for series in &figure.series {
@@ -133,7 +133,7 @@ impl<'a> Canvas<'a> {
         Ok(self.area.present()?)
     }
 
-    fn axes(&self, figure: &Figure) -> Drawn {
+    fn axes(&self, figure: &Figure) -> DrawResult {
         let (right, middle) = (Self::right(), f64::midpoint);
         if let Some(end) = self.x.band() {
             let corners = [(LEFT, TOP), (Self::across(end), self.bottom)];
@@ -179,7 +179,7 @@ impl<'a> Canvas<'a> {
         self.text(&figure.y, (16, upward), upright)
     }
 
-    fn series(&self, series: &Series) -> Drawn {
+    fn series(&self, series: &Series) -> DrawResult {
         let color = COLORS[series.color % COLORS.len()];
         if series.is_joined {
             let points: Vec<[f64; 2]> = series.marks.iter().map(|mark| mark.at).collect();
@@ -207,7 +207,7 @@ impl<'a> Canvas<'a> {
         Ok(())
     }
 
-    fn mark(&self, (x, y): (i32, i32), shape: Shape, color: RGBColor) -> Drawn {
+    fn mark(&self, (x, y): (i32, i32), shape: Shape, color: RGBColor) -> DrawResult {
         match shape {
             Shape::Disc => self.area.draw(&Circle::new((x, y), 4, color.filled()))?,
             Shape::Square => {
@@ -223,7 +223,7 @@ impl<'a> Canvas<'a> {
         Ok(())
     }
 
-    fn legend(&self, figure: &Figure) -> Drawn {
+    fn legend(&self, figure: &Figure) -> DrawResult {
         const STEP: i32 = 22;
         let (left, mut y) = (Self::right() + 16, TOP + 10);
         let label = |x: i32, y: i32, line: &str, size: i32| {

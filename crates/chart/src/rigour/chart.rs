@@ -1,16 +1,16 @@
 //! The cost of sound rounding as a figure.
 
-use super::{Asked, Row, name};
+use super::{Row, Workload, name};
 use crate::groups::distinct;
 use crate::plot::{Figure, Mark, Series, Shape};
 use crate::quantile::{geometric_mean, quantile};
 use zeroset_jit::comparison::Arithmetic;
 
 /// Pairs of task and precision that have rows, in the order of the axis.
-pub fn places(rows: &[Row]) -> Vec<(Asked, &'static str)> {
-    let asked = [Asked::Boxes, Asked::Segments, Asked::Tiles, Asked::Picture];
+pub fn places(rows: &[Row]) -> Vec<(Workload, &'static str)> {
+    let asked = [Workload::Boxes, Workload::Segments, Workload::Tiles, Workload::Picture];
     let all = asked.into_iter().flat_map(|asked| ["f32", "f64"].map(|floats| (asked, floats)));
-    let is_there = |(asked, floats): &(Asked, &str)| {
+    let is_there = |(asked, floats): &(Workload, &str)| {
         rows.iter().any(|row| row.asked == *asked && row.precision == *floats)
     };
     all.filter(is_there).collect()
@@ -19,7 +19,7 @@ pub fn places(rows: &[Row]) -> Vec<(Asked, &'static str)> {
 /// The rows of one task, precision and arithmetic, one per surface.
 pub fn of<'a>(
     rows: &'a [Row],
-    asked: Asked,
+    asked: Workload,
     precision: &str,
     arithmetic: Arithmetic,
 ) -> Vec<&'a Row> {

@@ -13,11 +13,11 @@ use zeroset_space::Region;
 /// Greatest number of batches that kernels are timed with; they fit into a near cache.
 const BATCHES: usize = 16;
 /// Number of batches of boxes whose bounds are compared.
-const LOOKED_AT: usize = 256;
+const COMPARED_BATCHES: usize = 256;
 
 /// The kernels for a query, in the order of
 /// [`Arithmetic::ALL`](zeroset_jit::comparison::Arithmetic::ALL).
-pub type Three<'a, Q, T> = [&'a ComparisonKernel<Q, T>; 3];
+pub type ByArithmetic<'a, Q, T> = [&'a ComparisonKernel<Q, T>; 3];
 
 /// Boxes at random places of a region, with this share of its width.
 pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T>> {
@@ -29,7 +29,7 @@ pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T
         let lo = T::nearest(lo).into().clamp(low[axis], high[axis]);
         Interval { lo, hi: (lo + share * width).min(high[axis]) }
     };
-    let all: Vec<_> = (0..LOOKED_AT * LANES).map(|_| [0, 1, 2].map(&mut side)).collect();
+    let all: Vec<_> = (0..COMPARED_BATCHES * LANES).map(|_| [0, 1, 2].map(&mut side)).collect();
     Boxes::around(&all)
 }
 
@@ -42,7 +42,10 @@ pub fn chosen<T: Real, I: Input<T>>(all: &[I]) -> Vec<I> {
 }
 
 /// Median width of bounds relative to rounded-up kernels, for each arithmetic.
-pub fn widths<T: Real>(kernels: &Three<Enclose, T>, inputs: &[Boxes<T>]) -> [Option<f64>; 3] {
+pub fn widths<T: Real>(
+    kernels: &ByArithmetic<Enclose, T>,
+    inputs: &[Boxes<T>],
+) -> [Option<f64>; 3] {
     ratios(kernels, inputs, |answer: &Enclosures<T>, lane| {
         answer.neg_lo[lane].into() + answer.hi[lane].into()
     })
@@ -51,7 +54,7 @@ pub fn widths<T: Real>(kernels: &Three<Enclose, T>, inputs: &[Boxes<T>]) -> [Opt
 /// Median length of narrowed segments relative to rounded-up kernels, for each arithmetic. Ignores
 /// lanes without the surface.
 pub fn lengths<T: Real>(
-    kernels: &Three<ContractSegments, T>,
+    kernels: &ByArithmetic<ContractSegments, T>,
     inputs: &[Segments<T>],
 ) -> [Option<f64>; 3] {
     ratios(kernels, inputs, |answer: &Contractions<T>, lane| {
@@ -61,12 +64,15 @@ pub fn lengths<T: Real>(
 }
 
 /// Median error of tiles' planes relative to rounded-up kernels, for each arithmetic.
-pub fn errors<T: Real>(kernels: &Three<ContractTiles, T>, inputs: &[Tiles<T>]) -> [Option<f64>; 3] {
+pub fn errors<T: Real>(
+    kernels: &ByArithmetic<ContractTiles, T>,
+    inputs: &[Tiles<T>],
+) -> [Option<f64>; 3] {
     ratios(kernels, inputs, |answer: &Planes<T>, lane| answer.error[lane].into())
 }
 
 fn ratios<T: Real, Q: Query>(
-    kernels: &Three<Q, T>,
+    kernels: &ByArithmetic<Q, T>,
     inputs: &[Q::Input<T>],
     width: impl Fn(&Q::Output<T>, usize) -> f64,
 ) -> [Option<f64>; 3] {

@@ -10,56 +10,56 @@ use zeroset_scene::program::{KernelSource, Program};
 use zeroset_trace::Precision;
 
 /// The kernels of a surface without parameters and poles, in both precisions.
-pub struct Set {
-    single: Own<f32>,
-    double: Own<f64>,
+pub struct KernelSet {
+    single: PrecisionKernels<f32>,
+    double: PrecisionKernels<f64>,
 }
 
 /// The kernels in one precision, each compiled at its first use.
-pub struct Own<T: Real> {
+pub struct PrecisionKernels<T: Real> {
     tape: Tape<T>,
     arithmetic: Arithmetic,
-    keeps: bool,
+    records: bool,
     zeros: Slot<FindZeros, T>,
     bounds: Slot<Enclose, T>,
     segments: Slot<ContractSegments, T>,
     tiles: Slot<ContractTiles, T>,
 }
 
-type Slot<Q, T> = OnceLock<Result<Watched<Q, T>, KernelError>>;
+type Slot<Q, T> = OnceLock<Result<RecordingKernel<Q, T>, KernelError>>;
 
 /// A kernel, with its recorded inputs if it records them.
-pub struct Watched<Q: Query, T: Real> {
+pub struct RecordingKernel<Q: Query, T: Real> {
     kernel: ComparisonKernel<Q, T>,
-    seen: Option<Mutex<Vec<Q::Input<T>>>>,
+    recorded: Option<Mutex<Vec<Q::Input<T>>>>,
 }
 
-impl<Q: Query, T: Real> Watched<Q, T> {
+impl<Q: Query, T: Real> RecordingKernel<Q, T> {
     /// The kernel for a tracer. It is the compiled kernel itself, called like the product's, unless
     /// inputs are recorded.
-    fn asked(&self) -> &dyn Kernel<Q, T> {
-        if self.seen.is_some() { self } else { &self.kernel }
+    fn for_tracer(&self) -> &dyn Kernel<Q, T> {
+        if self.recorded.is_some() { self } else { &self.kernel }
     }
 }
 
-impl<Q: Query, T: Real> Kernel<Q, T> for Watched<Q, T> {
+impl<Q: Query, T: Real> Kernel<Q, T> for RecordingKernel<Q, T> {
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
-        if let Some(seen) = &self.seen {
-            seen.lock().unwrap_or_else(PoisonError::into_inner).push(input.clone());
+        if let Some(recorded) = &self.recorded {
+            recorded.lock().unwrap_or_else(PoisonError::into_inner).push(input.clone());
         }
         self.kernel.eval(input, output);
     }
 }
 
 /// A query that a set has a kernel for.
-pub trait Has<Q: Query, T: Real> {
+pub trait HasKernel<Q: Query, T: Real> {
     /// The kernel's slot.
     fn slot(&self) -> &Slot<Q, T>;
 }
 
 macro_rules! has {
     ($($question:ty: $slot:ident,)*) => {
-        $(impl<T: Real> Has<$question, T> for Own<T> {
+        $(impl<T: Real> HasKernel<$question, T> for PrecisionKernels<T> {
             fn slot(&self) -> &Slot<$question, T> {
                 &self.$slot
             }
@@ -74,39 +74,40 @@ has! {
     ContractTiles: tiles,
 }
 
-impl<T: Real> Own<T> {
-    fn watched<Q: Query>(&self) -> Result<&Watched<Q, T>, KernelError>
+impl<T: Real> PrecisionKernels<T> {
+    fn get_or_compile<Q: Query>(&self) -> Result<&RecordingKernel<Q, T>, KernelError>
     where
-        Self: Has<Q, T>,
+        Self: HasKernel<Q, T>,
     {
         let make = || {
-            let kernel = ComparisonKernel::new(self.tape.clone(), Binding::empty(), self.arithmetic);
+            let kernel =
+                ComparisonKernel::new(self.tape.clone(), Binding::empty(), self.arithmetic);
             let kernel = kernel.map_err(|error| -> KernelError { std::sync::Arc::new(error) })?;
-            Ok(Watched { kernel, seen: self.keeps.then(Mutex::default) })
+            Ok(RecordingKernel { kernel, recorded: self.records.then(Mutex::default) })
         };
         self.slot().get_or_init(make).as_ref().map_err(Clone::clone)
     }
 }
 
-impl<T: Real> Kernels<T> for Own<T> {
+impl<T: Real> Kernels<T> for PrecisionKernels<T> {
     fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
-        Ok(self.watched()?.asked())
+        Ok(self.get_or_compile()?.for_tracer())
     }
     fn bounds(&self) -> KernelResult<'_, Enclose, T> {
-        Ok(self.watched()?.asked())
+        Ok(self.get_or_compile()?.for_tracer())
     }
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Ok(None)
     }
     fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
-        Ok(self.watched()?.asked())
+        Ok(self.get_or_compile()?.for_tracer())
     }
     fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
-        Ok(self.watched()?.asked())
+        Ok(self.get_or_compile()?.for_tracer())
     }
 }
 
-impl SurfaceKernels for Set {
+impl SurfaceKernels for KernelSet {
     fn single(&self) -> &dyn Kernels<f32> {
         &self.single
     }
@@ -116,44 +117,44 @@ impl SurfaceKernels for Set {
 }
 
 /// A precision, as a type that selects a set's kernels.
-pub trait Float: KernelFloat {
+pub trait KernelPrecision: KernelFloat {
     /// The precision.
     const PRECISION: Precision;
 
     /// The set's kernels in this precision.
-    fn own(set: &Set) -> &Own<Self>;
+    fn own(set: &KernelSet) -> &PrecisionKernels<Self>;
 }
 
-impl Float for f32 {
+impl KernelPrecision for f32 {
     const PRECISION: Precision = Precision::F32;
 
-    fn own(set: &Set) -> &Own<Self> {
+    fn own(set: &KernelSet) -> &PrecisionKernels<Self> {
         &set.single
     }
 }
 
-impl Float for f64 {
+impl KernelPrecision for f64 {
     const PRECISION: Precision = Precision::F64;
 
-    fn own(set: &Set) -> &Own<Self> {
+    fn own(set: &KernelSet) -> &PrecisionKernels<Self> {
         &set.double
     }
 }
 
-impl Set {
+impl KernelSet {
     /// The kernels of a program's only surface, in this arithmetic; they record inputs if it
-    /// `keeps` them.
+    /// `records` them.
     ///
     /// # Errors
     /// One phrase, if the surface has parameters or poles, which need further kernels.
-    pub fn new(program: &Program, arithmetic: Arithmetic, keeps: bool) -> Result<Self, String> {
+    pub fn new(program: &Program, arithmetic: Arithmetic, records: bool) -> Result<Self, String> {
         let has_poles = program.cleared(0).map_err(|error| error.to_string())?.is_some();
         if has_poles || !program.values().is_empty() {
             return Err("only surfaces without parameters and poles are compared".to_owned());
         }
         Ok(Self {
-            single: Own::new(program, arithmetic, keeps)?,
-            double: Own::new(program, arithmetic, keeps)?,
+            single: PrecisionKernels::new(program, arithmetic, records)?,
+            double: PrecisionKernels::new(program, arithmetic, records)?,
         })
     }
 
@@ -161,35 +162,37 @@ impl Set {
     ///
     /// # Errors
     /// If it cannot be compiled.
-    pub fn kernel<T: Float, Q: Query>(&self) -> Result<&ComparisonKernel<Q, T>, KernelError>
+    pub fn kernel<T: KernelPrecision, Q: Query>(
+        &self,
+    ) -> Result<&ComparisonKernel<Q, T>, KernelError>
     where
-        Own<T>: Has<Q, T>,
+        PrecisionKernels<T>: HasKernel<Q, T>,
     {
-        Ok(&T::own(self).watched()?.kernel)
+        Ok(&T::own(self).get_or_compile()?.kernel)
     }
 
     /// The inputs that the query's kernel has recorded.
     ///
     /// # Errors
     /// If the kernel cannot be compiled.
-    pub fn seen<T: Float, Q: Query>(&self) -> Result<Vec<Q::Input<T>>, KernelError>
+    pub fn recorded<T: KernelPrecision, Q: Query>(&self) -> Result<Vec<Q::Input<T>>, KernelError>
     where
-        Own<T>: Has<Q, T>,
+        PrecisionKernels<T>: HasKernel<Q, T>,
     {
-        let seen = T::own(self).watched()?.seen.as_ref();
-        Ok(seen.map_or_else(Vec::new, |seen| {
-            seen.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        let recorded = T::own(self).get_or_compile()?.recorded.as_ref();
+        Ok(recorded.map_or_else(Vec::new, |recorded| {
+            recorded.lock().unwrap_or_else(PoisonError::into_inner).clone()
         }))
     }
 }
 
-impl<T: KernelFloat> Own<T> {
-    fn new(program: &Program, arithmetic: Arithmetic, keeps: bool) -> Result<Self, String> {
+impl<T: KernelFloat> PrecisionKernels<T> {
+    fn new(program: &Program, arithmetic: Arithmetic, records: bool) -> Result<Self, String> {
         let tape = program.tape(0, KernelSource::Function).map_err(|error| error.to_string())?;
         Ok(Self {
             tape: tape.ok_or("it has no function")?,
             arithmetic,
-            keeps,
+            records,
             zeros: Slot::new(),
             bounds: Slot::new(),
             segments: Slot::new(),

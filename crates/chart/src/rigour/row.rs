@@ -7,7 +7,7 @@ use zeroset_jit::comparison::Arithmetic;
 /// The task that is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Asked {
+pub enum Workload {
     /// Bounds over boxes that are a sixteenth of the domain wide.
     Boxes,
     /// Narrowing of segments of single rays by affine forms.
@@ -18,7 +18,7 @@ pub enum Asked {
     Picture,
 }
 
-impl fmt::Display for Asked {
+impl fmt::Display for Workload {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&format!("{self:?}").to_lowercase())
     }
@@ -35,7 +35,7 @@ pub fn name(arithmetic: Arithmetic) -> String {
 #[allow(missing_docs)] // names of columns
 pub struct Row {
     pub surface: String,
-    pub asked: Asked,
+    pub asked: Workload,
     pub precision: String,
     pub arithmetic: String,
     pub ns: f64,

@@ -26,7 +26,7 @@ use anyhow::Result;
 use browser::Browser;
 use clicks::Clicks;
 use draw::{Backdrop, Content};
-use input::{Keyboard, InputQueue};
+use input::{InputQueue, Keyboard};
 use minifb::{Key, MouseMode, ScaleMode, WindowOptions};
 use mouse::Mouse;
 use page::Page;

@@ -126,7 +126,8 @@ impl Window {
         let now = Instant::now();
         let again = (slider.name.clone(), now);
         let before = sliders.pressed.replace(again);
-        let is_double = before.is_some_and(|(name, at)| name == slider.name && now - at < DOUBLE_CLICK);
+        let is_double =
+            before.is_some_and(|(name, at)| name == slider.name && now - at < DOUBLE_CLICK);
         if is_double {
             (sliders.pressed, sliders.wanted) = (None, None);
             self.session.live.restore(&slider);

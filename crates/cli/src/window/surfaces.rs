@@ -1,11 +1,11 @@
 //! Hides, fades, moves and deletes surfaces by mouse and keys.
 
 use super::Window;
-use super::list::{List, ListPart, ListContent};
+use super::list::{List, ListContent, ListPart};
 use super::sliders::is_next_due;
 use minifb::Key;
 use std::time::Instant;
-use zeroset_live::{SurfaceEntry, Snapshot};
+use zeroset_live::{Snapshot, SurfaceEntry};
 use zeroset_render::overlay::Canvas;
 
 /// Change of an opacity by one press of an arrow key.
@@ -124,7 +124,9 @@ impl Window {
     /// Ends a drag on the list; if `cancelled`, a surface stays where it was.
     pub(super) fn release_surface(&mut self, cancelled: bool) {
         match self.surfaces.held.take() {
-            Some(ListDrag::Row(from, to)) if from != to && !cancelled => self.move_surface(from, to),
+            Some(ListDrag::Row(from, to)) if from != to && !cancelled => {
+                self.move_surface(from, to)
+            }
             Some(ListDrag::Opacity(_)) => self.ask_for_opacity(),
             Some(ListDrag::Row(..)) | None => {}
         }

@@ -1,7 +1,7 @@
 //! Work on other threads, so that the window does not wait for it.
 
 use crate::line_edit::LineEdit;
-use crate::session::{Session, LineError};
+use crate::session::{LineError, Session};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 use std::thread::spawn;

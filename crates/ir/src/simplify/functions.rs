@@ -138,7 +138,12 @@ impl Rewriter<'_> {
     }
 
     /// `op(a, b)` for min or max.
-    pub(super) fn extremum(&mut self, op: Op, first: PartialExpr, second: PartialExpr) -> PartialExpr {
+    pub(super) fn extremum(
+        &mut self,
+        op: Op,
+        first: PartialExpr,
+        second: PartialExpr,
+    ) -> PartialExpr {
         let smallest = op == Op::Min;
         let first = self.product(first);
         let second = self.product(second);
@@ -166,7 +171,12 @@ impl Rewriter<'_> {
     }
 
     /// `select_negative(a, b, c)`. Each branch keeps its own conditions.
-    pub(super) fn choice(&mut self, first: PartialExpr, second: PartialExpr, third: PartialExpr) -> PartialExpr {
+    pub(super) fn choice(
+        &mut self,
+        first: PartialExpr,
+        second: PartialExpr,
+        third: PartialExpr,
+    ) -> PartialExpr {
         let mut condition = self.product(first);
         let sign = condition.coefficient.signum();
         let conditions = std::mem::take(&mut condition.conditions);

@@ -114,9 +114,10 @@ pub fn rewrite(
                         Some(PartialExpr::Product(product)) if product.factors.is_empty() => {
                             PartialExpr::Product(product.clone())
                         }
-                        Some(PartialExpr::Sum(_) | PartialExpr::Product(_)) | None => values[operand.index()]
-                            .take()
-                            .unwrap_or_else(|| unreachable!("one user")),
+                        Some(PartialExpr::Sum(_) | PartialExpr::Product(_)) | None => values
+                            [operand.index()]
+                        .take()
+                        .unwrap_or_else(|| unreachable!("one user")),
                     })
                     .collect();
                 rewriter.apply(*op, operands, fixed_exponent)
@@ -288,7 +289,8 @@ impl Rewriter<'_> {
                 PartialExpr::Sum(first.plus(second))
             }
             Class::Product => {
-                let (first, second) = (self.unmerged_product(next()), self.unmerged_product(next()));
+                let (first, second) =
+                    (self.unmerged_product(next()), self.unmerged_product(next()));
                 PartialExpr::Product(self.times(first, second))
             }
             Class::Quotient => self.quotient(next(), next()),

@@ -18,7 +18,10 @@ impl Rewriter<'_> {
             for factor in &base.factors {
                 self.require(&mut conditions, factor.condition());
             }
-            return PartialExpr::Product(Product { conditions, ..Product::number(BigRational::one()) });
+            return PartialExpr::Product(Product {
+                conditions,
+                ..Product::number(BigRational::one())
+            });
         }
         if let Some(power) = base.raised(n) {
             return PartialExpr::Product(self.merge_factors(power));
@@ -32,7 +35,12 @@ impl Rewriter<'_> {
 
     /// `base^exponent`. The flag `fixed` tells whether the exponent was written without coordinates
     /// and parameters.
-    pub(super) fn power(&mut self, base: PartialExpr, exponent: PartialExpr, fixed: bool) -> PartialExpr {
+    pub(super) fn power(
+        &mut self,
+        base: PartialExpr,
+        exponent: PartialExpr,
+        fixed: bool,
+    ) -> PartialExpr {
         let exponent = self.product(exponent);
         if !exponent.factors.is_empty() {
             let exponent = self.node_of(PartialExpr::Product(exponent));

@@ -3,7 +3,7 @@
 use super::*;
 use crate::constant::NamedConstant;
 use crate::display;
-use crate::testing::{Random, GraphBuilder, Expr, evaluate};
+use crate::testing::{Expr, GraphBuilder, Random, evaluate};
 use zeroset_ops::{Continuity, Law, Parity, TABLE};
 
 const DOMAIN: Interval = Interval { lo: -2.0, hi: 2.0 };

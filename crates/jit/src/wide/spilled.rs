@@ -19,8 +19,9 @@ const FIRST: Register = Register::ZMM16;
 pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
     let mut spans = spans(read, blocks, slots);
     // First come spans with the most uses for the time that they occupy a register.
-    let price =
-        |span: &Span| (span.lifetime.end() - span.lifetime.start() + 1) as f64 / span.uses.len() as f64;
+    let price = |span: &Span| {
+        (span.lifetime.end() - span.lifetime.start() + 1) as f64 / span.uses.len() as f64
+    };
     spans.sort_by(|a, b| price(a).total_cmp(&price(b)));
     // Per register, the spans that occupy it, by start. Long code has many thousand spans.
     let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); REGISTERS as usize];
@@ -77,12 +78,10 @@ fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Span> {
             is_write(uses[0]) && uses.iter().all(|&number| blocks[number] == blocks[uses[0]]);
         if is_local {
             // A span ends before the next write.
-            spans.extend(
-                uses.chunk_by(|_, &next| !is_write(next)).map(|uses| Span {
-                    uses: uses.to_vec(),
-                    lifetime: uses[0]..=uses[uses.len() - 1],
-                }),
-            );
+            spans.extend(uses.chunk_by(|_, &next| !is_write(next)).map(|uses| Span {
+                uses: uses.to_vec(),
+                lifetime: uses[0]..=uses[uses.len() - 1],
+            }));
         } else {
             // The vector may live on from one iteration of a loop to the next.
             spans.push(Span { uses, lifetime: 0..=read.len() });

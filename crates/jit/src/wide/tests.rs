@@ -1,4 +1,4 @@
-use super::encodings::{masked_form, encoding};
+use super::encodings::{encoding, masked_form};
 use super::*;
 use iced_x86::Encoder;
 

@@ -2,8 +2,8 @@
 //! holds still while values are moved, and then glides to the next one.
 
 use super::glide::Glide;
-use super::worker::{FitKey, FittedCamera, AnchoredModel, JobContext, Worker, coarser};
-use super::{NextView, FaultReason, Request};
+use super::worker::{AnchoredModel, FitKey, FittedCamera, JobContext, Worker, coarser};
+use super::{FaultReason, NextView, Request};
 use std::sync::Arc;
 use zeroset_render::framing;
 use zeroset_scene::view::SceneError;

@@ -1,7 +1,7 @@
 //! The worker thread, and what it reuses from one request to the next.
 
-use super::pace::Pace;
 use super::domain_hysteresis;
+use super::pace::Pace;
 use super::{Fault, FaultReason, Rendering, Request, Shared, State, same_document};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError, Weak};
@@ -232,7 +232,11 @@ impl Worker {
     }
 
     /// Decides the rays that the full picture left open, then applies the requested light.
-    fn finish(&mut self, context: &JobContext<'_>, mut seen: Arc<Rendering>) -> Result<(), FaultReason> {
+    fn finish(
+        &mut self,
+        context: &JobContext<'_>,
+        mut seen: Arc<Rendering>,
+    ) -> Result<(), FaultReason> {
         let (job, full) = (context.job, &context.job.request.settings);
         let plain = full.plain();
         if seen.coarse {
@@ -324,7 +328,11 @@ impl Worker {
     }
 
     /// The compiled model, reused if possible. `None` if a newer request interrupts.
-    fn model(&mut self, job: &Job, document: &Arc<Document>) -> Result<Option<AnchoredModel>, SceneError> {
+    fn model(
+        &mut self,
+        job: &Job,
+        document: &Arc<Document>,
+    ) -> Result<Option<AnchoredModel>, SceneError> {
         let request = &job.request;
         let last = self.built.take();
         let old = last.as_ref().filter(|built| {
@@ -381,14 +389,17 @@ impl Worker {
         // For the same formula, the region changes little, so that the surface visibly grows or
         // shrinks.
         let moved = old.filter(|_| formula.is_some());
-        let region = moved.map_or(Ok(found), |made| domain_hysteresis::next_region(made.model.region(), &found));
+        let region = moved
+            .map_or(Ok(found), |made| domain_hysteresis::next_region(made.model.region(), &found));
         let region = region?;
         let rebound = moved.and_then(|made| made.model.rebound(document, &region));
         let model = if let Some(model) = rebound {
             Some(model?)
         } else {
             let code_region = match searched {
-                Some(_) => domain_hysteresis::code_region(&region, document, *domain, search, &wanted),
+                Some(_) => {
+                    domain_hysteresis::code_region(&region, document, *domain, search, &wanted)
+                }
                 None => region,
             };
             Model::new_while(document, &region, &code_region, settings, &wanted)?

@@ -119,7 +119,8 @@ impl<'a> Painter<'a> {
                 Some(scale) if setting.value.is_none() => [scale.low, scale.high],
                 _ => range(value, &|_| true),
             };
-            let step = setting.step.as_ref().map_or_else(|| round_step((high - low) / LINES), nearest);
+            let step =
+                setting.step.as_ref().map_or_else(|| round_step((high - low) / LINES), nearest);
             (step > 0.0 && step.is_finite()).then_some((value, step))
         });
         let contours = contours.collect();

@@ -5,7 +5,9 @@ mod light;
 use super::paint::Painter;
 use super::strips::Overview;
 use super::{Model, Stopwatch, options};
-use crate::picture::{Normals, UndecidedStatistics, Picture, Precision, Settings, Statistics, Times};
+use crate::picture::{
+    Normals, Picture, Precision, Settings, Statistics, Times, UndecidedStatistics,
+};
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -380,7 +382,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         work += lit.work;
         let made = model.program.made();
         let pixels = counts.unwrap_or_else(|| buffer.counts());
-        let drawn_by = fallbacks.first().filter(|_| fallbacks.len() == model.visible_surfaces().count());
+        let drawn_by =
+            fallbacks.first().filter(|_| fallbacks.len() == model.visible_surfaces().count());
         let method = drawn_by.map_or(settings.method, |(_, fallback)| fallback.method);
         let statistics = Statistics {
             times,

@@ -38,7 +38,10 @@ mod tests {
 
     #[test]
     fn steps_are_round_numbers() {
-        assert_eq!([round_step(0.9), round_step(1.0), round_step(3.1), round_step(60.0)], [1.0, 1.0, 5.0, 100.0]);
+        assert_eq!(
+            [round_step(0.9), round_step(1.0), round_step(3.1), round_step(60.0)],
+            [1.0, 1.0, 5.0, 100.0]
+        );
         assert!((round_step(0.013) - 0.02).abs() < 1e-12);
     }
 }

@@ -5,7 +5,7 @@
 //! boxes.
 
 use super::REACH;
-use super::polynomial::{Polynomial, DirectionalSum};
+use super::polynomial::{DirectionalSum, Polynomial};
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -37,9 +37,9 @@ pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] 
         let this = match node {
             _ if !needed[id.index()] => NodePolynomial::default(),
             Node::Variable(axis) => whole(Polynomial::axis(*axis as usize)),
-            Node::Parameter(at) => {
-                parameters.get(*at as usize).map_or(NodePolynomial::default(), |value| whole(number(*value)))
-            }
+            Node::Parameter(at) => parameters
+                .get(*at as usize)
+                .map_or(NodePolynomial::default(), |value| whole(number(*value))),
             Node::Constant(value) => whole(number(value.bounds())),
             Node::Apply(op, operands) => {
                 let operand = |k: usize| operands.get(k).map(|id| &known[id.index()]);
@@ -52,7 +52,10 @@ pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] 
                     operands.iter().for_each(|id| is_part[id.index()] = true);
                 }
                 let polynomial = found.unwrap_or_default();
-                NodePolynomial { is_whole: all_whole && polynomial != Polynomial::default(), polynomial }
+                NodePolynomial {
+                    is_whole: all_whole && polynomial != Polynomial::default(),
+                    polynomial,
+                }
             }
         };
         known.push(this);

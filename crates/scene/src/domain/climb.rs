@@ -159,7 +159,8 @@ fn is_isolated(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, hal
         below.map(|below| if below.is_finite() { below } else { f64::INFINITY }).collect()
     };
     let least = |below: &[f64]| (0..below.len()).min_by(|a, b| below[*a].total_cmp(&below[*b]));
-    let mut places: Vec<f64> = (0..DIRECTIONS).map(|k| 8.0 / DIRECTIONS as f64 * k as f64).collect();
+    let mut places: Vec<f64> =
+        (0..DIRECTIONS).map(|k| 8.0 / DIRECTIONS as f64 * k as f64).collect();
     let (mut step, mut known) = (8.0 / DIRECTIONS as f64, below(&places));
     let finite = known.iter().copied().filter(|below| below.is_finite());
     let most = finite.fold(0.0, f64::max);

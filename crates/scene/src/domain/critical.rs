@@ -100,7 +100,8 @@ impl CriticalSearch<'_> {
     pub fn find(&self) -> CriticalDistances {
         let starts: Vec<Vector> = (1..=STARTS).map(|n| self.start(n)).collect();
         let ends = self.descend(&starts);
-        let among = || ends.iter().filter(|(_, end)| *end == PathEnd::OnCurve).map(|(place, _)| *place);
+        let among =
+            || ends.iter().filter(|(_, end)| *end == PathEnd::OnCurve).map(|(place, _)| *place);
         // On a curve that is not closed, points are found at every distance that is searched.
         let farthest = among().map(|place| distance(place, self.centre)).fold(0.0, f64::max);
         let is_closed = among().count() >= CURVE_POINTS && farthest <= CLOSED * self.half;
@@ -197,7 +198,11 @@ impl CriticalSearch<'_> {
         way.end = if far > FARTHEST * self.half {
             Some(PathEnd::Lost)
         } else if length.max(left) <= CONVERGED * self.half {
-            Some(if determinant.abs() >= LEAST_DETERMINANT { PathEnd::Isolated } else { PathEnd::OnCurve })
+            Some(if determinant.abs() >= LEAST_DETERMINANT {
+                PathEnd::Isolated
+            } else {
+                PathEnd::OnCurve
+            })
         } else {
             None
         };
@@ -268,7 +273,8 @@ fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<NewtonStep> {
             if size.abs() >= LEAST_DETERMINANT {
                 solution = [0, 1, 2].map(|axis| solution[axis] + far / size * along[axis]);
             } else {
-                rest = [0, 1, 2].map(|axis| rest[axis] + (far / LEAST_DETERMINANT * along[axis]).abs());
+                rest = [0, 1, 2]
+                    .map(|axis| rest[axis] + (far / LEAST_DETERMINANT * along[axis]).abs());
             }
         }
     }

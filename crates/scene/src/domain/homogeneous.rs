@@ -272,7 +272,10 @@ fn applied(
         Class::Square => (Operation::Power(one(0), 2), 2 * degree(0)),
         Class::Power => {
             let exponent = u32::try_from(graph.number(at(1).1)?.as_integer()?).ok()?;
-            (Operation::Power(one(0), exponent), degree(0).checked_mul(i32::try_from(exponent).ok()?)?)
+            (
+                Operation::Power(one(0), exponent),
+                degree(0).checked_mul(i32::try_from(exponent).ok()?)?,
+            )
         }
         Class::Extremum if op == Op::Min => level(Operation::Least),
         Class::Extremum => level(Operation::Most),

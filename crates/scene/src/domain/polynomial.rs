@@ -147,7 +147,8 @@ impl Polynomial {
             }
             let (highest, lower) = (seen.form(degree), seen.form(degree - 1));
             let changes = [0, 1, 2].map(|axis| highest.derivative(axis));
-            let together = |a: usize| [0, 1, 2].map(|b| changes[a].coefficient_product(&changes[b]));
+            let together =
+                |a: usize| [0, 1, 2].map(|b| changes[a].coefficient_product(&changes[b]));
             let gram = [0, 1, 2].map(together);
             let wanted = [0, 1, 2].map(|axis| -changes[axis].coefficient_product(&lower));
             let least = LEAST_CHANGE * (gram[0][0] + gram[1][1] + gram[2][2]);

@@ -154,7 +154,8 @@ impl WindowChooser<'_> {
             // The middle is rounded to two decimals.
             let short = (found * 100.0).round() / 100.0;
             let middle = if short.is_finite() { short } else { found };
-            (window.low[axis], window.high[axis]) = (middle - DEFAULT_HALF / 2.0, middle + DEFAULT_HALF / 2.0);
+            (window.low[axis], window.high[axis]) =
+                (middle - DEFAULT_HALF / 2.0, middle + DEFAULT_HALF / 2.0);
             return window;
         }
         // An empty window means that the surface is farther away.
@@ -197,9 +198,13 @@ impl WindowChooser<'_> {
             |n: &usize| sizes[..*n].iter().all(|other| !(0.5..=2.0).contains(&(sizes[*n] / other)));
         let find = |n: usize| {
             let Self { search, values, centre, .. } = *self;
-            CriticalSearch { search, values, depends: self.shape.depends, centre, half: sizes[n] }.find()
+            CriticalSearch { search, values, depends: self.shape.depends, centre, half: sizes[n] }
+                .find()
         };
-        (0..sizes.len()).filter(is_new).map(find).fold(CriticalDistances::default(), CriticalDistances::and)
+        (0..sizes.len())
+            .filter(is_new)
+            .map(find)
+            .fold(CriticalDistances::default(), CriticalDistances::and)
     }
 
     /// The part of a window that may hold the surface; `None` if it is empty. Along an axis on

@@ -39,7 +39,8 @@ fn the_document_s_domain_counts_unless_another_is_given() {
 fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
     let found = |text: &str, choice, to| {
         let (region, searched) =
-            region(&document(text), choice, Clipping { plane: ClipChoice::Document, to }).expect(text);
+            region(&document(text), choice, Clipping { plane: ClipChoice::Document, to })
+                .expect(text);
         (region, searched.map(|found| found.finding))
     };
     let auto = |text| found(text, DomainChoice::Document, ClipShape::Auto);
@@ -64,7 +65,10 @@ fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
     assert_eq!((ball.centre, ball.radius), (DVec3::ZERO, 1.5));
     let other = DomainChoice::Bounds([-1.0, 1.0, -1.0, 1.0, -1.0, 1.0]);
     assert_eq!(found("domain ball 3\nx*y*z=1", other, ClipShape::Auto).0.ball(), None);
-    assert_eq!(found("domain ball 3\nx*y*z=1", DomainChoice::Document, ClipShape::Box).0.ball(), None);
+    assert_eq!(
+        found("domain ball 3\nx*y*z=1", DomainChoice::Document, ClipShape::Box).0.ball(),
+        None
+    );
 }
 
 #[test]

@@ -2,14 +2,14 @@
 //! are in registers.
 
 use super::{NormalSource, Normals};
-use crate::shade::{Canvas, ViewAndNormals, ShadingInput};
+use crate::shade::{Canvas, ShadingInput, ViewAndNormals};
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
 use zeroset_trace::KernelStats;
 use zeroset_trace::Status;
 use zeroset_trace::painted::{Window, bits};
-use zeroset_trace::{RayGrid, RayDirections};
+use zeroset_trace::{RayDirections, RayGrid};
 
 /// Number of windows that are processed together, step by step. A kernel sets the rounding mode,
 /// which waits for all arithmetic before it, and its output is slow to read right away.
@@ -114,7 +114,14 @@ impl<T: Real> Band<'_, '_, '_, T> {
     /// Stores the normals of the lanes `found`, which are some of the lanes `open`. Paints the
     /// window on the canvas if all were found.
     #[inline(always)]
-    fn finish<S: Simd>(&mut self, simd: S, window: Window, open: u32, faced: ViewAndNormals<S>, found: u32) {
+    fn finish<S: Simd>(
+        &mut self,
+        simd: S,
+        window: Window,
+        open: u32,
+        faced: ViewAndNormals<S>,
+        found: u32,
+    ) {
         let is_faced = found == window.wanted;
         // Normals of a window that is painted at once are not needed later.
         if open != 0 && (self.normals.is_kept() || !is_faced) {
@@ -135,7 +142,13 @@ impl<T: Real> Band<'_, '_, '_, T> {
 
     /// Writes the points at which gradients are taken.
     #[inline(always)]
-    fn place<S: Simd>(&self, simd: S, window: Window, ways: &RayDirections<S>, points: &mut Points<T>) {
+    fn place<S: Simd>(
+        &self,
+        simd: S,
+        window: Window,
+        ways: &RayDirections<S>,
+        points: &mut Points<T>,
+    ) {
         let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
         let status = window.load(self.seen.columns.status, &mut spare.0);
         let mut distances = window.load(self.seen.columns.drawn, &mut spare.1);

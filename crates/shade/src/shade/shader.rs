@@ -1,8 +1,8 @@
 //! Shading of sixteen pixels of a window at a time, from their G-buffer to bytes.
 
-use super::lanes::{by_axis, dot, left, highlight_power, splat, tone_map};
+use super::lanes::{by_axis, dot, highlight_power, left, splat, tone_map};
 use super::{Appearance, Paint, SurfaceColors, UndecidedStyle};
-use crate::color::{BLACK, SrgbTable, LinearRgb};
+use crate::color::{BLACK, LinearRgb, SrgbTable};
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};
@@ -228,7 +228,9 @@ impl Shader<'_> {
             // The loop mostly runs once. Computing this before it takes longer.
             let own = RareQuantities::of(seen, window, marks);
             let amounts = match &own {
-                None => self.light::<S, false>(simd, seen, window, faced, colors, &RareQuantities::NONE),
+                None => {
+                    self.light::<S, false>(simd, seen, window, faced, colors, &RareQuantities::NONE)
+                }
                 Some(own) => self.light::<S, true>(simd, seen, window, faced, colors, own),
             };
             let colors = self.codes.bytes(simd, amounts);

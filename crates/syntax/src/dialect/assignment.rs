@@ -1,6 +1,6 @@
 //! Assignments of programs. Each defines a new name that later uses of the variable refer to.
 
-use crate::dialect::known_numbers::{number_of, number_expr};
+use crate::dialect::known_numbers::{number_expr, number_of};
 use crate::dialect::program_reader::{Frame, ProgramReader};
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{Comma, Number, OpenBracket, Slash};

@@ -168,7 +168,9 @@ impl Words<'_> {
                 } else {
                     // `for (const c of [1, 2])`
                     let of = header.iter().position(|token| self.word(*token) == "of");
-                    let Some(of) = of.filter(|of| *of > 0) else { return Err(self.unsupported(first)) };
+                    let Some(of) = of.filter(|of| *of > 0) else {
+                        return Err(self.unsupported(first));
+                    };
                     let values = header[of + 1..].to_vec();
                     steps.push(ProgramStep::Each { name: header[of - 1], values, body });
                 }

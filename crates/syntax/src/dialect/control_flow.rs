@@ -5,7 +5,7 @@
 //! is not known, the statements that follow are one more branch.
 
 use crate::dialect::blocks::ProgramStep;
-use crate::dialect::known_numbers::{count, number_of, number_expr};
+use crate::dialect::known_numbers::{count, number_expr, number_of};
 use crate::dialect::program_reader::{Frame, ProgramReader, Statements};
 use crate::lex::token::{Token, closing, span_of, split};
 use crate::lex::token_kind::TokenKind::{Comma, Equals};
@@ -153,7 +153,13 @@ impl ProgramReader<'_> {
         }
         let span = condition.first().map_or(Span::default(), |first| first.span);
         let (head, kind) = self.synthesized_head("if", span, frame);
-        self.push(condition.to_vec(), Some(head), Some(ValueConversion::Indicator), &frame.aliases.clone(), false)?;
+        self.push(
+            condition.to_vec(),
+            Some(head),
+            Some(ValueConversion::Indicator),
+            &frame.aliases.clone(),
+            false,
+        )?;
         let (mut first, mut second) = (frame.inner(), frame.inner());
         self.run(yes, &mut first)?;
         self.run(no, &mut second)?;

@@ -161,7 +161,11 @@ impl ProgramReader<'_> {
     }
 
     /// Reads `f(a) = value` of OpenSCAD, behind the word `function`.
-    pub(crate) fn openscad_function(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<()> {
+    pub(crate) fn openscad_function(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+    ) -> Fallible<()> {
         let trigonometric = tokens.iter().find(|token| {
             matches!(self.words.word(**token), "sin" | "cos" | "tan" | "atan2" | "atan")
         });
@@ -199,7 +203,11 @@ impl ProgramReader<'_> {
     }
 
     /// Reads `def name(parameters):` with the lines of its body.
-    pub(crate) fn python_function(&mut self, tokens: &[Token], following: &mut Statements) -> Fallible<()> {
+    pub(crate) fn python_function(
+        &mut self,
+        tokens: &[Token],
+        following: &mut Statements,
+    ) -> Fallible<()> {
         let word = "def".to_owned();
         let refused = Error::new(tokens[0].span, ErrorKind::Program { word });
         let Some((name, parameters, first)) = Words::python_function(tokens) else {

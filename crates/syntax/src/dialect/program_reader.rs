@@ -273,7 +273,13 @@ impl ProgramReader<'_> {
         if let Some(lexed) = arrange(self.words.text, tokens, self.limits)? {
             let aliases = aliases.clone();
             self.defined_names.extend(head.iter().map(|head| head.name.text.clone()));
-            self.program.statements.push(RawStatement { lexed, head, aliases, conversion, is_height });
+            self.program.statements.push(RawStatement {
+                lexed,
+                head,
+                aliases,
+                conversion,
+                is_height,
+            });
         }
         Ok(())
     }

@@ -172,7 +172,9 @@ impl<'a> Words<'a> {
     }
 
     /// Name and parameters of `def name(parameters):`, and the tokens behind its colon.
-    pub(crate) fn python_function(tokens: &[Token]) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
+    pub(crate) fn python_function(
+        tokens: &[Token],
+    ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
         let (parameters, rest) = bracketed(&tokens[2..])?;
         let colon = rest.iter().position(|token| token.kind == Colon)?;
         let name = *tokens.get(1)?;

@@ -179,7 +179,12 @@ fn system(
         (false, false, false, _) => return None,
         (true, _, true, true) => (
             "spherical coordinates, where theta is the angle from the z axis",
-            vec![("r", SPHERE_RADIUS), ("theta", "acos(z/r)"), ("phi", AZIMUTH), ("rho", CYLINDER_RADIUS)],
+            vec![
+                ("r", SPHERE_RADIUS),
+                ("theta", "acos(z/r)"),
+                ("phi", AZIMUTH),
+                ("rho", CYLINDER_RADIUS),
+            ],
         ),
         (true, _, _, false) => {
             (cylindrical, vec![("r", CYLINDER_RADIUS), ("rho", SPHERE_RADIUS), ("theta", AZIMUTH)])

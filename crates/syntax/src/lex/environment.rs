@@ -51,7 +51,9 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
 /// that is aligned at its relations.
 fn holds_lines(rest: &str, name: &str) -> bool {
     let close = format!(r"\end{{{name}}}");
-    let Some((inner, behind)) = start(rest, MAX_ENVIRONMENT_BYTES).split_once(&close) else { return false };
+    let Some((inner, behind)) = start(rest, MAX_ENVIRONMENT_BYTES).split_once(&close) else {
+        return false;
+    };
     let behind = behind.trim_start_matches([' ', '\t', '\r', '$', '.', ',']);
     let behind = behind.strip_prefix(r"\right.").unwrap_or(behind).trim_start();
     let is_all =

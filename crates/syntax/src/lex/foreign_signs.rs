@@ -37,8 +37,8 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
         }
         // Coordinates of Houdini, such as `$X`.
         '$' => {
-            let is_axis =
-                rest[1..].starts_with(['X', 'Y', 'Z']) && prefix_length(&rest[1..], is_name_char) == 1;
+            let is_axis = rest[1..].starts_with(['X', 'Y', 'Z'])
+                && prefix_length(&rest[1..], is_name_char) == 1;
             is_axis.then_some((Blank, 1))
         }
         '@' if rest[1..].trim_start().starts_with('(') => Some((At, 1)),

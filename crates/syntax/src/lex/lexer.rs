@@ -6,7 +6,8 @@
 use crate::lex::environment::environment;
 use crate::lex::foreign_signs::foreign;
 use crate::lex::spelling::{
-    is_name_char, line_length, plain_text, prefix_length, start, superscript_digit, token_kind, vulgar,
+    is_name_char, line_length, plain_text, prefix_length, start, superscript_digit, token_kind,
+    vulgar,
 };
 use crate::lex::token::LexContext;
 use crate::lex::token_kind::TokenKind::{self, *};

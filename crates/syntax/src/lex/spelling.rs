@@ -120,7 +120,9 @@ pub(crate) fn start(text: &str, most: usize) -> &str {
 /// Returns whether `text` can be defined: a name in plain letters that is not an operator.
 pub(crate) fn is_definable(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)
-        && text.chars().all(|c| is_name_char(c) && plain_text(c.encode_utf8(&mut [0; 4])).starts_with(c))
+        && text
+            .chars()
+            .all(|c| is_name_char(c) && plain_text(c.encode_utf8(&mut [0; 4])).starts_with(c))
         && token_kind(text).is_none_or(TokenKind::is_name)
 }
 

@@ -111,10 +111,18 @@ impl<'a> Lowering<'a> {
     }
 
     /// `yes` where a margin is positive, else `no`. A margin of 0 gives `yes` unless `strict`.
-    fn select_by_margin(&mut self, margin: NodeId, strict: bool, yes: NodeId, no: NodeId) -> NodeId {
+    fn select_by_margin(
+        &mut self,
+        margin: NodeId,
+        strict: bool,
+        yes: NodeId,
+        no: NodeId,
+    ) -> NodeId {
         // The margin may be a choice between numbers, for example whether a program has left a
         // loop. Bounds of such a margin cover all its numbers, and so do not decide.
-        if let Some(node) = self.select_among_numbers(margin, strict, (yes, no), &mut MAX_LEAVES.clone()) {
+        if let Some(node) =
+            self.select_among_numbers(margin, strict, (yes, no), &mut MAX_LEAVES.clone())
+        {
             return node;
         }
         if strict {

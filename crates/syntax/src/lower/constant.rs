@@ -11,7 +11,7 @@ use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
 use crate::tree::scope::Scope;
 use zeroset_interval::Interval;
-use zeroset_ir::{Constant, Graph, Node, NodeId, Variability, variabilities, simplify};
+use zeroset_ir::{Constant, Graph, Node, NodeId, Variability, simplify, variabilities};
 use zeroset_ops::Op;
 
 /// The value of a constant expression such as `1/3` or `2*pi`.

@@ -387,7 +387,11 @@ impl Error {
     }
 
     /// This error with the suggestion to replace `span` by `meant`, or unchanged if there is none.
-    pub(crate) fn suggest_optional(self: Box<Self>, span: Span, meant: Option<String>) -> Box<Self> {
+    pub(crate) fn suggest_optional(
+        self: Box<Self>,
+        span: Span,
+        meant: Option<String>,
+    ) -> Box<Self> {
         match meant {
             Some(meant) => self.suggest(span, meant),
             None => self,

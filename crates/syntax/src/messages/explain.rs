@@ -232,7 +232,10 @@ impl Error {
             return meant.replacement.clone();
         };
         let corrected = format!("{before}{}{after}", meant.replacement);
-        if corrected.is_empty() || corrected.chars().count() > MAX_QUOTED || corrected.contains('\n') {
+        if corrected.is_empty()
+            || corrected.chars().count() > MAX_QUOTED
+            || corrected.contains('\n')
+        {
             return meant.replacement.clone();
         }
         corrected

@@ -166,7 +166,9 @@ impl Builder<'_> {
             && amount.as_rule() == Rule::opacity
         {
             let span = self.span(amount);
-            let [number] = &parts(amount.clone())[..] else { return Err(bad_setting("contours", span)) };
+            let [number] = &parts(amount.clone())[..] else {
+                return Err(bad_setting("contours", span));
+            };
             let number = self.term(&mut number.clone().into_inner())?;
             return Ok(Contours { value: None, step: Some(step(self.limits, &number)?) });
         }

@@ -73,7 +73,8 @@ impl Builder<'_> {
         mut arguments: Vec<Expr>,
         items: &mut FactorItems<'_>,
     ) -> Fallible<Vec<Expr>> {
-        let Some(FactorItem::Group(radicand) | FactorItem::Delimited(radicand)) = items.front() else {
+        let Some(FactorItem::Group(radicand) | FactorItem::Delimited(radicand)) = items.front()
+        else {
             return Ok(arguments);
         };
         let is_group = radicand.as_rule() == Rule::group;

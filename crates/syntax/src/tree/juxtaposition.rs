@@ -411,7 +411,11 @@ impl Builder<'_> {
 
     /// Reads a factor that does not begin with brackets.
     #[inline(never)] // keeps the stack frames of nested brackets small
-    fn unbracketed_factor(&mut self, item: FactorItem<'_>, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+    fn unbracketed_factor(
+        &mut self,
+        item: FactorItem<'_>,
+        items: &mut FactorItems<'_>,
+    ) -> Fallible<Expr> {
         match item {
             FactorItem::Leaf(expr) => self.leaf_factor(expr, items),
             FactorItem::Function(callee, span) => {

@@ -50,7 +50,8 @@ pub(crate) fn built_in(name: &str) -> NameMeaning {
 
 /// The function that a name of another language is read as, for a note. Constants get no note.
 pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
-    let found = FOREIGN_NAMES.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
+    let found =
+        FOREIGN_NAMES.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
     found.filter(|here| callee.name() == *here)
 }
 

@@ -48,7 +48,11 @@ impl Builder<'_> {
 
     /// Reads the index of a range and its ends.
     #[inline(never)] // keeps its locals out of the stack frames of nested sums
-    fn index_and_ends<'i>(&mut self, range: Pair<'i>, place: Span) -> Fallible<(Pair<'i>, Vec<Expr>)> {
+    fn index_and_ends<'i>(
+        &mut self,
+        range: Pair<'i>,
+        place: Span,
+    ) -> Fallible<(Pair<'i>, Vec<Expr>)> {
         let is_generator = range.as_rule() == Rule::generator;
         let mut ends = range.into_inner();
         let index = ends.next().expect("a range has an index");

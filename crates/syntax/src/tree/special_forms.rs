@@ -56,7 +56,8 @@ pub(crate) fn descend_to<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
 pub(crate) fn tuple<'i>(pair: &Pair<'i>) -> Option<Vec<Pair<'i>>> {
     let inner = descend_to(pair, Rule::list).or_else(|| descend_to(pair, Rule::group))?;
     let parts: Vec<Pair<'i>> = inner.into_inner().collect();
-    (parts.len() > 1 || parts.iter().any(|part| descend_to(part, Rule::list).is_some())).then_some(parts)
+    (parts.len() > 1 || parts.iter().any(|part| descend_to(part, Rule::list).is_some()))
+        .then_some(parts)
 }
 
 impl Builder<'_> {
@@ -296,7 +297,8 @@ impl Builder<'_> {
                 }
             }
         }
-        choice_or_last(pieces, last, span).ok_or_else(|| Error::new(span, ErrorKind::PieceWithoutCondition))
+        choice_or_last(pieces, last, span)
+            .ok_or_else(|| Error::new(span, ErrorKind::PieceWithoutCondition))
     }
 
     /// Reads a condition written as a function.

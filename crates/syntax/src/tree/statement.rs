@@ -252,9 +252,11 @@ fn accepts(head: &Head) -> Option<bool> {
             FormKind::Vector(_) | FormKind::Matrix(_) => Some(true),
             FormKind::OfVectors(function) => Some(count == function.arity()),
             FormKind::Multiply => Some(count == 2),
-            FormKind::Choose | FormKind::Pieces | FormKind::Sum | FormKind::Product | FormKind::Iterate => {
-                None
-            }
+            FormKind::Choose
+            | FormKind::Pieces
+            | FormKind::Sum
+            | FormKind::Product
+            | FormKind::Iterate => None,
         };
     }
     match built_in(&head.name.text) {

@@ -40,7 +40,8 @@ impl Builder<'_> {
             return error;
         }
         let kind = ErrorKind::UnknownFunction { name: short_name(name) };
-        Error::new(span, kind).suggest_optional(span, self.scope.suggest_name(name, &self.locals, true))
+        Error::new(span, kind)
+            .suggest_optional(span, self.scope.suggest_name(name, &self.locals, true))
     }
 
     /// The error for a statement that is in words instead of signs.

@@ -1,7 +1,7 @@
 //! Search for zeros on a ray: pieces are halved until each is proven empty or too small to decide.
 
-use super::line::{FunctionOnLine, Clip, Line};
-use super::{Certificate, Crossing, UnresolvedReason, Unresolved};
+use super::line::{Clip, FunctionOnLine, Line};
+use super::{Certificate, Crossing, Unresolved, UnresolvedReason};
 use crate::oracle::{BoxClaim, Defined, Oracle, Span};
 
 /// Least length of a piece, as a share of the ray's path through the box. Where the function is
@@ -69,7 +69,11 @@ impl<'a> Search<'a> {
 
     pub(super) fn run(mut self, clip: Option<Clip>) -> Certificate {
         let crossing = clip.and_then(|clip| self.search(&clip));
-        Certificate { unresolved: self.unresolved, crossing, evaluations: self.budget - self.remaining }
+        Certificate {
+            unresolved: self.unresolved,
+            crossing,
+            evaluations: self.budget - self.remaining,
+        }
     }
 
     fn search(&mut self, clip: &Clip) -> Option<Crossing> {
@@ -152,7 +156,11 @@ impl<'a> Search<'a> {
             } else {
                 UnresolvedReason::Undefined
             };
-            return if small { PieceResult::Leaf(Some(reason)) } else { PieceResult::Cut(vec![middle]) };
+            return if small {
+                PieceResult::Leaf(Some(reason))
+            } else {
+                PieceResult::Cut(vec![middle])
+            };
         }
         let [_, slope] = self.slope(near, far);
         let usable = slope.values.defined == Defined::Yes && span(&slope).is_bounded();

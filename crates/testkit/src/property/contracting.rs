@@ -160,7 +160,8 @@ fn lost_root<T: Adversarial>(
     all: &mut ContractionTally,
 ) -> Option<usize> {
     let case = with_root(case, claim);
-    let planes = &kernel_options.kernel::<ContractTiles, T>(&case)?.eval_all(&[pack_tiles(tiles)])[0];
+    let planes =
+        &kernel_options.kernel::<ContractTiles, T>(&case)?.eval_all(&[pack_tiles(tiles)])[0];
     let segments = pack_segments::<T>(tiles, probe);
     let ends = &kernel_options.kernel::<ContractSegments, T>(&case)?.eval_all(&[segments])[0];
     (0..tiles.len()).find(|&lane| {
@@ -189,8 +190,15 @@ fn explain_root<T: Adversarial>(
     let mut loses = |case: &Case| {
         let claim = value_of(case);
         is_narrow(claim)
-            && lost_root::<T>(kernel_options, case, &[*tile], probe, claim, &mut ContractionTally::default())
-                .is_some()
+            && lost_root::<T>(
+                kernel_options,
+                case,
+                &[*tile],
+                probe,
+                claim,
+                &mut ContractionTally::default(),
+            )
+            .is_some()
     };
     let least = minimise(case, &mut loses);
     let claim = value_of(&least);
@@ -308,5 +316,8 @@ fn explain<T: Adversarial>(
     };
     let least = minimise(case, &mut |case| ask(case).is_some());
     let what = ask(&least).unwrap_or_else(|| "it depends on the other lanes".to_owned());
-    Failure::new(format!("{kernel_options:?} {what}\n{}", least.describe::<T>(&Place::At(probes[0].at))))
+    Failure::new(format!(
+        "{kernel_options:?} {what}\n{}",
+        least.describe::<T>(&Place::At(probes[0].at))
+    ))
 }

@@ -83,13 +83,16 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Fo
         let inner = random_inner(op, rng);
         let fixed = rng.u32(0..2 * op.arity() as u32) as usize;
         let made_of = inner.map_or(0, Op::arity);
-        let mut operands: Vec<RandomOperand> =
-            (0..made_of).map(|_| RandomOperand::random::<T>(rng, OperandKind::Varying, &symbols)).collect();
+        let mut operands: Vec<RandomOperand> = (0..made_of)
+            .map(|_| RandomOperand::random::<T>(rng, OperandKind::Varying, &symbols))
+            .collect();
         operands.extend((made_of.min(1)..op.arity()).map(|place| {
             let kind = match rng.u32(0..4) {
                 // The exponent of a power is mostly a constant.
                 _ if op == Op::Pow && place == 1 && fixed > 0 => OperandKind::Fixed(exponent(rng)),
-                0 if op.arity() > 1 && fixed == place => OperandKind::Fixed(random_constant(rng, true)),
+                0 if op.arity() > 1 && fixed == place => {
+                    OperandKind::Fixed(random_constant(rng, true))
+                }
                 1 if op.arity() > 1 && fixed == place => OperandKind::Between,
                 _ => OperandKind::Varying,
             };
@@ -294,9 +297,10 @@ impl RandomOperand {
                     let at = std::array::from_fn(|index| at[index % 3]);
                     (OperandLane { bounds, ..OperandLane::default() }, at)
                 }
-                OperandKind::Fixed(_) => {
-                    (OperandLane { bounds: [range.lo, range.hi], ..OperandLane::default() }, [0.0; POINTS])
-                }
+                OperandKind::Fixed(_) => (
+                    OperandLane { bounds: [range.lo, range.hi], ..OperandLane::default() },
+                    [0.0; POINTS],
+                ),
             };
             lanes.push(lane);
             values.push(at);

@@ -39,7 +39,8 @@ pub fn check_narrowing<T: Adversarial, const N: usize>(
 ) -> Result<Tally, Failure> {
     let mut tally = Tally::default();
     for _ in 0..vectors {
-        let lanes: Vec<LinearLane<N>> = (0..T::VECTOR_LANES).map(|_| LinearLane::random::<T>(rng)).collect();
+        let lanes: Vec<LinearLane<N>> =
+            (0..T::VECTOR_LANES).map(|_| LinearLane::random::<T>(rng)).collect();
         let mut machine = Software::BOTH[usize::from(rng.bool())];
         for (lane, answer) in lanes.iter().zip(answers::<T, N>(&mut machine, &lanes)) {
             tally.compared += 1;

@@ -1,7 +1,7 @@
 //! Claims of a picture about its rays must be true according to the certified tracer.
 
 use super::scene::{Scene, describe};
-use crate::certified::{Certificate, BoxEntry, Function, Line};
+use crate::certified::{BoxEntry, Certificate, Function, Line};
 use crate::suite::{Failure, Tally};
 
 /// The claim of a picture about one ray. Distances are multiples of the line's direction. A solid
@@ -103,7 +103,11 @@ pub fn picture(
     Ok(tally)
 }
 
-fn contradiction(scene: &Scene, pixel: &Pixel, certain: &[SurfaceCertificate]) -> Option<&'static str> {
+fn contradiction(
+    scene: &Scene,
+    pixel: &Pixel,
+    certain: &[SurfaceCertificate],
+) -> Option<&'static str> {
     let Pixel { line, claimed, hit, .. } = *pixel;
     let unit = line.direction.iter().fold(0.0_f64, |length, part| length.hypot(*part)).recip();
     let slack = |distance: f64| rounding(scene) * (unit + distance);

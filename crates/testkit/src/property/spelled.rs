@@ -1,6 +1,6 @@
 //! Properties must also hold for functions spelled with forms, vectors, choices and sums.
 
-use super::{KernelKind, agree, enclose, check_simplification, read_and_print};
+use super::{KernelKind, agree, check_simplification, enclose, read_and_print};
 use crate::random::{random_domain, random_text};
 use crate::suite::{Failure, Tally};
 use crate::{Case, Rng};

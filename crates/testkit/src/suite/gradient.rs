@@ -1,7 +1,7 @@
 //! Checks of gradient kernels: derivatives agree with slopes between values of the oracle.
 
 use super::subjects::{OpGraph, subjects};
-use super::{Failure, CompileGraph, Tally};
+use super::{CompileGraph, Failure, Tally};
 use crate::{Defined, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, SampleGradient};
 use zeroset_ops::Op;

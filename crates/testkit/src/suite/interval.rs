@@ -1,7 +1,7 @@
 //! Checks of interval kernels: bounds overlap the oracle's bounds, and facts are true.
 
 use super::subjects::subjects;
-use super::{Failure, CompileGraph, Tally};
+use super::{CompileGraph, Failure, Tally};
 use crate::{
     Adversarial, Claim, Defined, Ends, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
     point_in_box, random_box, random_graph, reproduce_in,

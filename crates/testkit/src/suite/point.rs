@@ -1,7 +1,7 @@
 //! Checks of point kernels: NaN exactly where an operation is undefined, else accurate values.
 
 use super::subjects::{OpGraph, subjects};
-use super::{Failure, CompileGraph, Tally};
+use super::{CompileGraph, Failure, Tally};
 use crate::{Adversarial, Claim, Defined, Ends, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, Sample};
 use zeroset_ops::Op;

@@ -5,7 +5,7 @@
 //! does not depend on the table of derivatives.
 
 use super::subjects::subjects;
-use super::{Failure, CompileCase, Tally};
+use super::{CompileCase, Failure, Tally};
 use crate::oracle::Span;
 use crate::{
     Adversarial, Case, Claim, Defined, Oracle, Place, Rng, hexadecimal, minimise, pack_boxes,

@@ -32,8 +32,9 @@ impl Kernel<Enclose> for ConstantKernel {
 }
 
 fn verdict(lo: f32, hi: f32, facts: Facts) -> Result<Tally, Failure> {
-    let make =
-        |_: &Graph, _: NodeId| -> Box<dyn Kernel<Enclose>> { Box::new(ConstantKernel { lo, hi, facts }) };
+    let make = |_: &Graph, _: NodeId| -> Box<dyn Kernel<Enclose>> {
+        Box::new(ConstantKernel { lo, hi, facts })
+    };
     check_interval_ops(&make, SEED, 64)?;
     check_interval_graphs(&make, SEED, &GraphOptions::default(), 100, 16)
 }

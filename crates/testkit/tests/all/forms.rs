@@ -9,7 +9,9 @@ use zeroset_interval::{
     Exponent, Form, FormOperand, Format, Interval, Machine, Software, Vector128, linearise,
 };
 use zeroset_ops::{Domain, Op, TABLE};
-use zeroset_testkit::property::{ContractionTally, Engine, FormTally, KernelOptions, check_contraction, linear, check_narrowing};
+use zeroset_testkit::property::{
+    ContractionTally, Engine, FormTally, KernelOptions, check_contraction, check_narrowing, linear,
+};
 use zeroset_testkit::suite::Tally;
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 

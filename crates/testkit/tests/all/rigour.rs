@@ -7,7 +7,9 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph, NodeId};
 use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 use zeroset_ops::Op;
-use zeroset_testkit::property::{ContractionTally, Engine, KernelOptions, compared_interval, check_contraction};
+use zeroset_testkit::property::{
+    ContractionTally, Engine, KernelOptions, check_contraction, compared_interval,
+};
 use zeroset_testkit::suite::{Failure, Tally, check_interval_cases, check_interval_ops};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
@@ -68,7 +70,8 @@ fn forms<T: Adversarial>(arithmetic: Arithmetic, seed: u64) -> Result<Contractio
         let size = rng.u32(1..=16);
         let options = GraphOptions { size, adversarial, parameters: 1, ..GraphOptions::default() };
         let case = Case::random(&mut rng, &options);
-        let kernel_options = KernelOptions { simple: rng.bool(), engine: Engine::ComparisonKernel(arithmetic) };
+        let kernel_options =
+            KernelOptions { simple: rng.bool(), engine: Engine::ComparisonKernel(arithmetic) };
         all.add(check_contraction::<T>(kernel_options, &case, &mut rng, 4)?);
     }
     Ok(all)

@@ -42,9 +42,10 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         let options = GraphOptions { size: rng.u32(1..=options.size), ..options.clone() };
         let case = Case::random(&mut rng, &options);
         let simple = rng.bool();
-        let tally = check_gradient_bounds::<T>(simple, &case, &mut rng, BOXES).unwrap_or_else(|failure| {
-            panic!("{failure}\nsimplified: {simple}, ZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
-        });
+        let tally =
+            check_gradient_bounds::<T>(simple, &case, &mut rng, BOXES).unwrap_or_else(|failure| {
+                panic!("{failure}\nsimplified: {simple}, ZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
+            });
         compared += tally.compared;
         defined += tally.defined;
     }

@@ -7,7 +7,8 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 use zeroset_interval::{
-    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, evaluate_sincos, fold,
+    Enclosure, Facts, Format, Interval, Operand, Software, Vector128, enclose, evaluate_sincos,
+    fold,
 };
 use zeroset_ops::Op;
 use zeroset_testkit::Rng;

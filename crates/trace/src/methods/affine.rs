@@ -13,6 +13,7 @@
 //! [`Precision::Auto`], in `f64` where `f32` does not suffice.
 
 mod bundle;
+mod classify;
 #[cfg(test)]
 mod exact;
 mod frame;
@@ -24,7 +25,6 @@ mod pool;
 mod pooled;
 mod rays;
 mod screens;
-mod classify;
 mod tiles;
 mod tracer;
 
@@ -64,7 +64,9 @@ fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErro
         Ok(tracer) => Ok(Box::new(tracer)),
         // Kernels of forms are several times as large as those of intervals. A formula that is too
         // large for them is drawn with intervals.
-        Err(why) => Ok(Box::new(KnollFallback { tracer: knoll::prepare::<T>(task)?, why: why.to_string() })),
+        Err(why) => {
+            Ok(Box::new(KnollFallback { tracer: knoll::prepare::<T>(task)?, why: why.to_string() }))
+        }
     }
 }
 

@@ -65,7 +65,8 @@ impl<T: Real> RayFunction<'_, T> {
         let (Some((start, before)), Some((end, behind))) = (before, behind) else { return false };
         // An open part close behind a gap is treated as part of the gap.
         let close = POLE_REACH * (end - start);
-        let boxes = Boxes::around(&[bounds(self.local_ray, [start - close, end + close], self.region)]);
+        let boxes =
+            Boxes::around(&[bounds(self.local_ray, [start - close, end + close], self.region)]);
         let (bounds, zero) = (denominator.eval_all(&boxes).remove(0), T::default());
         before == behind && bounds.neg_lo[0] >= zero && bounds.hi[0] >= zero
     }
@@ -75,7 +76,8 @@ impl<T: Real> RayFunction<'_, T> {
     fn inside(&self) -> [f64; 2] {
         let local_ray = self.local_ray;
         let [near, far] = local_ray.inside;
-        let [enter, leave] = between_faces([local_ray.origin, local_ray.direction, local_ray.error], self.region);
+        let [enter, leave] =
+            between_faces([local_ray.origin, local_ray.direction, local_ray.error], self.region);
         [near.max(local_ray.start).max(enter), far.min(leave)]
     }
 
@@ -113,6 +115,8 @@ impl<T: Real> RayFunction<'_, T> {
     }
 
     fn enclose(&self, segment: [f64; 2]) -> Enclosures<T> {
-        self.kernel.eval_all(&Boxes::around(&[bounds(self.local_ray, segment, self.region)])).remove(0)
+        self.kernel
+            .eval_all(&Boxes::around(&[bounds(self.local_ray, segment, self.region)]))
+            .remove(0)
     }
 }

@@ -3,8 +3,8 @@
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::kernel_stats::KernelStats;
-use crate::options;
 use crate::method::{Method, Proves, Task, Tracer};
+use crate::options;
 use crate::packet::Packet;
 use crate::scalar::Scalar;
 use fearless_simd::Simd;

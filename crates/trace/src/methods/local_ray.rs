@@ -82,10 +82,15 @@ pub(super) fn between_faces([origin, direction, error]: [DVec3; 3], region: &Reg
 }
 
 /// Returns a box around a segment's points in the region.
-pub(super) fn bounds(local_ray: &LocalRay, [near, far]: [f64; 2], region: &Region) -> [Interval; 3] {
+pub(super) fn bounds(
+    local_ray: &LocalRay,
+    [near, far]: [f64; 2],
+    region: &Region,
+) -> [Interval; 3] {
     std::array::from_fn(|axis| {
         let ends = [near, far].map(|s| local_ray.origin[axis] + s * local_ray.direction[axis]);
-        let size = local_ray.origin[axis].abs() + near.abs().max(far.abs()) * local_ray.direction[axis].abs();
+        let size = local_ray.origin[axis].abs()
+            + near.abs().max(far.abs()) * local_ray.direction[axis].abs();
         let slack = local_ray.error[axis] + 4.0 * f64::EPSILON * size;
         let (low, high) = (region.low()[axis], region.high()[axis]);
         Interval {

@@ -5,8 +5,8 @@
 
 use super::refine::{RayParts, Refiner};
 use crate::kernel_stats::KernelStats;
-use crate::options;
 use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
+use crate::options;
 use crate::packet::RayLanes;
 use crate::painted::ones;
 use crate::ray_result::{RayResult, Status, UndecidedReason};

@@ -10,8 +10,8 @@ mod search;
 use super::local_ray::LocalRay;
 use super::outcome::{RayOutcome, follow_in_region};
 use crate::kernel_stats::KernelStats;
-use crate::options;
 use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
+use crate::options;
 use crate::options::Precision;
 use crate::ray_result::RayResult;
 use crate::scalar::Scalar;
@@ -46,7 +46,8 @@ impl<T: Scalar> Mitchell<'_, T> {
         outcomes: &mut [RayOutcome],
         work: &mut KernelStats,
     ) {
-        let open: Vec<usize> = (0..local_rays.len()).filter(|&k| outcomes[k].open.is_some()).collect();
+        let open: Vec<usize> =
+            (0..local_rays.len()).filter(|&k| outcomes[k].open.is_some()).collect();
         if open.is_empty() {
             return;
         }

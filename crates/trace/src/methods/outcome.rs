@@ -59,7 +59,9 @@ pub(super) fn follow_in_region<O: IntoIterator<Item = RayOutcome>>(
         if local_rays.is_empty() {
             continue;
         }
-        for ((outcome, local_ray), lane) in follow(&local_rays).into_iter().zip(&local_rays).zip(lanes) {
+        for ((outcome, local_ray), lane) in
+            follow(&local_rays).into_iter().zip(&local_rays).zip(lanes)
+        {
             found[lane] = outcome.found(-local_ray.start);
         }
     }

@@ -72,7 +72,12 @@ impl<'a, T: Scalar> Refiner<'a, T> {
 
     /// Returns the places in parts of these rays at which samples change sign; infinity for other
     /// rays.
-    pub fn places(&self, lines: &RayLanes, wanted: &RayParts, work: &mut KernelStats) -> Lanes<f64> {
+    pub fn places(
+        &self,
+        lines: &RayLanes,
+        wanted: &RayParts,
+        work: &mut KernelStats,
+    ) -> Lanes<f64> {
         let mut places = Lanes::splat(f64::INFINITY);
         if wanted.rays == 0 {
             return places;

@@ -9,7 +9,7 @@
 use super::refine::{RayParts, Refiner};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start, Task, Tracer};
-use crate::packet::{RayLanes, Packet, PACKET_RAYS};
+use crate::packet::{PACKET_RAYS, Packet, RayLanes};
 use crate::painted::ones;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::scalar::Scalar;

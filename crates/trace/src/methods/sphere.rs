@@ -9,8 +9,8 @@
 use super::local_ray::{LocalRay, bounds};
 use super::slope::SlopeKernels;
 use crate::kernel_stats::KernelStats;
-use crate::options;
 use crate::method::{Method, Proves, Segment, Start, Task, Tracer};
+use crate::options;
 use crate::options::TraceOptions;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::scalar::Scalar;
@@ -131,7 +131,8 @@ impl<T: Scalar> Sphere<'_, T> {
         }
         let used = walks.len();
         let values = self.slopes.values(&places[..used], work);
-        let slopes = self.slopes.along(&parts[..used], |slot| walks[slot].local_ray.direction, work);
+        let slopes =
+            self.slopes.along(&parts[..used], |slot| walks[slot].local_ray.direction, work);
         let mut slot = 0;
         walks.retain_mut(|walk| {
             let end = walk.advance(values[slot], slopes[slot], self.steps);
@@ -152,7 +153,12 @@ impl Walk {
 
     /// Takes a step, given bounds of the value at its start and of the slope in the next part.
     /// Returns how the search ended, if it did. `most`: the maximum number of steps.
-    fn advance(&mut self, value: Interval, slope: Option<Interval>, most: u32) -> Option<SearchEnd> {
+    fn advance(
+        &mut self,
+        value: Interval,
+        slope: Option<Interval>,
+        most: u32,
+    ) -> Option<SearchEnd> {
         let (at, to) = (self.at, self.to());
         let open = |reason, drawn| Some(SearchEnd::Open(at, reason, drawn));
         if at >= self.end {

@@ -8,8 +8,8 @@ use zeroset_eval::{
 };
 use zeroset_space::{Ray, Region};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, KernelStats, Method, Precision, Projection, RayGrid, RayResult, MOST_STEPS,
-    Segment, Start, Status, TraceOptions,
+    Camera, Driver, GBuffer, KernelStats, MOST_STEPS, Method, Precision, Projection, RayGrid,
+    RayResult, Segment, Start, Status, TraceOptions,
 };
 
 /// A function of z that is 0 above `top` and has no zero below. Bounds show the latter only for

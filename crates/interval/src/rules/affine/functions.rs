@@ -148,7 +148,11 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// f′ = log_e/x, f″ = −log_e/x², where `log_e` is the logarithm of e.
-    pub(super) fn shape_of_logarithm(&mut self, log_e: f64, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
+    pub(super) fn shape_of_logarithm(
+        &mut self,
+        log_e: f64,
+        at: &ExpansionPoint<M::V>,
+    ) -> Derivatives<M::V> {
         let zero = self.zero();
         let base = self.nearest(log_e);
         let slope = self.m.div(base, at.x);
@@ -239,7 +243,11 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Hyperbolic sine or cosine: f′ is `slope`, the other of the two, and f″ = f.
-    pub(super) fn shape_of_hyperbolic(&mut self, slope: Op, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
+    pub(super) fn shape_of_hyperbolic(
+        &mut self,
+        slope: Op,
+        at: &ExpansionPoint<M::V>,
+    ) -> Derivatives<M::V> {
         let zero = self.zero();
         let derivative = enclose(self.m, self.format, slope, &[at.point]);
         let (slope, off) = self.middle(derivative.neg_lo, derivative.hi);

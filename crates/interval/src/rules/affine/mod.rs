@@ -68,7 +68,8 @@ impl<V: Copy, const N: usize> Form<V, N> {
     #[must_use]
     pub fn clamp_to<M: Machine<V = V>>(self, m: &mut M, format: Format, range: Interval) -> Self {
         let ends = [-range.lo, range.hi];
-        let bounds = self.bounds.map(|bounds| [0, 1].map(|k| m.clamp_to(format, bounds[k], ends[k])));
+        let bounds =
+            self.bounds.map(|bounds| [0, 1].map(|k| m.clamp_to(format, bounds[k], ends[k])));
         Self { bounds, ..self }
     }
 
@@ -132,7 +133,8 @@ pub fn linearise<M: Machine, const N: usize>(
         // These operations pass delayed rounding on.
         operands
     } else {
-        including_rounding = operands.iter().map(|operand| rule.including_rounding(operand)).collect();
+        including_rounding =
+            operands.iter().map(|operand| rule.including_rounding(operand)).collect();
         &including_rounding[..]
     };
     let a = &operands[0];
@@ -303,7 +305,10 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// The operand with delayed rounding included in its error, so that it is not computed again.
-    fn including_rounding<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> FormOperand<M::V, N> {
+    fn including_rounding<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+    ) -> FormOperand<M::V, N> {
         let value = Form { error: self.error_of(&a.value), units: 0.0, ..a.value };
         FormOperand { value, ..*a }
     }

@@ -209,7 +209,8 @@ impl<M: Machine> Rule<'_, M> {
         let series = self.series(z, constants.cos);
         let fourth = self.m.mul(z, z);
         let moved = self.m.mul(n, s);
-        let cos = HeadAndTail { head: one_minus_half_z, tail: self.m.mul_add(fourth, series, moved) };
+        let cos =
+            HeadAndTail { head: one_minus_half_z, tail: self.m.mul_add(fourth, series, moved) };
         // sin s = s − s·z(1/6 − …). n·cos s is approximated by n·(1 − z/2).
         let cube = self.m.mul(s, z);
         let series = self.series(z, constants.sin);

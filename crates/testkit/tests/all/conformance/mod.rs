@@ -9,8 +9,8 @@ mod function;
 mod itl;
 mod tally;
 
-use function::{Function, Native, QueryResult, KnownDomain, function, outward, value_of};
-use itl::{TestCase, Decoration, Term, parse};
+use function::{Function, KnownDomain, Native, QueryResult, function, outward, value_of};
+use itl::{Decoration, Term, TestCase, parse};
 use std::fmt::Write;
 use std::path::PathBuf;
 use tally::{EvaluatorTally, Ulp, Verdict, judge};
@@ -67,7 +67,13 @@ impl<'a> RunnableCase<'a> {
     }
 
     /// Counts a result, lists it if it is remarkable, and checks its facts.
-    fn record(&self, answer: QueryResult, tightest: Option<Interval>, ulp: Ulp, tally: &mut EvaluatorTally) {
+    fn record(
+        &self,
+        answer: QueryResult,
+        tightest: Option<Interval>,
+        ulp: Ulp,
+        tally: &mut EvaluatorTally,
+    ) {
         let name = &self.case.name;
         let verdict = judge(answer, tightest, ulp)
             .unwrap_or_else(|violation| panic!("{}: {violation}", self.case.text));
@@ -169,9 +175,15 @@ fn every_enclosure_holds_and_is_as_wide_as_reported() {
     assert!(cases.len() > 3500, "only {} cases", cases.len());
     let software = in_software(&cases);
     let natives = [
-        ("f32, nothing known of the operands", natively::<f32>(&cases, KnownDomain::Nothing, Ulp::F32)),
+        (
+            "f32, nothing known of the operands",
+            natively::<f32>(&cases, KnownDomain::Nothing, Ulp::F32),
+        ),
         ("f32, compiled for the very box", natively::<f32>(&cases, KnownDomain::TheBox, Ulp::F32)),
-        ("f64, nothing known of the operands", natively::<f64>(&cases, KnownDomain::Nothing, Ulp::F64)),
+        (
+            "f64, nothing known of the operands",
+            natively::<f64>(&cases, KnownDomain::Nothing, Ulp::F64),
+        ),
         ("f64, compiled for the very box", natively::<f64>(&cases, KnownDomain::TheBox, Ulp::F64)),
     ];
     let mut report = String::new();

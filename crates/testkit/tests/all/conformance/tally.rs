@@ -137,7 +137,8 @@ impl EvaluatorTally {
     /// Number of cases of these operations whose enclosure is not the tightest.
     pub fn wider(&self, names: &[&str]) -> u64 {
         let rows = self.rows.iter().filter(|(name, _)| names.contains(&name.as_str()));
-        let sum = |row: &OperationTally| row.wider.iter().sum::<u64>() + row.unbounded + row.unproven;
+        let sum =
+            |row: &OperationTally| row.wider.iter().sum::<u64>() + row.unbounded + row.unproven;
         rows.map(|(_, row)| sum(row)).sum()
     }
 

@@ -1,7 +1,7 @@
 //! Segments of rays that were evaluated together, classified by the remaining parts.
 
 use super::super::local_ray::CUT;
-use super::narrow::{STALL_RATIO, LINEAR_RATIO, NONLINEAR_SHARE, are_progress};
+use super::narrow::{LINEAR_RATIO, NONLINEAR_SHARE, STALL_RATIO, are_progress};
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
 use fearless_simd::prelude::*;
@@ -59,7 +59,8 @@ impl<T: Scalar> EvaluatedSegments<T> {
         limits: &LengthLimits<T>,
     ) -> SegmentClasses {
         let LengthLimits { grain, coarse } = *limits;
-        let [stalled, steady, unsteady, share] = [STALL_RATIO, LINEAR_RATIO, NONLINEAR_SHARE, CUT].map(T::nearest);
+        let [stalled, steady, unsteady, share] =
+            [STALL_RATIO, LINEAR_RATIO, NONLINEAR_SHARE, CUT].map(T::nearest);
         let (mut empty, mut short, mut shorter, mut cut) = (0, 0, 0, 0);
         let mut within = if inside.is_some() { 0 } else { u16::MAX };
         let Self { segments, longest } = self;
@@ -88,6 +89,12 @@ impl<T: Scalar> EvaluatedSegments<T> {
         let short = left & short & out.crossing & within;
         let shorter = left & shorter & !short;
         let cut = left & cut & !short & !shorter;
-        SegmentClasses { empty: live & !left, short, shorter, cut, open: left & !short & !shorter & !cut }
+        SegmentClasses {
+            empty: live & !left,
+            short,
+            shorter,
+            cut,
+            open: left & !short & !shorter & !cut,
+        }
     }
 }

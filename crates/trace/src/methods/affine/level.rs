@@ -1,8 +1,10 @@
 //! Up to sixteen tiles at once: their places, and the segments that remain to be examined.
 
 use super::plane::{Plane, PlaneLanes};
-use super::screens::{PendingSegments, LANE_INDICES, ends, outward, packed, saves_a_vector, spread};
-use super::tracer::{LAST, SIDES, BandTracer};
+use super::screens::{
+    LANE_INDICES, PendingSegments, ends, outward, packed, saves_a_vector, spread,
+};
+use super::tracer::{BandTracer, LAST, SIDES};
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*, u8x16};

@@ -154,8 +154,11 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     let within = local_ray.inside[0] <= near && far <= local_ray.inside[1];
                     let crossing = out.crossing >> slot & 1 == 1 && within;
                     let (length, shorter) = (far - near, new[1] - new[0]);
-                    let enough = enough(local_ray.longest, !self.contracts || shorter <= LINEAR_RATIO * length)
-                        .max(grain[lane]);
+                    let enough = enough(
+                        local_ray.longest,
+                        !self.contracts || shorter <= LINEAR_RATIO * length,
+                    )
+                    .max(grain[lane]);
                     if shorter < 0.0 {
                         // No part is left.
                     } else if crossing && shorter <= enough && self.is_zero(local_ray, new) {
@@ -164,7 +167,8 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     } else if shorter <= grain[lane] {
                         if self.may_vanish(local_ray, new) {
                             let spent = shorter > EFFORT_LENGTH * least[lane];
-                            let stop = if spent { StopReason::Effort } else { StopReason::Arithmetic };
+                            let stop =
+                                if spent { StopReason::Effort } else { StopReason::Arithmetic };
                             steps[lane] = FollowResult::Open(new, stop);
                             stack.clear();
                         }
@@ -227,7 +231,11 @@ impl<'a, T: Scalar> Narrower<'a, T> {
 
 /// Puts a ray's segment on its stack with ends rounded outward. Returns the minimum length of
 /// segments.
-fn push_outward<T: Scalar>(local_ray: &LocalRay, [near, far]: [f64; 2], stack: &mut PendingSegments) -> f64 {
+fn push_outward<T: Scalar>(
+    local_ray: &LocalRay,
+    [near, far]: [f64; 2],
+    stack: &mut PendingSegments,
+) -> f64 {
     let slack = T::PATH_ERROR * (near.abs() + far.abs());
     let outward = |end: f64, slack: f64| {
         let float: f64 = T::nearest(end).into();
@@ -254,8 +262,10 @@ fn push_outward<T: Scalar>(local_ray: &LocalRay, [near, far]: [f64; 2], stack: &
     } else {
         stack.push([near, far]);
     }
-    let blur = (rounding::<T>(local_ray) + local_ray.error).max_element() / local_ray.direction.length();
-    (T::GRAIN * near.abs().max(far.abs()).max(local_ray.span[1] - local_ray.span[0])).max(MIN_BLUR_SHARE * blur)
+    let blur =
+        (rounding::<T>(local_ray) + local_ray.error).max_element() / local_ray.direction.length();
+    (T::GRAIN * near.abs().max(far.abs()).max(local_ray.span[1] - local_ray.span[0]))
+        .max(MIN_BLUR_SHARE * blur)
 }
 
 /// Returns the maximum length of a hit's bracket. Where a segment got much shorter at once, the

@@ -169,7 +169,12 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
 
     /// Writes hits at these distances on the rays with these bits.
     #[inline(always)]
-    pub(super) fn write_hits(&mut self, patch: &TilePixels, bits: u16, [distance, off]: &[Lanes<f64>; 2]) {
+    pub(super) fn write_hits(
+        &mut self,
+        patch: &TilePixels,
+        bits: u16,
+        [distance, off]: &[Lanes<f64>; 2],
+    ) {
         let [distance, off] = [distance.as_chunks::<4>().0, off.as_chunks::<4>().0];
         let [column, row] = patch.first;
         let is_whole = bits == u16::MAX && patch.next == [0, 1];

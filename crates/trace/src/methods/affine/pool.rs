@@ -9,9 +9,9 @@
 //!
 //! A ray is here at most once: the next segment of its tile waits until the ray is finished.
 
-use super::narrow::Scratch;
-use super::screens::{PendingSegments, LANE_INDICES, packed, saves_a_vector};
 use super::classify::EvaluatedSegments;
+use super::narrow::Scratch;
+use super::screens::{LANE_INDICES, PendingSegments, packed, saves_a_vector};
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{mask8x16, mask32x16, prelude::*, u8x16, u32x16};
@@ -220,7 +220,8 @@ impl<T: Scalar> Pool<T> {
         }
         // A local copy need not be read again for each quantity.
         let kept = self.live;
-        let (EvaluatedSegments { segments, longest }, [first, last]) = (&mut self.evaluated, &mut self.inside);
+        let (EvaluatedSegments { segments, longest }, [first, last]) =
+            (&mut self.evaluated, &mut self.inside);
         let Segments { origin, direction, near, far, .. } = segments;
         let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
         for lanes in [ox, oy, oz, dx, dy, dz, near, far, longest, first, last] {

@@ -1,6 +1,6 @@
 //! Following the rays in the pool, and the rays that were set apart.
 
-use super::pool::{RayBuffers, Pool, TileRay};
+use super::pool::{Pool, RayBuffers, TileRay};
 use super::screens::LANE_INDICES;
 use super::tracer::BandTracer;
 use crate::painted::ones;
@@ -115,7 +115,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         self.work.segments.called(live.count_ones());
         let limits = &self.limits;
         let simd = self.simd;
-        let mut classes = pool.evaluated.classify(simd, contractions, Some(&pool.inside), live, limits);
+        let mut classes =
+            pool.evaluated.classify(simd, contractions, Some(&pool.inside), live, limits);
         if self.method.cleared {
             classes.leave_brackets_open();
         }

@@ -2,13 +2,13 @@
 
 use super::MIN_BRACKET;
 use super::frame::FORM_BLUR;
-use super::narrow::{Narrower, Scratch, FollowResult, StopReason, rounding};
+use super::narrow::{FollowResult, Narrower, Scratch, StopReason, rounding};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Start, Task};
-use crate::options::Precision;
 use crate::methods::bracket_gap::RayFunction;
 use crate::methods::local_ray::{LocalRay, MAX_OPEN_PARTS, bounds};
 use crate::methods::outcome::{RayOutcome, reason};
+use crate::options::Precision;
 use crate::ray_result::UndecidedReason;
 use crate::scalar::Scalar;
 use std::sync::OnceLock;
@@ -17,7 +17,8 @@ use zeroset_interval::Facts;
 
 /// Returns whether a ray's bracket must be so short that `T` would narrow its segments in vain.
 fn is_blurred<T: Scalar>(local_ray: &LocalRay) -> bool {
-    local_ray.longest * local_ray.direction.length() < MIN_BRACKET * FORM_BLUR * rounding::<T>(local_ray).max_element()
+    local_ray.longest * local_ray.direction.length()
+        < MIN_BRACKET * FORM_BLUR * rounding::<T>(local_ray).max_element()
 }
 
 /// Follows single rays.
@@ -95,7 +96,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
                     continue;
                 }
                 let outcome = &mut outcomes[lane];
-                let rest = |from: f64| (from < local_ray.span[1]).then_some([from, local_ray.span[1]]);
+                let rest =
+                    |from: f64| (from < local_ray.span[1]).then_some([from, local_ray.span[1]]);
                 pending[lane] = match steps[lane] {
                     FollowResult::Empty => None,
                     // The zero on which a ray starts does not count. Its segment in `f64` may be
@@ -173,7 +175,11 @@ impl<'a, T: Scalar> Follower<'a, T> {
         double.narrow(local_rays, &open, &mut Scratch::default(), &mut refined, work);
         for ((step, open), refined) in steps.iter_mut().zip(&open).zip(refined) {
             if let Some([_, far]) = *open {
-                *step = if let FollowResult::Empty = refined { FollowResult::Resumed(far) } else { refined };
+                *step = if let FollowResult::Empty = refined {
+                    FollowResult::Resumed(far)
+                } else {
+                    refined
+                };
             }
         }
     }
@@ -185,7 +191,12 @@ impl<'a, T: Scalar> Follower<'a, T> {
     }
 
     /// Returns why a part stays open, and whether it is likely a zero.
-    fn classify_open(&self, local_ray: &LocalRay, segment: [f64; 2], stop: StopReason) -> (UndecidedReason, bool) {
+    fn classify_open(
+        &self,
+        local_ray: &LocalRay,
+        segment: [f64; 2],
+        stop: StopReason,
+    ) -> (UndecidedReason, bool) {
         if self.refines {
             self.classify_open_in::<f64>(local_ray, segment, stop)
         } else {
@@ -202,7 +213,11 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    fn bracket_across_gap_in<U: Scalar>(&self, local_ray: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
+    fn bracket_across_gap_in<U: Scalar>(
+        &self,
+        local_ray: &LocalRay,
+        segment: [f64; 2],
+    ) -> Option<[f64; 2]> {
         // A preview paints the place anyway.
         if !self.task.options.intervals || self.task.options.least > 0.0 {
             return None;
@@ -232,8 +247,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if let Ok(kernel) = kernels.bounds() {
             facts = Kernel::<Enclose, U>::eval_all(kernel, &boxes)[0].facts(0);
             if let Ok(Some([_, denominator])) = kernels.cleared() {
-                is_gap =
-                    RayFunction { kernel, local_ray, region: self.task.region }.is_gap(segment, denominator);
+                is_gap = RayFunction { kernel, local_ray, region: self.task.region }
+                    .is_gap(segment, denominator);
             }
         }
         (reason(facts, stop == StopReason::Effort), !(asymptote || is_gap))

@@ -1,12 +1,12 @@
 //! Tiles of rays: from 16×16 pixels to 4×4 pixels, and from those to single rays.
 
 use super::Affine;
+use super::classify::LengthLimits;
 use super::frame::RayFrame;
 use super::level::Level;
 use super::narrow::{MIN_BLUR_SHARE, STALL_LENGTH, are_progress};
 use super::pool::RayBuffers;
-use super::classify::LengthLimits;
-use super::tracer::{LAST, SIDES, BandTracer};
+use super::tracer::{BandTracer, LAST, SIDES};
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;

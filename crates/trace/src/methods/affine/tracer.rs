@@ -1,11 +1,11 @@
 //! The state of a band while it is traced: where its tiles are, and which pixels are not finished.
 
 use super::Affine;
+use super::classify::LengthLimits;
 use super::frame::RayFrame;
 use super::level::Level;
 use super::pixels::ROUNDED;
 use super::pool::RayBuffers;
-use super::classify::LengthLimits;
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;

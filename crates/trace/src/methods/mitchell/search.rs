@@ -56,12 +56,23 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     pub fn new(task: Task<'a>) -> Result<Self, KernelError> {
         let suppress_asymptotes = task.options.suppress_asymptotes;
         let zeros = T::kernels(task.surface).zeros()?;
-        Ok(Self { slopes: SlopeKernels::new(&task)?, zeros, region: task.region, suppress_asymptotes })
+        Ok(Self {
+            slopes: SlopeKernels::new(&task)?,
+            zeros,
+            region: task.region,
+            suppress_asymptotes,
+        })
     }
 
     /// Returns the outcomes of up to [`LANES`] rays.
-    pub fn search(&self, local_rays: &[LocalRay], start: Start, work: &mut KernelStats) -> Vec<RayOutcome> {
-        let mut rays: Vec<Search> = local_rays.iter().map(|local_ray| Search::new::<T>(local_ray, start)).collect();
+    pub fn search(
+        &self,
+        local_rays: &[LocalRay],
+        start: Start,
+        work: &mut KernelStats,
+    ) -> Vec<RayOutcome> {
+        let mut rays: Vec<Search> =
+            local_rays.iter().map(|local_ray| Search::new::<T>(local_ray, start)).collect();
         loop {
             let parts = self.possible(&mut rays, work);
             if parts.is_empty() && rays.iter().all(|ray| ray.parts.is_empty()) {
@@ -69,8 +80,10 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             }
             self.classify(&mut rays, &parts, work);
         }
-        let mut isolated: Vec<_> =
-            rays.iter_mut().filter_map(|ray| Some((ray.local_ray, ray.isolated.as_mut()?))).collect();
+        let mut isolated: Vec<_> = rays
+            .iter_mut()
+            .filter_map(|ray| Some((ray.local_ray, ray.isolated.as_mut()?)))
+            .collect();
         refine(&mut isolated, &self.slopes, self.region, work);
         let outcome = |ray: Search| match ray.isolated {
             Some(isolated) => RayOutcome { hit: Some(isolated.ends()), ..ray.outcome },
@@ -107,8 +120,11 @@ impl<'a, T: Scalar> Searcher<'a, T> {
 
     /// Isolates the root of each part, cuts it in two, or finds it empty.
     fn classify(&self, rays: &mut [Search], parts: &[RayPart], work: &mut KernelStats) {
-        let slopes =
-            self.slopes.along(&cuboids(parts), |lane| rays[parts[lane].ray].local_ray.direction, work);
+        let slopes = self.slopes.along(
+            &cuboids(parts),
+            |lane| rays[parts[lane].ray].local_ray.direction,
+            work,
+        );
         let is_steady = |slope: Option<Interval>| slope.is_some_and(|s| s.lo > 0.0 || s.hi < 0.0);
         let mut steady = Vec::with_capacity(LANES);
         for (part, slope) in parts.iter().zip(slopes) {
@@ -162,7 +178,11 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             return;
         }
         let spent = ray.examined > PARTS_BEFORE_GROWTH;
-        let ray_function = RayFunction { kernel: self.slopes.kernel(), local_ray: ray.local_ray, region: self.region };
+        let ray_function = RayFunction {
+            kernel: self.slopes.kernel(),
+            local_ray: ray.local_ray,
+            region: self.region,
+        };
         if ray.outcome.open.is_none()
             && let Some(bracket) = ray_function.bracket(part.ends)
         {
