@@ -719,7 +719,7 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     assert!((single[middle] - 50.0).abs() < 0.1, "{}", single[middle]);
     let refused = place.run(&["render", "x", "--max-depth", "21", "--json"]);
     assert_eq!(refused.code, Some(2));
-    assert!(refused.stderr.contains("40 with --precision f64"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("40 in precision f64"), "{}", refused.stderr);
 }
 
 #[test]

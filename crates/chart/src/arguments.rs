@@ -17,15 +17,15 @@ use zeroset_trace::{METHODS, Method, Precision};
 /// fix.
 #[derive(Debug, Parser)]
 #[command(name = "zeroset-chart", version, about)]
-pub struct Arguments {
+pub struct ChartArguments {
     /// What to do.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: ChartCommand,
 }
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum ChartCommand {
     /// Measure times and errors of each method with each value of the options that it reads
     Run(RunArguments),
     /// Draw formulas on which methods are known to fail, and classify each picture

@@ -7,7 +7,7 @@ mod resolution;
 use crate::error::ChartError;
 use crate::grid::Configuration;
 use crate::groups::{distinct, grouped};
-use crate::plot::{Figure, Series, Shape};
+use crate::plot::{Figure, MarkShape, PlotSeries};
 use crate::quantile::{Quartiles, geometric_mean};
 use crate::row::Row;
 use std::path::Path;
@@ -15,7 +15,7 @@ use zeroset_trace::{DEPTH, METHODS, Precision, STEPS, TOLERANCE};
 
 /// All charts that the rows can fill: those over all surfaces, then those of single surfaces.
 pub fn charts(rows: &[Row]) -> [Vec<Figure>; 2] {
-    let rows = Rows::of(rows);
+    let rows = MeasuredRows::of(rows);
     let Some(size) = rows.common_size() else { return Default::default() };
     let same = rows.filter(|row| row.size == size);
     let mut all = errors::over_all(&same);
@@ -38,9 +38,9 @@ pub fn draw_all(rows: &[Row], directory: &Path) -> Result<usize, ChartError> {
 
 /// Rows whose method is known, with their configurations.
 #[derive(Clone, Debug)]
-struct Rows<'a>(Vec<(&'a Row, Configuration)>);
+struct MeasuredRows<'a>(Vec<(&'a Row, Configuration)>);
 
-impl<'a> Rows<'a> {
+impl<'a> MeasuredRows<'a> {
     fn of(rows: &'a [Row]) -> Self {
         Self(rows.iter().filter_map(|row| Some((row, row.configuration().ok()?))).collect())
     }
@@ -111,43 +111,43 @@ fn color(method: &str) -> usize {
     METHODS.iter().position(|other| other.name == method).unwrap_or(METHODS.len())
 }
 
-fn shape(precision: Option<Precision>) -> Shape {
+fn shape(precision: Option<Precision>) -> MarkShape {
     match precision {
-        Some(Precision::F32) => Shape::Square,
-        Some(Precision::F64) => Shape::Triangle,
-        Some(Precision::Auto) | None => Shape::Disc,
+        Some(Precision::F32) => MarkShape::Square,
+        Some(Precision::F64) => MarkShape::Triangle,
+        Some(Precision::Auto) | None => MarkShape::Disc,
     }
 }
 
 /// An empty series for a method in a precision.
-fn series(configuration: &Configuration) -> Series {
+fn series(configuration: &Configuration) -> PlotSeries {
     let method = configuration.method.name;
     let precision = configuration.precision.map(|p| format!(", {p}")).unwrap_or_default();
-    Series {
+    PlotSeries {
         name: format!("{method}{precision}"),
         color: color(method),
         shape: shape(configuration.precision),
         is_joined: true,
-        ..Series::default()
+        ..PlotSeries::default()
     }
 }
 
 /// Configurations grouped by method and precision: those of a group differ in numbers only.
-fn families(rows: &Rows<'_>) -> Vec<Vec<Configuration>> {
+fn families(rows: &MeasuredRows<'_>) -> Vec<Vec<Configuration>> {
     let configurations = distinct(rows.0.iter().map(|(_, configuration)| *configuration));
     let families = grouped(configurations, |one| (one.method, one.precision));
     families.into_iter().map(|(_, family)| family).collect()
 }
 
 /// Legend of the letters in labels.
-fn letters(rows: &Rows<'_>) -> Vec<&'static str> {
+fn letters(rows: &MeasuredRows<'_>) -> Vec<&'static str> {
     let letters = [(TOLERANCE, "t: tolerance in pixels"), (DEPTH, "d: depth"), (STEPS, "s: steps")];
     let has = |option| rows.0.iter().any(|(_, one)| one.number(option).is_some());
     letters.into_iter().filter(|(option, _)| has(*option)).map(|(_, letter)| letter).collect()
 }
 
 /// A legend's notes: what the pictures have in common, then the lines of `further`.
-fn notes<'a>(rows: &Rows<'_>, further: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+fn notes<'a>(rows: &MeasuredRows<'_>, further: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let Some((row, _)) = rows.0.first() else { return Vec::new() };
     let surfaces = rows.surfaces();
     // Surfaces may have different views, so they are counted surface by surface.

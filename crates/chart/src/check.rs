@@ -6,7 +6,7 @@ use crate::machine::Environment;
 use crate::measure::pool;
 use crate::progress::progress;
 use crate::row::Row;
-use crate::run::Batch;
+use crate::run::RunBatch;
 use crate::store::Store;
 use crate::surfaces::Surface;
 use crate::views::View;
@@ -45,7 +45,7 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
         bar.set_message(format!("{} {}", surface.name, view.name));
         let configurations =
             old.iter().map(|row| row.configuration()).collect::<Result<Vec<_>, _>>()?;
-        let batch = Batch { surface: &surface, view: &view, conditions, machine: &machine };
+        let batch = RunBatch { surface: &surface, view: &view, conditions, machine: &machine };
         let new = batch.rows(
             &configurations,
             &pool(conditions.threads),

@@ -2,7 +2,7 @@
 
 use crate::error::ChartError;
 use crate::errors::{Mistake, mistake};
-use crate::reference::Reference;
+use crate::reference::RootReference;
 use crate::truth::Truth;
 use image::{ImageFormat, Rgb, RgbImage};
 use std::io::Cursor;
@@ -22,7 +22,7 @@ const RIGHT: Rgb<u8> = Rgb([220, 220, 220]);
 const NOTHING: Rgb<u8> = Rgb([255, 255, 255]);
 
 /// Colors each pixel by its mistake; pixels without a reference are white.
-pub fn difference(reference: &Reference, buffer: &GBuffer) -> RgbImage {
+pub fn difference(reference: &RootReference, buffer: &GBuffer) -> RgbImage {
     let (width, height) = (buffer.width as u32, buffer.height as u32);
     let mut image = RgbImage::from_pixel(width, height, NOTHING);
     for (pixel, truth) in &reference.pixels {
@@ -65,7 +65,8 @@ mod tests {
         let drawn = [f64::INFINITY, 1.0, 1.9, 1.0, f64::INFINITY, 1.0];
         let mut buffer = GBuffer::new(truths.len(), 1, 0);
         buffer.drawn.copy_from_slice(&drawn);
-        let image = difference(&Reference::of(truths.into_iter().enumerate().collect()), &buffer);
+        let image =
+            difference(&RootReference::of(truths.into_iter().enumerate().collect()), &buffer);
         let [missed, phantom, wrong] =
             [Mistake::Missed, Mistake::Phantom, Mistake::WrongRoot].map(color);
         let pixels: Vec<Rgb<u8>> = image.pixels().copied().collect();

@@ -1,7 +1,7 @@
 //! Errors of a picture against the certified reference.
 
 use crate::quantile::quantile;
-use crate::reference::Reference;
+use crate::reference::RootReference;
 use crate::truth::{Root, Truth};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use zeroset_trace::{GBuffer, RayGrid, Status};
 /// Counts and sizes of errors at some pixels. Pixels that the reference leaves open count in `open`
 /// only.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Errors {
+pub struct PixelErrors {
     /// Number of pixels compared.
     pub samples: usize,
     /// Pixels that the reference leaves open.
@@ -70,9 +70,9 @@ pub fn mistake(truth: &Truth, drawn: f64) -> Option<Mistake> {
     }
 }
 
-impl Errors {
+impl PixelErrors {
     /// The errors of a picture that `rays` drew, at the reference's pixels.
-    pub fn new(reference: &Reference, rays: &RayGrid, buffer: &GBuffer) -> Self {
+    pub fn new(reference: &RootReference, rays: &RayGrid, buffer: &GBuffer) -> Self {
         let mut errors = Self { samples: reference.pixels.len(), ..Self::default() };
         let [mut off_pixels, mut off, mut degrees] = [const { Vec::new() }; 3];
         for (pixel, truth) in &reference.pixels {

@@ -4,7 +4,7 @@
 mod chart;
 mod formulas;
 
-pub use formulas::Source;
+pub use formulas::FormulaSource;
 
 use crate::arguments::CompileArguments;
 use crate::error::ChartError;
@@ -28,9 +28,9 @@ use zeroset_trace::{Method, TraceOptions};
 /// round does the same work, so other load on the processor can only add to a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns
-pub struct Row {
+pub struct GrowthRow {
     pub name: String,
-    pub source: Source,
+    pub source: FormulaSource,
     /// Nodes of the graph as typed.
     pub nodes_typed: usize,
     /// Nodes of the simplified graph, from which kernels are compiled.
@@ -67,7 +67,7 @@ pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
     let bar = progress((1 + repeats) * formulas.len());
     let mut random = rng(&format!("{seed} growth order"));
     let mut order: Vec<usize> = (0..formulas.len()).collect();
-    let mut rounds: Vec<Vec<Row>> = vec![Vec::new(); formulas.len()];
+    let mut rounds: Vec<Vec<GrowthRow>> = vec![Vec::new(); formulas.len()];
     let mut rows = Vec::new();
     // The first round warms up. With rounds, a disturbance affects many formulas once rather than
     // one formula always.
@@ -89,8 +89,8 @@ pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
     Ok(table(&rows))
 }
 
-fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
-    let mut sorted: Vec<&Row> = rows.iter().collect();
+fn save(rows: &[GrowthRow], directory: &Path) -> Result<(), ChartError> {
+    let mut sorted: Vec<&GrowthRow> = rows.iter().collect();
     sorted.sort_by_key(|row| (row.source, row.nodes, row.name.clone()));
     write_csv(&directory.join("compile.csv"), sorted)?;
     chart::times(rows).save(directory)?;
@@ -99,10 +99,10 @@ fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
 
 /// Compiles a formula once.
 fn compile(
-    (source, formula): &(Source, Surface),
+    (source, formula): &(FormulaSource, Surface),
     seed: u64,
     machine: &Environment,
-) -> Result<Row, ChartError> {
+) -> Result<GrowthRow, ChartError> {
     let refuse = ChartError::of_surface(&formula.name);
     let mut start = Instant::now();
     let mut lap = || {
@@ -124,7 +124,7 @@ fn compile(
     let made = program.made();
     let (nodes_typed, nodes) = program.nodes();
     let Environment { version, rustc, flags, processor, .. } = machine.clone();
-    Ok(Row {
+    Ok(GrowthRow {
         name: formula.name.clone(),
         source: *source,
         nodes_typed,
@@ -145,9 +145,9 @@ fn compile(
 }
 
 /// Combines a formula's rounds: each time is the least of its kind.
-fn combine_rounds(rounds: &[Row]) -> Row {
-    let least = |time: fn(&Row) -> f64| rounds.iter().map(time).fold(f64::INFINITY, f64::min);
-    Row {
+fn combine_rounds(rounds: &[GrowthRow]) -> GrowthRow {
+    let least = |time: fn(&GrowthRow) -> f64| rounds.iter().map(time).fold(f64::INFINITY, f64::min);
+    GrowthRow {
         parse_ms: least(|row| row.parse_ms),
         simplify_ms: least(|row| row.simplify_ms),
         compile_ms: least(|row| row.compile_ms),
@@ -157,7 +157,7 @@ fn combine_rounds(rounds: &[Row]) -> Row {
 }
 
 /// A table of how times and code grow with nodes, and of the largest formula's values.
-fn table(rows: &[Row]) -> String {
+fn table(rows: &[GrowthRow]) -> String {
     let Some(largest) = rows.iter().max_by_key(|row| row.nodes) else { return String::new() };
     let (formulas, nodes) = (rows.len(), largest.nodes);
     let head =

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
-use zeroset_chart::arguments::{Arguments, Command};
+use zeroset_chart::arguments::{ChartArguments, ChartCommand};
 use zeroset_chart::charts::draw_all;
 use zeroset_chart::check::check;
 use zeroset_chart::growth::growth;
@@ -24,7 +24,7 @@ const USER_ERROR: u8 = 2;
 
 fn main() -> ExitCode {
     let mut text = String::new();
-    let code = dispatch(&Arguments::parse(), &mut text).unwrap_or_else(|error| {
+    let code = dispatch(&ChartArguments::parse(), &mut text).unwrap_or_else(|error| {
         eprintln!("error: {error:#}");
         ExitCode::from(USER_ERROR)
     });
@@ -48,20 +48,20 @@ fn draw(directory: &Path, text: &mut String) -> Result<()> {
 }
 
 /// Runs the subcommand, and adds its output to `text`.
-fn dispatch(arguments: &Arguments, text: &mut String) -> Result<ExitCode> {
+fn dispatch(arguments: &ChartArguments, text: &mut String) -> Result<ExitCode> {
     match &arguments.command {
-        Command::Run(arguments) => {
+        ChartCommand::Run(arguments) => {
             let new = run(arguments)?;
             writeln!(text, "{new} rows are new in {}", arguments.output.display())?;
             Store::existing(&arguments.output)?.keep_command(&command())?;
             draw(&arguments.output, text)?;
         }
-        Command::Stability(arguments) => text.push_str(&stability(arguments)?),
-        Command::Rigour(arguments) => text.push_str(&rigour(arguments)?),
-        Command::Compile(arguments) => text.push_str(&growth(arguments)?),
-        Command::Rays(arguments) => text.push_str(&rays(arguments)?),
-        Command::Draw { directory } => draw(directory, text)?,
-        Command::Check { directory } => {
+        ChartCommand::Stability(arguments) => text.push_str(&stability(arguments)?),
+        ChartCommand::Rigour(arguments) => text.push_str(&rigour(arguments)?),
+        ChartCommand::Compile(arguments) => text.push_str(&growth(arguments)?),
+        ChartCommand::Rays(arguments) => text.push_str(&rays(arguments)?),
+        ChartCommand::Draw { directory } => draw(directory, text)?,
+        ChartCommand::Check { directory } => {
             let found = check(directory)?;
             for line in &found.counts {
                 writeln!(text, "differs: {line}")?;

@@ -6,7 +6,7 @@ mod draw;
 mod scale;
 
 pub use draw::draw;
-use scale::Scale;
+use scale::AxisScale;
 pub use scale::written;
 
 use crate::error::ChartError;
@@ -27,7 +27,7 @@ pub struct Figure {
     /// Names of places 0, 1, 2 … of the horizontal axis, which is logarithmic if there are none.
     pub places: Vec<String>,
     /// The series, from back to front.
-    pub series: Vec<Series>,
+    pub series: Vec<PlotSeries>,
     /// Label and points of a wide pale line behind all others.
     pub front: Option<(String, Vec<[f64; 2]>)>,
     /// Height of a horizontal line.
@@ -49,24 +49,24 @@ impl Figure {
 
 /// Marks of one color and shape.
 #[derive(Clone, Debug, Default)]
-pub struct Series {
+pub struct PlotSeries {
     /// Name in the legend; empty if it is not listed.
     pub name: String,
     /// Number of its color.
     pub color: usize,
     /// Shape of the marks.
-    pub shape: Shape,
+    pub shape: MarkShape,
     /// True if a line joins the marks.
     pub is_joined: bool,
     /// Marks.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<PlotMark>,
     /// Thin lines behind the marks.
     pub behind: Vec<Vec<[f64; 2]>>,
 }
 
 /// A value of a series.
 #[derive(Clone, Debug, Default)]
-pub struct Mark {
+pub struct PlotMark {
     /// Coordinates.
     pub at: [f64; 2],
     /// Ends of a vertical bar through the mark.
@@ -77,7 +77,7 @@ pub struct Mark {
 
 /// Shapes of marks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shape {
+pub enum MarkShape {
     /// A disc.
     #[default]
     Disc,

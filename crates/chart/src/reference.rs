@@ -25,7 +25,7 @@ pub struct Sampling {
 
 /// Certified results for some pixels of pictures from one view.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Reference {
+pub struct RootReference {
     /// Hash of everything that the results depend on.
     origin: String,
     /// Index of each pixel, row by row from the top, and the truth about its ray.
@@ -43,7 +43,7 @@ fn sampled(Sampling { size, samples, seed, .. }: Sampling) -> Vec<usize> {
     (0..side * side).map(|n| place(n / side) * size + place(n % side)).collect()
 }
 
-impl Reference {
+impl RootReference {
     /// A reference of these pixels, which is not stored.
     pub fn of(pixels: Vec<(usize, Truth)>) -> Self {
         Self { origin: String::new(), pixels }

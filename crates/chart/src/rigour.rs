@@ -10,7 +10,7 @@ mod inputs;
 mod kernels;
 mod row;
 
-pub use row::{Row, Workload, name};
+pub use row::{RigourRow, Workload, name};
 
 use crate::arguments::RigourArguments;
 use crate::error::ChartError;
@@ -63,14 +63,14 @@ pub fn rigour(arguments: &RigourArguments) -> Result<String, ChartError> {
     Ok(table(&rows))
 }
 
-fn save(rows: &[Row], directory: &Path) -> Result<(), ChartError> {
+fn save(rows: &[RigourRow], directory: &Path) -> Result<(), ChartError> {
     write_csv(&directory.join("rigour.csv"), rows)?;
     chart::figure(rows).save(directory)
 }
 
 /// A table of times relative to the unsound kernels, and widths relative to the rounded-up ones.
-fn table(rows: &[Row]) -> String {
-    let mean = |rows: &[&Row], value: fn(&Row) -> Option<f64>| {
+fn table(rows: &[RigourRow]) -> String {
+    let mean = |rows: &[&RigourRow], value: fn(&RigourRow) -> Option<f64>| {
         let values: Vec<f64> = rows.iter().filter_map(|row| value(row)).collect();
         geometric_mean(&values).map_or("-".to_owned(), |mean| format!("{mean:.3}"))
     };
@@ -115,13 +115,13 @@ where
 }
 
 /// A task to be timed: `run` repeats it, and each repetition evaluates `lanes` lanes or pixels.
-struct Task<'a> {
+struct TimedTask<'a> {
     run: Box<dyn Fn(usize) + 'a>,
     lanes: usize,
 }
 
 impl Plan<'_> {
-    fn rows<T: KernelPrecision>(&self) -> Result<Vec<Row>, ChartError> {
+    fn rows<T: KernelPrecision>(&self) -> Result<Vec<RigourRow>, ChartError> {
         let surface = &self.surface;
         let refuse = ChartError::of_surface(&surface.name);
         let set = |arithmetic, records| {
@@ -158,7 +158,7 @@ impl Plan<'_> {
         kernels: &ByArithmetic<Q, T>,
         inputs: &[Q::Input<T>],
         widths: [[Option<f64>; 3]; 2],
-    ) -> Vec<Row> {
+    ) -> Vec<RigourRow> {
         let inputs = &chosen(inputs);
         if inputs.is_empty() {
             return Vec::new();
@@ -173,7 +173,7 @@ impl Plan<'_> {
                     kernel.eval(black_box(input), black_box(&mut output));
                 }
             };
-            Task { run: Box::new(run), lanes }
+            TimedTask { run: Box::new(run), lanes }
         });
         let mut rows = self.timed(asked, T::PRECISION, &tasks);
         for (number, row) in rows.iter_mut().enumerate() {
@@ -187,7 +187,7 @@ impl Plan<'_> {
         &self,
         sets: &[KernelSet; 3],
         precision: Precision,
-    ) -> Result<Vec<Row>, ChartError> {
+    ) -> Result<Vec<RigourRow>, ChartError> {
         // These pictures compile the kernels before any time is taken.
         let mut undecided = Vec::new();
         for set in sets {
@@ -200,7 +200,7 @@ impl Plan<'_> {
                     let _ = black_box(self.picture(set, precision));
                 }
             };
-            Task { run: Box::new(run), lanes: self.arguments.size * self.arguments.size }
+            TimedTask { run: Box::new(run), lanes: self.arguments.size * self.arguments.size }
         });
         let mut rows = self.timed(Workload::Picture, precision, &tasks);
         for (row, undecided) in rows.iter_mut().zip(undecided) {
@@ -227,9 +227,14 @@ impl Plan<'_> {
 
     /// Times the three tasks in rounds of random order; rows are in the order of
     /// [`Arithmetic::ALL`].
-    fn timed(&self, asked: Workload, precision: Precision, tasks: &[Task<'_>; 3]) -> Vec<Row> {
+    fn timed(
+        &self,
+        asked: Workload,
+        precision: Precision,
+        tasks: &[TimedTask<'_>; 3],
+    ) -> Vec<RigourRow> {
         // Interruptions only lengthen a time, so the least of three counts.
-        let time = |task: &Task<'_>, times: usize| {
+        let time = |task: &TimedTask<'_>, times: usize| {
             let once = || {
                 let start = Instant::now();
                 (task.run)(times);
@@ -262,7 +267,7 @@ impl Plan<'_> {
             let own = quartiles(&|round| round[number]);
             let ratio = quartiles(&|round| round[number] / round[0]);
             let Environment { version, rustc, flags, processor, .. } = self.machine.clone();
-            Row {
+            RigourRow {
                 surface: self.surface.name.clone(),
                 asked,
                 precision: precision.to_string(),

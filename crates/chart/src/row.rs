@@ -1,7 +1,7 @@
 //! A row of results: a surface from a view by a configuration, with everything needed to repeat it.
 
 use crate::error::ChartError;
-use crate::errors::Errors;
+use crate::errors::PixelErrors;
 use crate::grid::{Configuration, precision};
 use crate::machine::Environment;
 use crate::measure::Measured;
@@ -117,7 +117,7 @@ impl Row {
         conditions: Conditions,
         configuration: &Configuration,
         measured: &Measured,
-        errors: &Errors,
+        errors: &PixelErrors,
         machine: &Environment,
     ) -> Self {
         let [eye, target, up] = [view.camera.eye(), view.camera.target(), view.camera.up()];

@@ -2,12 +2,12 @@
 
 use crate::arguments::RunArguments;
 use crate::error::ChartError;
-use crate::errors::Errors;
+use crate::errors::PixelErrors;
 use crate::grid::{Configuration, configurations};
 use crate::machine::Environment;
 use crate::measure::{measure, pool};
 use crate::progress::progress;
-use crate::reference::{Reference, Sampling};
+use crate::reference::{RootReference, Sampling};
 use crate::row::{Conditions, Row};
 use crate::store::Store;
 use crate::surfaces::{Surface, chosen};
@@ -39,7 +39,7 @@ pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
             for &conditions in &all {
                 bar.set_message(format!("{} {} {}", surface.name, view.name, conditions.size));
                 let end = bar.position() + rounds as u64;
-                let batch = Batch { surface, view: &view, conditions, machine: &machine };
+                let batch = RunBatch { surface, view: &view, conditions, machine: &machine };
                 let missing: Vec<Configuration> = configurations
                     .iter()
                     .copied()
@@ -60,7 +60,7 @@ pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
 }
 
 /// One view of one surface, and the conditions that it is measured under.
-pub struct Batch<'a> {
+pub struct RunBatch<'a> {
     /// The surface.
     pub surface: &'a Surface,
     /// The view.
@@ -71,7 +71,7 @@ pub struct Batch<'a> {
     pub machine: &'a Environment,
 }
 
-impl Batch<'_> {
+impl RunBatch<'_> {
     fn is(&self, row: &Row, configuration: &Configuration) -> bool {
         row.surface == self.surface.name
             && row.view == self.view.name
@@ -94,14 +94,14 @@ impl Batch<'_> {
         let Self { surface, view, conditions, machine } = *self;
         let Conditions { size, repeats, samples, seed, .. } = conditions;
         let sampling = Sampling { size, samples, seed, budget: BUDGET };
-        let reference = Reference::kept(references, surface, view, sampling)?;
+        let reference = RootReference::kept(references, surface, view, sampling)?;
         advance();
         let measured = pool.install(|| {
             measure(surface, &view.camera, size, configurations, repeats, seed, &advance)
         })?;
         let rays = view.camera.rays(size, size);
         let rows = configurations.iter().zip(measured).map(|(configuration, measured)| {
-            let errors = Errors::new(&reference, &rays, &measured.picture.buffer);
+            let errors = PixelErrors::new(&reference, &rays, &measured.picture.buffer);
             let row =
                 Row::new(surface, view, conditions, configuration, &measured, &errors, machine);
             measured.picture.hand_back();

@@ -13,11 +13,11 @@ pub use outcome::Outcome;
 use crate::arguments::StabilityArguments;
 use crate::difference::{difference, png};
 use crate::error::ChartError;
-use crate::errors::Errors;
+use crate::errors::PixelErrors;
 use crate::files::write;
 use crate::grid::Configuration;
 use crate::progress::progress;
-use crate::reference::Reference;
+use crate::reference::RootReference;
 use case::{Case, named};
 use image::RgbImage;
 use serde::Serialize;
@@ -41,7 +41,7 @@ pub struct Verdict {
     /// Time of the whole picture in milliseconds, compilation included.
     pub ms: f64,
     /// Errors that the class follows from.
-    pub errors: Errors,
+    pub errors: PixelErrors,
     /// The difficulty of the case.
     pub hazard: String,
     /// Reason why there is no picture, if there is none.
@@ -88,7 +88,7 @@ fn refused(case: &Case, method: &Method, why: String) -> Verdict {
         method: method.name.to_owned(),
         outcome: Outcome::Refused,
         ms: 0.0,
-        errors: Errors::default(),
+        errors: PixelErrors::default(),
         hazard: case.hazard.clone(),
         refusal: Some(why),
     }
@@ -97,7 +97,7 @@ fn refused(case: &Case, method: &Method, why: String) -> Verdict {
 /// The verdict on a method's picture, the picture itself and its errors as a picture.
 fn judged(
     case: &Case,
-    reference: &Reference,
+    reference: &RootReference,
     method: &'static Method,
     budget: Duration,
 ) -> (Verdict, Option<[RgbImage; 2]>) {
@@ -112,7 +112,7 @@ fn judged(
         Ok(drawn) => drawn,
         Err(error) => return (refused(case, method, error.to_string()), None),
     };
-    let errors = Errors::new(reference, &view.camera.rays(SIDE, SIDE), &picture.buffer);
+    let errors = PixelErrors::new(reference, &view.camera.rays(SIDE, SIDE), &picture.buffer);
     let wrong = difference(reference, &picture.buffer);
     let shown = RgbImage::from_raw(SIDE as u32, SIDE as u32, picture.rgb).unwrap_or_default();
     let verdict = Verdict {
@@ -132,7 +132,7 @@ fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
     let mut text = vec![HEAD.to_owned(), line("", names)];
     for row in verdicts.chunks(methods.len().max(1)) {
         let cells = row.iter().map(|Verdict { outcome, errors, ms, .. }| {
-            let Errors { missed, phantom, wrong_root, undecided, false_claims, .. } = errors;
+            let PixelErrors { missed, phantom, wrong_root, undecided, false_claims, .. } = errors;
             let wrong = format!("{missed}/{phantom}/{wrong_root} {undecided} {false_claims}");
             format!("{:9} {wrong:15}{ms:6.0} ", outcome.name())
         });

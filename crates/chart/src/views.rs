@@ -23,20 +23,20 @@ const TRIES: usize = 400;
 const STEPS: f64 = 65536.0;
 
 /// Kinds of views in order. After the last follows the second, since the standard view occurs once.
-const KINDS: [Kind; 8] = [
-    Kind::Standard,
-    Kind::Around,
-    Kind::Close,
-    Kind::Grazing,
-    Kind::Inside,
-    Kind::Around,
-    Kind::Close,
-    Kind::Grazing,
+const KINDS: [ViewKind; 8] = [
+    ViewKind::Standard,
+    ViewKind::Around,
+    ViewKind::Close,
+    ViewKind::Grazing,
+    ViewKind::Inside,
+    ViewKind::Around,
+    ViewKind::Close,
+    ViewKind::Grazing,
 ];
 
 /// Position of the eye relative to the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum ViewKind {
     /// The standard view of the literature.
     Standard,
     /// The standard distance, in a random direction.
@@ -73,29 +73,29 @@ fn view(surface: &Surface, number: usize, seed: u64) -> Result<View, ChartError>
     let (centre, half) = (surface.region.centre(), surface.region.half_extent());
     let mut kind = if number == 0 { KINDS[0] } else { KINDS[1 + (number - 1) % (KINDS.len() - 1)] };
     let mut near = None;
-    if matches!(kind, Kind::Close | Kind::Grazing) {
+    if matches!(kind, ViewKind::Close | ViewKind::Grazing) {
         near = point(surface, &mut rng)?;
         if near.is_none() {
-            kind = Kind::Around;
+            kind = ViewKind::Around;
         }
     }
     let (point, normal) = near.unwrap_or((centre, DVec3::Z));
     let (eye, target) = match kind {
-        Kind::Standard => (centre + half * STANDARD, centre),
-        Kind::Around => (centre + half * STANDARD.length() * direction(&mut rng), centre),
-        Kind::Close => (point + 0.2 * half * (normal + 0.3 * direction(&mut rng)), point),
-        Kind::Grazing => {
+        ViewKind::Standard => (centre + half * STANDARD, centre),
+        ViewKind::Around => (centre + half * STANDARD.length() * direction(&mut rng), centre),
+        ViewKind::Close => (point + 0.2 * half * (normal + 0.3 * direction(&mut rng)), point),
+        ViewKind::Grazing => {
             let along =
                 normal.cross(direction(&mut rng)).normalize_or(normal.any_orthonormal_vector());
             (point + half * (0.7 * along + 0.02 * normal), point)
         }
-        Kind::Inside => {
+        ViewKind::Inside => {
             let place = 0.6 * half * rng.f64() * direction(&mut rng);
             (centre + place, centre + place + half * direction(&mut rng))
         }
     };
     let snap = |v: DVec3| {
-        if kind == Kind::Standard { v } else { (v * (STEPS / half)).round() * (half / STEPS) }
+        if kind == ViewKind::Standard { v } else { (v * (STEPS / half)).round() * (half / STEPS) }
     };
     let (eye, target) = (snap(eye), snap(target));
     let upright = (target - eye).normalize().cross(DVec3::Y).length() > 0.05;

@@ -124,7 +124,7 @@ fn rigour_has_a_price() {
     let output =
         chart(&["rigour", "sphere", "gyroid", "--size", "64", "--repeats", "3", "-o", path]);
     assert!(output.status.success(), "{output:?}");
-    let rows: Vec<rigour::Row> = parsed(&directory.path().join("rigour.csv"));
+    let rows: Vec<rigour::RigourRow> = parsed(&directory.path().join("rigour.csv"));
     // Two surfaces, three kernels and a picture, two precisions, three arithmetics.
     assert_eq!(rows.len(), 2 * 4 * 2 * 3, "{rows:?}");
     for row in &rows {
@@ -159,8 +159,8 @@ fn compiling_takes_longer_the_larger_the_formula_is() {
     let path = directory.path().to_str().expect("UTF-8");
     let output = chart(&["compile", "--nodes", "300", "--repeats", "2", "-o", path]);
     assert!(output.status.success(), "{output:?}");
-    let rows: Vec<growth::Row> = parsed(&directory.path().join("compile.csv"));
-    for source in [growth::Source::Sum, growth::Source::Product] {
+    let rows: Vec<growth::GrowthRow> = parsed(&directory.path().join("compile.csv"));
+    for source in [growth::FormulaSource::Sum, growth::FormulaSource::Product] {
         let of_source: Vec<_> = rows.iter().filter(|row| row.source == source).collect();
         assert!(of_source.len() > 5, "{of_source:?}");
         let [first, last] = [of_source[0], of_source[of_source.len() - 1]];
@@ -169,7 +169,7 @@ fn compiling_takes_longer_the_larger_the_formula_is() {
         assert!(of_source.is_sorted_by_key(|row| row.code_bytes), "{of_source:?}");
         assert!(last.compile_ms > first.compile_ms, "{first:?} {last:?}");
     }
-    assert!(rows.iter().filter(|row| row.source == growth::Source::Gallery).count() > 60);
+    assert!(rows.iter().filter(|row| row.source == growth::FormulaSource::Gallery).count() > 60);
     for name in ["compile-time.svg", "compile-code.svg"] {
         let drawn = fs::read_to_string(directory.path().join(name)).expect(name);
         assert!(drawn.contains("nodes^"), "{name}");

@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// File format of an animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum AnimationFormat {
     /// Animated PNG: sRGB, lossless.
     Png,
     /// GIF: 256 colors a frame.
@@ -26,7 +26,7 @@ const GIF_FPS: u16 = 50;
 /// How thoroughly the colors of a GIF frame are chosen, from 1 (best) to 30 (fastest).
 const GIF_SPEED: i32 = 10;
 
-impl Format {
+impl AnimationFormat {
     /// Returns the format for a path: by its extension, or raw for `-`.
     ///
     /// # Errors
@@ -54,13 +54,13 @@ impl Format {
 
 /// An animation that is being written.
 pub struct Animation<W: Write> {
-    sink: Sink<W>,
+    sink: FrameSink<W>,
     size: [usize; 2],
     fps: u32,
     frame: u32,
 }
 
-enum Sink<W: Write> {
+enum FrameSink<W: Write> {
     Png(png::Writer<W>),
     Gif(gif::Encoder<W>),
     Raw(W),
@@ -72,27 +72,27 @@ impl<W: Write> Animation<W> {
     /// # Errors
     /// If `out` fails.
     pub fn begin(
-        format: Format,
+        format: AnimationFormat,
         out: W,
         size: [usize; 2],
         (frames, fps): (usize, u16),
         origin: &PictureOrigin,
     ) -> io::Result<Self> {
         let sink = match format {
-            Format::Png => {
+            AnimationFormat::Png => {
                 let mut encoder = png_encoder(out, size, origin)?;
                 encoder.set_animated(frames as u32, 0)?;
                 encoder.set_frame_delay(1, fps)?;
-                Sink::Png(encoder.write_header()?)
+                FrameSink::Png(encoder.write_header()?)
             }
-            Format::Gif => {
+            AnimationFormat::Gif => {
                 let [width, height] = size.map(|side| side as u16);
                 let mut encoder =
                     gif::Encoder::new(out, width, height, &[]).map_err(io::Error::other)?;
                 encoder.set_repeat(gif::Repeat::Infinite).map_err(io::Error::other)?;
-                Sink::Gif(encoder)
+                FrameSink::Gif(encoder)
             }
-            Format::Raw => Sink::Raw(out),
+            AnimationFormat::Raw => FrameSink::Raw(out),
         };
         Ok(Self { sink, size, fps: fps.into(), frame: 0 })
     }
@@ -103,8 +103,8 @@ impl<W: Write> Animation<W> {
     /// If the sink fails.
     pub fn add(&mut self, rgb: &[u8]) -> io::Result<()> {
         match &mut self.sink {
-            Sink::Png(writer) => writer.write_image_data(rgb)?,
-            Sink::Gif(encoder) => {
+            FrameSink::Png(writer) => writer.write_image_data(rgb)?,
+            FrameSink::Gif(encoder) => {
                 let [width, height] = self.size.map(|side| side as u16);
                 let mut frame = gif::Frame::from_rgb_speed(width, height, rgb, GIF_SPEED);
                 // The end time is rounded, not the delay, so that rounding errors do not add up.
@@ -112,7 +112,7 @@ impl<W: Write> Animation<W> {
                 frame.delay = (hundredths(self.frame + 1) - hundredths(self.frame)) as u16;
                 encoder.write_frame(&frame).map_err(io::Error::other)?;
             }
-            Sink::Raw(out) => out.write_all(rgb).and_then(|()| out.flush())?,
+            FrameSink::Raw(out) => out.write_all(rgb).and_then(|()| out.flush())?,
         }
         self.frame += 1;
         Ok(())
@@ -124,9 +124,9 @@ impl<W: Write> Animation<W> {
     /// If the sink fails.
     pub fn end(self) -> io::Result<()> {
         match self.sink {
-            Sink::Png(writer) => Ok(writer.finish()?),
-            Sink::Gif(encoder) => encoder.into_inner().map_err(io::Error::other).map(drop),
-            Sink::Raw(mut out) => out.flush(),
+            FrameSink::Png(writer) => Ok(writer.finish()?),
+            FrameSink::Gif(encoder) => encoder.into_inner().map_err(io::Error::other).map(drop),
+            FrameSink::Raw(mut out) => out.flush(),
         }
     }
 }

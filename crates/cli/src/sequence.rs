@@ -1,6 +1,6 @@
 //! `zeroset render --frames`: many pictures, in separate files or in one.
 
-use super::animation::{Animation, Format};
+use super::animation::{Animation, AnimationFormat};
 use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
 use super::array::Arrays;
 use super::files::Files;
@@ -147,11 +147,11 @@ pub fn run(
 }
 
 /// Returns the format of a single file for all frames; `None` if each frame has files of its own.
-fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<Format>> {
+fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<AnimationFormat>> {
     if let Some(path) = &wanted.output
         && numbered(path, 0)?.is_none()
     {
-        let format = Format::of(path, [wanted.size.width, wanted.size.height], fps)?;
+        let format = AnimationFormat::of(path, [wanted.size.width, wanted.size.height], fps)?;
         let flag = wanted.arrays.0.first().map(|(row, _)| format!("--{}", row.flag));
         let flag = flag.or(wanted.json.then(|| "--json".to_owned()));
         if let Some(flag) = flag {
@@ -371,7 +371,7 @@ impl<'a> FrameRenderer<'a> {
     }
 
     /// Writes all frames to one file, or to standard output.
-    fn animation(mut self, format: Format, path: &Path, fps: u16) -> Result<FrameCounts> {
+    fn animation(mut self, format: AnimationFormat, path: &Path, fps: u16) -> Result<FrameCounts> {
         let output = Output::create(path)?;
         let origin = PictureOrigin::typed(&self.subject.source.text);
         let size = [self.settings.width, self.settings.height];

@@ -6,11 +6,11 @@ use rustix::termios::{LocalModes, OptionalActions, SpecialCodeIndex};
 use std::time::Duration;
 
 /// Columns and rows of a terminal.
-pub type Size = (usize, usize);
+pub type TerminalSize = (usize, usize);
 
 /// Returns the terminal's columns and rows, and the size of a character in pixels if it is known.
 #[cfg(unix)]
-pub fn size() -> Option<(Size, Option<Size>)> {
+pub fn size() -> Option<(TerminalSize, Option<TerminalSize>)> {
     let size = rustix::termios::tcgetwinsize(std::io::stdout()).ok()?;
     let pair = |(across, down): (u16, u16)| {
         (across > 0 && down > 0).then_some((usize::from(across), usize::from(down)))
@@ -21,7 +21,7 @@ pub fn size() -> Option<(Size, Option<Size>)> {
 
 /// Returns `None`: the size is unknown here.
 #[cfg(not(unix))]
-pub fn size() -> Option<(Size, Option<Size>)> {
+pub fn size() -> Option<(TerminalSize, Option<TerminalSize>)> {
     None
 }
 

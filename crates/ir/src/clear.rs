@@ -276,12 +276,12 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::{Expr, GraphBuilder, Random, evaluate};
+    use crate::testing::{Random, TestExpr, TestGraphBuilder, evaluate};
 
     fn cleared(
-        formula: impl for<'a> Fn([Expr<'a>; 3], Expr<'a>) -> Expr<'a>,
+        formula: impl for<'a> Fn([TestExpr<'a>; 3], TestExpr<'a>) -> TestExpr<'a>,
     ) -> Option<[String; 2]> {
-        let builder = GraphBuilder::default();
+        let builder = TestGraphBuilder::default();
         let root = formula(builder.xyz(), builder.parameter(0)).id;
         let mut graph = builder.graph();
         let cleared = clear(&mut graph, root)?;
@@ -334,7 +334,7 @@ mod tests {
     fn poles_with_the_same_bounds_are_not_the_same_pole() {
         // Both are 1/3 to 157 digits: too many to be kept exactly, and with the same bounds.
         let digits = "3".repeat(157);
-        let builder = GraphBuilder::default();
+        let builder = TestGraphBuilder::default();
         let [x, y, z] = builder.xyz();
         let [first, second] = ["1", "9"].map(|last| builder.number(&format!("0.{digits}{last}")));
         let root = (y / (x + first) - z / (x + second)).id;
@@ -346,7 +346,7 @@ mod tests {
 
     #[test]
     fn many_poles_do_not_multiply_for_ever() {
-        let builder = GraphBuilder::default();
+        let builder = TestGraphBuilder::default();
         let [x, y, _] = builder.xyz();
         let mut sum = y;
         for n in 0..500 {

@@ -163,7 +163,7 @@ impl FormulaParser<'_> {
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::{GraphBuilder, Random, evaluate};
+    use crate::testing::{Random, TestGraphBuilder, evaluate};
     use zeroset_ops::composed;
 
     fn apply(graph: &mut Graph, op: Op, operands: &[NodeId]) -> NodeId {
@@ -230,7 +230,7 @@ mod tests {
     fn a_blend_on_its_seam_leans_to_neither_side() {
         let blend = composed("blend").next().expect("a row");
         assert_eq!(blend.body, "min(a, b)-max(k-abs(a-b), 0)^2/(4*k)");
-        let builder = GraphBuilder::default();
+        let builder = TestGraphBuilder::default();
         let [x, y, _] = builder.xyz();
         let gap = (1.0 - (x - y).f(Op::Abs)).apply(Op::Max, &[builder.number("0")]);
         let root = (x.apply(Op::Min, &[y]) - gap.pow(2) / 4.0).id;

@@ -75,12 +75,12 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
 mod tests {
     use super::*;
     use crate::display;
-    use crate::testing::GraphBuilder;
+    use crate::testing::TestGraphBuilder;
     use zeroset_ops::Op;
 
     #[test]
     fn only_maximal_expressions_of_parameters_are_hoisted() {
-        let builder = GraphBuilder::default();
+        let builder = TestGraphBuilder::default();
         let [x, y, _] = builder.xyz();
         let (a, b) = (builder.parameter(0), builder.parameter(3));
         let shared = a.f(Op::Sin);

@@ -6,25 +6,25 @@ use zeroset_ops::{Op, TABLE};
 
 /// A graph under construction.
 #[derive(Default)]
-pub(crate) struct GraphBuilder(pub(crate) RefCell<Graph>);
+pub(crate) struct TestGraphBuilder(pub(crate) RefCell<Graph>);
 
-/// A node of a [`GraphBuilder`], with operators.
+/// A node of a [`TestGraphBuilder`], with operators.
 #[derive(Clone, Copy)]
-pub(crate) struct Expr<'a> {
-    builder: &'a GraphBuilder,
+pub(crate) struct TestExpr<'a> {
+    builder: &'a TestGraphBuilder,
     pub(crate) id: NodeId,
 }
 
-impl GraphBuilder {
-    pub(crate) fn xyz(&self) -> [Expr<'_>; 3] {
+impl TestGraphBuilder {
+    pub(crate) fn xyz(&self) -> [TestExpr<'_>; 3] {
         Axis::ALL.map(|axis| self.term(self.0.borrow_mut().variable(axis)))
     }
 
-    pub(crate) fn parameter(&self, number: u32) -> Expr<'_> {
+    pub(crate) fn parameter(&self, number: u32) -> TestExpr<'_> {
         self.term(self.0.borrow_mut().parameter(number))
     }
 
-    pub(crate) fn number(&self, text: &str) -> Expr<'_> {
+    pub(crate) fn number(&self, text: &str) -> TestExpr<'_> {
         let decimal = Constant::decimal(text.trim_start_matches('-')).expect("a decimal");
         match decimal.exact() {
             Some(value) if text.starts_with('-') => self.constant(Constant::rational(-value)),
@@ -32,7 +32,7 @@ impl GraphBuilder {
         }
     }
 
-    pub(crate) fn constant(&self, value: Constant) -> Expr<'_> {
+    pub(crate) fn constant(&self, value: Constant) -> TestExpr<'_> {
         self.term(self.0.borrow_mut().constant(value))
     }
 
@@ -40,28 +40,28 @@ impl GraphBuilder {
         self.0.borrow().clone()
     }
 
-    fn term(&self, id: NodeId) -> Expr<'_> {
-        Expr { builder: self, id }
+    fn term(&self, id: NodeId) -> TestExpr<'_> {
+        TestExpr { builder: self, id }
     }
 }
 
-impl<'a> Expr<'a> {
-    pub(crate) fn apply(self, op: Op, others: &[Expr<'a>]) -> Expr<'a> {
+impl<'a> TestExpr<'a> {
+    pub(crate) fn apply(self, op: Op, others: &[TestExpr<'a>]) -> TestExpr<'a> {
         let operands: Vec<NodeId> = std::iter::once(&self).chain(others).map(|t| t.id).collect();
         self.builder.term(self.builder.0.borrow_mut().apply(op, &operands))
     }
 
-    pub(crate) fn pow(self, exponent: i64) -> Expr<'a> {
+    pub(crate) fn pow(self, exponent: i64) -> TestExpr<'a> {
         let exponent = self.builder.term(self.builder.0.borrow_mut().integer(exponent));
         self.apply(Op::Pow, &[exponent])
     }
 
-    pub(crate) fn f(self, op: Op) -> Expr<'a> {
+    pub(crate) fn f(self, op: Op) -> TestExpr<'a> {
         self.apply(op, &[])
     }
 }
 
-impl std::ops::Neg for Expr<'_> {
+impl std::ops::Neg for TestExpr<'_> {
     type Output = Self;
     fn neg(self) -> Self {
         self.f(Op::Neg)
@@ -70,21 +70,21 @@ impl std::ops::Neg for Expr<'_> {
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $op:expr) => {
-        impl std::ops::$trait for Expr<'_> {
+        impl std::ops::$trait for TestExpr<'_> {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
                 self.apply($op, &[other])
             }
         }
-        impl<'a> std::ops::$trait<f64> for Expr<'a> {
-            type Output = Expr<'a>;
-            fn $method(self, other: f64) -> Expr<'a> {
+        impl<'a> std::ops::$trait<f64> for TestExpr<'a> {
+            type Output = TestExpr<'a>;
+            fn $method(self, other: f64) -> TestExpr<'a> {
                 self.apply($op, &[self.builder.number(&other.to_string())])
             }
         }
-        impl<'a> std::ops::$trait<Expr<'a>> for f64 {
-            type Output = Expr<'a>;
-            fn $method(self, other: Expr<'a>) -> Expr<'a> {
+        impl<'a> std::ops::$trait<TestExpr<'a>> for f64 {
+            type Output = TestExpr<'a>;
+            fn $method(self, other: TestExpr<'a>) -> TestExpr<'a> {
                 other.builder.number(&self.to_string()).apply($op, &[other])
             }
         }

@@ -19,7 +19,7 @@ const NODE_LIMIT: usize = 2048;
 pub(crate) const WORK_LIMIT: u64 = 2_500_000;
 
 /// Coefficients from the constant term on; the last is not 0.
-type Polynomial = Vec<BigRational>;
+type Coefficients = Vec<BigRational>;
 
 /// Adds a polynomial to `graph` that has the zeros of `root`, each of them simple. `None` if `root`
 /// is not a polynomial in one variable with a multiple root, if it is too large, or if `work` is
@@ -44,13 +44,13 @@ pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Opt
 
 /// The axis and the coefficients of `root`, if it is a polynomial in one variable of degree 2 or
 /// more.
-fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polynomial)> {
+fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Coefficients)> {
     let ids = graph.needed_by(root);
     if ids.len() > NODE_LIMIT {
         return None;
     }
     let mut axis = None;
-    let mut known: HashMap<NodeId, Polynomial> = HashMap::new();
+    let mut known: HashMap<NodeId, Coefficients> = HashMap::new();
     for id in ids {
         let polynomial = match graph.node(id) {
             Node::Constant(value) => trimmed(vec![value.exact()?.clone()]),
@@ -88,7 +88,7 @@ fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Polyno
     axis.map(|axis| (axis, polynomial))
 }
 
-fn power(base: &Polynomial, exponent: &Constant, work: &mut u64) -> Option<Polynomial> {
+fn power(base: &Coefficients, exponent: &Constant, work: &mut u64) -> Option<Coefficients> {
     let exponent = usize::try_from(exponent.as_integer()?).ok()?;
     if exponent > DEGREE_LIMIT {
         return None; // powers of the polynomial 0 take nothing from `work`
@@ -97,18 +97,18 @@ fn power(base: &Polynomial, exponent: &Constant, work: &mut u64) -> Option<Polyn
     (0..exponent).try_fold(one, |power, _| product(&power, base, work))
 }
 
-fn trimmed(mut polynomial: Polynomial) -> Polynomial {
+fn trimmed(mut polynomial: Coefficients) -> Coefficients {
     while polynomial.last().is_some_and(Zero::is_zero) {
         polynomial.pop();
     }
     polynomial
 }
 
-fn scaled(polynomial: &Polynomial, factor: &BigRational) -> Polynomial {
+fn scaled(polynomial: &Coefficients, factor: &BigRational) -> Coefficients {
     trimmed(polynomial.iter().map(|coefficient| coefficient * factor).collect())
 }
 
-fn sum(a: &Polynomial, b: &Polynomial) -> Polynomial {
+fn sum(a: &Coefficients, b: &Coefficients) -> Coefficients {
     let (long, short) = if a.len() >= b.len() { (a, b) } else { (b, a) };
     let mut sum = long.clone();
     sum.iter_mut().zip(short).for_each(|(into, other)| *into += other);
@@ -116,9 +116,9 @@ fn sum(a: &Polynomial, b: &Polynomial) -> Polynomial {
 }
 
 /// The product, or `None` if it is too large or `work` is used up.
-fn product(a: &Polynomial, b: &Polynomial, work: &mut u64) -> Option<Polynomial> {
+fn product(a: &Coefficients, b: &Coefficients, work: &mut u64) -> Option<Coefficients> {
     if a.is_empty() || b.is_empty() {
-        return Some(Polynomial::new());
+        return Some(Coefficients::new());
     }
     let mut product = vec![BigRational::zero(); a.len() + b.len() - 1];
     if product.len() > DEGREE_LIMIT + 1 {
@@ -145,7 +145,7 @@ fn is_moderate(polynomial: &[BigRational]) -> bool {
     polynomial.iter().all(|value| bits(value) <= BITS_LIMIT)
 }
 
-fn derivative(polynomial: &Polynomial) -> Polynomial {
+fn derivative(polynomial: &Coefficients) -> Coefficients {
     let term =
         |(n, coefficient): (usize, &BigRational)| coefficient * BigRational::from_integer(n.into());
     trimmed(polynomial.iter().enumerate().skip(1).map(term).collect())
@@ -153,10 +153,10 @@ fn derivative(polynomial: &Polynomial) -> Polynomial {
 
 /// Quotient and remainder, or `None` if numbers grow too large or `work` is used up.
 fn divided(
-    mut rest: Polynomial,
-    by: &Polynomial,
+    mut rest: Coefficients,
+    by: &Coefficients,
     work: &mut u64,
-) -> Option<(Polynomial, Polynomial)> {
+) -> Option<(Coefficients, Coefficients)> {
     let last = by.last()?;
     let mut quotient = vec![BigRational::zero(); (rest.len() + 1).saturating_sub(by.len())];
     while rest.len() >= by.len() {
@@ -177,7 +177,7 @@ fn divided(
 
 /// The common divisor with leading coefficient 1, by Euclid's algorithm, or `None` if numbers grow
 /// too large or `work` is used up.
-fn gcd(mut a: Polynomial, mut b: Polynomial, work: &mut u64) -> Option<Polynomial> {
+fn gcd(mut a: Coefficients, mut b: Coefficients, work: &mut u64) -> Option<Coefficients> {
     while let Some(last) = b.last() {
         let monic = scaled(&b, &last.recip());
         let (_, rest) = divided(a, &monic, work)?;

@@ -1,6 +1,6 @@
 //! Executable memory that is freed when its last user is gone.
 
-use crate::rounding::Entry;
+use crate::rounding::KernelEntry;
 use cranelift_jit::JITModule;
 use cranelift_module::FuncId;
 use std::mem::ManuallyDrop;
@@ -31,7 +31,7 @@ impl Drop for ExecutableMemory {
 /// One finished function and the memory it lives in.
 pub struct Code {
     _memory: ExecutableMemory,
-    entry: Entry,
+    entry: KernelEntry,
     /// Size of the machine code in bytes.
     pub bytes: usize,
     /// Width in bytes of the vectors that the code computes with.
@@ -45,9 +45,9 @@ impl Code {
         Self { _memory: memory, entry, bytes, width }
     }
 
-    /// Entry point of the function. It must not be called after this value is dropped.
+    /// KernelEntry point of the function. It must not be called after this value is dropped.
     #[inline]
-    pub fn entry(&self) -> Entry {
+    pub fn entry(&self) -> KernelEntry {
         self.entry
     }
 }

@@ -7,7 +7,7 @@
 use crate::code::Code;
 use crate::compiler::{BatchPointers, compile_for_comparison};
 use crate::error::Error;
-use crate::lanes::{Emitter, Vector};
+use crate::lanes::{Emitter, LaneVector};
 use crate::rounding::{call_rounding_to_nearest, call_rounding_up};
 use std::marker::PhantomData;
 use zeroset_eval::{Binding, Input, Kernel, Loader, Query, Real, Tape};
@@ -98,23 +98,23 @@ struct Nearest<'a, 'b, 'c> {
 }
 
 impl<T: Real> Loader<Nearest<'_, '_, '_>> for BatchPointers<T> {
-    fn input(&mut self, m: &mut Nearest<'_, '_, '_>, quantity: usize) -> Vector {
+    fn input(&mut self, m: &mut Nearest<'_, '_, '_>, quantity: usize) -> LaneVector {
         self.input(m.emitter, quantity)
     }
 
-    fn parameter(&mut self, m: &mut Nearest<'_, '_, '_>, quantity: usize) -> Vector {
+    fn parameter(&mut self, m: &mut Nearest<'_, '_, '_>, quantity: usize) -> LaneVector {
         self.parameter(m.emitter, quantity)
     }
 }
 
 impl Nearest<'_, '_, '_> {
     /// Returns `result`, or the next float above it if results are being moved up.
-    fn widened(&mut self, result: Vector) -> Vector {
+    fn widened(&mut self, result: LaneVector) -> LaneVector {
         if self.is_widening { self.next_up(result) } else { result }
     }
 
     /// Returns the next float up: its bits plus 1, or minus 1 if it is negative. +∞ and NaN stay.
-    fn next_up(&mut self, a: Vector) -> Vector {
+    fn next_up(&mut self, a: LaneVector) -> LaneVector {
         let m = &mut *self.emitter;
         let format = m.format(a);
         let (zero, two) = (m.number(format, 0.0), m.bits(format, 2));
@@ -140,7 +140,7 @@ macro_rules! kept {
 /// Operations that round, and whose results may be bounds.
 macro_rules! rounded {
     ($($name:ident($($operand:ident: $kind:ty),*);)*) => {
-        $(fn $name(&mut self, $($operand: $kind),*) -> Vector {
+        $(fn $name(&mut self, $($operand: $kind),*) -> LaneVector {
             let result = self.emitter.$name($($operand),*);
             self.widened(result)
         })*
@@ -148,9 +148,9 @@ macro_rules! rounded {
 }
 
 impl Machine for Nearest<'_, '_, '_> {
-    type V = Vector;
+    type V = LaneVector;
 
-    fn mul_add(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
+    fn mul_add(&mut self, a: LaneVector, b: LaneVector, c: LaneVector) -> LaneVector {
         if has_fma() {
             let result = self.emitter.mul_add(a, b, c);
             return self.widened(result);
@@ -160,44 +160,44 @@ impl Machine for Nearest<'_, '_, '_> {
     }
 
     rounded! {
-        add(a: Vector, b: Vector);
-        sub(a: Vector, b: Vector);
-        mul(a: Vector, b: Vector);
-        div(a: Vector, b: Vector);
-        sqrt(a: Vector);
-        narrow(halves: [Vector; 2]);
+        add(a: LaneVector, b: LaneVector);
+        sub(a: LaneVector, b: LaneVector);
+        mul(a: LaneVector, b: LaneVector);
+        div(a: LaneVector, b: LaneVector);
+        sqrt(a: LaneVector);
+        narrow(halves: [LaneVector; 2]);
     }
     kept! {
-        number(format: Format, value: f64) -> Vector;
-        bits(format: Format, bits: u64) -> Vector;
-        neg(a: Vector) -> Vector;
-        abs(a: Vector) -> Vector;
-        min(a: Vector, b: Vector) -> Vector;
-        max(a: Vector, b: Vector) -> Vector;
-        floor(a: Vector) -> Vector;
-        ceil(a: Vector) -> Vector;
-        trunc(a: Vector) -> Vector;
-        nearest(a: Vector) -> Vector;
-        lt(a: Vector, b: Vector) -> Vector;
-        le(a: Vector, b: Vector) -> Vector;
-        eq(a: Vector, b: Vector) -> Vector;
-        and(a: Vector, b: Vector) -> Vector;
-        or(a: Vector, b: Vector) -> Vector;
-        xor(a: Vector, b: Vector) -> Vector;
-        select(mask: Vector, a: Vector, b: Vector) -> Vector;
-        select_signed(sign: Vector, a: Vector, b: Vector) -> Vector;
-        int_add(a: Vector, b: Vector) -> Vector;
-        int_sub(a: Vector, b: Vector) -> Vector;
-        shift_left(a: Vector, by: u8) -> Vector;
-        shift_right(a: Vector, by: u8) -> Vector;
-        widen(a: Vector) -> [Vector; 2];
+        number(format: Format, value: f64) -> LaneVector;
+        bits(format: Format, bits: u64) -> LaneVector;
+        neg(a: LaneVector) -> LaneVector;
+        abs(a: LaneVector) -> LaneVector;
+        min(a: LaneVector, b: LaneVector) -> LaneVector;
+        max(a: LaneVector, b: LaneVector) -> LaneVector;
+        floor(a: LaneVector) -> LaneVector;
+        ceil(a: LaneVector) -> LaneVector;
+        trunc(a: LaneVector) -> LaneVector;
+        nearest(a: LaneVector) -> LaneVector;
+        lt(a: LaneVector, b: LaneVector) -> LaneVector;
+        le(a: LaneVector, b: LaneVector) -> LaneVector;
+        eq(a: LaneVector, b: LaneVector) -> LaneVector;
+        and(a: LaneVector, b: LaneVector) -> LaneVector;
+        or(a: LaneVector, b: LaneVector) -> LaneVector;
+        xor(a: LaneVector, b: LaneVector) -> LaneVector;
+        select(mask: LaneVector, a: LaneVector, b: LaneVector) -> LaneVector;
+        select_signed(sign: LaneVector, a: LaneVector, b: LaneVector) -> LaneVector;
+        int_add(a: LaneVector, b: LaneVector) -> LaneVector;
+        int_sub(a: LaneVector, b: LaneVector) -> LaneVector;
+        shift_left(a: LaneVector, by: u8) -> LaneVector;
+        shift_right(a: LaneVector, by: u8) -> LaneVector;
+        widen(a: LaneVector) -> [LaneVector; 2];
     }
 
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
-        inputs: [[Vector; IN]; ROWS],
-        mut routine: impl FnMut(&mut Self, [Vector; IN]) -> [Vector; OUT],
-    ) -> [[Vector; OUT]; ROWS] {
+        inputs: [[LaneVector; IN]; ROWS],
+        mut routine: impl FnMut(&mut Self, [LaneVector; IN]) -> [LaneVector; OUT],
+    ) -> [[LaneVector; OUT]; ROWS] {
         let (rows, inputs) = self.emitter.begin_rows(inputs, OUT);
         let outputs = routine(self, inputs);
         self.emitter.end_rows::<ROWS, IN, OUT>(&rows, outputs)
@@ -210,13 +210,13 @@ impl Machine for Nearest<'_, '_, '_> {
         result
     }
 
-    fn outward(&mut self, bound: Vector) -> Vector {
+    fn outward(&mut self, bound: LaneVector) -> LaneVector {
         let once = self.widened(bound);
         self.widened(once)
     }
 
     /// Limits a bound only where rules rely on it: for signs, domains from −1 to 1, and finiteness.
-    fn clamp_to(&mut self, format: Format, bound: Vector, most: f64) -> Vector {
+    fn clamp_to(&mut self, format: Format, bound: LaneVector, most: f64) -> LaneVector {
         let huge = match format {
             Format::F32 => f64::from(f32::MAX / 2.0),
             Format::F64 => f64::MAX / 2.0,

@@ -3,7 +3,7 @@
 use crate::code::{Code, ExecutableMemory};
 use crate::count::Counter;
 use crate::error::Error;
-use crate::lanes::{Emitter, VECTOR, Vector, type_of};
+use crate::lanes::{Emitter, LaneVector, VECTOR, type_of};
 #[cfg(target_arch = "x86_64")]
 use crate::wide::{Width, widened};
 use cranelift_codegen::control::ControlPlane;
@@ -124,7 +124,7 @@ pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code,
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Query, T: Real>(
     tape: &Tape<T>,
-    other: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<Vector>,
+    other: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<LaneVector>,
 ) -> Result<Code, Error> {
     let write = |width| build_with::<Q, T>(tape, width, &other);
     generate(write, Some(Tier::Optimizing), usize::MAX)
@@ -242,11 +242,11 @@ pub struct BatchPointers<T> {
 }
 
 impl<T: Real> Loader<Emitter<'_, '_>> for BatchPointers<T> {
-    fn input(&mut self, m: &mut Emitter<'_, '_>, quantity: usize) -> Vector {
+    fn input(&mut self, m: &mut Emitter<'_, '_>, quantity: usize) -> LaneVector {
         load::<T>(m, self.input, quantity)
     }
 
-    fn parameter(&mut self, m: &mut Emitter<'_, '_>, quantity: usize) -> Vector {
+    fn parameter(&mut self, m: &mut Emitter<'_, '_>, quantity: usize) -> LaneVector {
         load::<T>(m, self.parameters, quantity)
     }
 }
@@ -274,7 +274,7 @@ fn build<Q: Query, T: Real>(tape: &Tape<T>, width: usize) -> Result<Function, Er
 fn build_with<Q: Query, T: Real>(
     tape: &Tape<T>,
     width: usize,
-    write: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<Vector>,
+    write: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<LaneVector>,
 ) -> Result<Function, Error> {
     assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
     if tape.operations() > OPERATION_LIMIT {
@@ -362,7 +362,12 @@ fn offset<T: Real>(quantity: usize) -> i32 {
 }
 
 /// Loads the next lanes of a quantity of the batch at `base`.
-fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, quantity: usize) -> Vector {
+fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, quantity: usize) -> LaneVector {
     let flags = trusted();
-    Vector::Value(m.builder().ins().load(type_of(T::FORMAT), flags, base, offset::<T>(quantity)))
+    LaneVector::Value(m.builder().ins().load(
+        type_of(T::FORMAT),
+        flags,
+        base,
+        offset::<T>(quantity),
+    ))
 }

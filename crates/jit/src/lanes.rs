@@ -18,7 +18,7 @@ const VECTOR_ALIGNMENT: u8 = 4;
 
 /// A vector in the code that is being generated.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Vector {
+pub enum LaneVector {
     /// Computed at run time.
     Value(Value),
     /// Known when compiling: these bits.
@@ -55,10 +55,10 @@ impl<'a, 'b> Emitter<'a, 'b> {
     }
 
     /// Returns the vector as a value of the function.
-    pub fn value(&mut self, vector: Vector) -> Value {
+    pub fn value(&mut self, vector: LaneVector) -> Value {
         let (format, bits) = match vector {
-            Vector::Value(value) => return value,
-            Vector::Constant(format, bits) => (format, bits),
+            LaneVector::Value(value) => return value,
+            LaneVector::Constant(format, bits) => (format, bits),
         };
         let ty = type_of(format);
         if let Some(&value) = self.constants.get(&(ty, bits)) {
@@ -72,14 +72,14 @@ impl<'a, 'b> Emitter<'a, 'b> {
     }
 
     /// Returns the sign bits of a vector's lanes, the lowest for the first lane.
-    pub fn sign_bits(&mut self, vector: Vector) -> Value {
+    pub fn sign_bits(&mut self, vector: LaneVector) -> Value {
         let value = self.value(vector);
         let (_, integers) = self.integers(value);
         self.builder.ins().vhigh_bits(I32, integers)
     }
 
     /// Returns both vectors as values of the function.
-    fn values(&mut self, a: Vector, b: Vector) -> (Value, Value) {
+    fn values(&mut self, a: LaneVector, b: LaneVector) -> (Value, Value) {
         (self.value(a), self.value(b))
     }
 
@@ -107,9 +107,9 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.cast(ty, mask)
     }
 
-    fn comparison(&mut self, condition: FloatCC, a: Vector, b: Vector) -> Vector {
+    fn comparison(&mut self, condition: FloatCC, a: LaneVector, b: LaneVector) -> LaneVector {
         let (a, b) = self.values(a, b);
-        Vector::Value(self.compare(condition, a, b))
+        LaneVector::Value(self.compare(condition, a, b))
     }
 
     /// Returns the float type of a vector, and its lanes as integers.
@@ -120,11 +120,13 @@ impl<'a, 'b> Emitter<'a, 'b> {
     }
 
     /// Returns the format of a vector's lanes.
-    pub fn format(&self, a: Vector) -> Format {
+    pub fn format(&self, a: LaneVector) -> Format {
         match a {
-            Vector::Constant(format, _) => format,
-            Vector::Value(value) if self.builder.func.dfg.value_type(value) == F32X4 => Format::F32,
-            Vector::Value(_) => Format::F64,
+            LaneVector::Constant(format, _) => format,
+            LaneVector::Value(value) if self.builder.func.dfg.value_type(value) == F32X4 => {
+                Format::F32
+            }
+            LaneVector::Value(_) => Format::F64,
         }
     }
 }
@@ -151,9 +153,9 @@ impl Emitter<'_, '_> {
     /// the inputs of the current row.
     pub fn begin_rows<const ROWS: usize, const IN: usize>(
         &mut self,
-        inputs: [[Vector; IN]; ROWS],
+        inputs: [[LaneVector; IN]; ROWS],
         outputs: usize,
-    ) -> (RowLoop, [Vector; IN]) {
+    ) -> (RowLoop, [LaneVector; IN]) {
         let width = self.width * (IN + outputs);
         let size = (width * ROWS) as u32;
         let slot = StackSlotData::new(StackSlotKind::ExplicitSlot, size, VECTOR_ALIGNMENT);
@@ -173,7 +175,7 @@ impl Emitter<'_, '_> {
         let flags = MemFlagsData::trusted();
         let inputs = std::array::from_fn(|column| {
             let offset = self.at(column);
-            Vector::Value(self.builder.ins().load(F64X2, flags, row, offset))
+            LaneVector::Value(self.builder.ins().load(F64X2, flags, row, offset))
         });
         (RowLoop { slot, body, row, last, width }, inputs)
     }
@@ -182,8 +184,8 @@ impl Emitter<'_, '_> {
     pub fn end_rows<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         rows: &RowLoop,
-        outputs: [Vector; OUT],
-    ) -> [[Vector; OUT]; ROWS] {
+        outputs: [LaneVector; OUT],
+    ) -> [[LaneVector; OUT]; ROWS] {
         let RowLoop { slot, body, row, last, width } = *rows;
         let flags = MemFlagsData::trusted();
         for (column, output) in outputs.into_iter().enumerate() {
@@ -198,7 +200,7 @@ impl Emitter<'_, '_> {
         std::array::from_fn(|row| {
             std::array::from_fn(|column| {
                 let offset = (row * width) as i32 + self.at(IN + column);
-                Vector::Value(self.builder.ins().stack_load(I64, F64X2, slot, offset))
+                LaneVector::Value(self.builder.ins().stack_load(I64, F64X2, slot, offset))
             })
         })
     }
@@ -233,9 +235,9 @@ fn sign_bits(format: Format) -> u128 {
 /// An instruction of one float operand.
 macro_rules! unary {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
-        fn $name(&mut self, a: Vector) -> Vector {
+        fn $name(&mut self, a: LaneVector) -> LaneVector {
             let a = self.value(a);
-            Vector::Value(self.builder.ins().$instruction(a))
+            LaneVector::Value(self.builder.ins().$instruction(a))
         }
     )*};
 }
@@ -243,9 +245,9 @@ macro_rules! unary {
 /// An instruction of two operands.
 macro_rules! binary {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
-        fn $name(&mut self, a: Vector, b: Vector) -> Vector {
+        fn $name(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
             let (a, b) = self.values(a, b);
-            Vector::Value(self.builder.ins().$instruction(a, b))
+            LaneVector::Value(self.builder.ins().$instruction(a, b))
         }
     )*};
 }
@@ -253,11 +255,11 @@ macro_rules! binary {
 /// An instruction on the lanes as integers.
 macro_rules! integer {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
-        fn $name(&mut self, a: Vector, b: Vector) -> Vector {
+        fn $name(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
             let (a, b) = self.values(a, b);
             let ((ty, a), (_, b)) = (self.integers(a), self.integers(b));
             let result = self.builder.ins().$instruction(a, b);
-            Vector::Value(self.cast(ty, result))
+            LaneVector::Value(self.cast(ty, result))
         }
     )*};
 }
@@ -265,31 +267,31 @@ macro_rules! integer {
 /// A shift of the lanes as integers.
 macro_rules! shift {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
-        fn $name(&mut self, a: Vector, by: u8) -> Vector {
+        fn $name(&mut self, a: LaneVector, by: u8) -> LaneVector {
             let a = self.value(a);
             let (ty, a) = self.integers(a);
             let shifted = self.builder.ins().$instruction(a, i64::from(by));
-            Vector::Value(self.cast(ty, shifted))
+            LaneVector::Value(self.cast(ty, shifted))
         }
     )*};
 }
 
 impl Machine for Emitter<'_, '_> {
-    type V = Vector;
+    type V = LaneVector;
 
-    fn number(&mut self, format: Format, value: f64) -> Vector {
+    fn number(&mut self, format: Format, value: f64) -> LaneVector {
         let bits = match format {
             Format::F32 => u64::from((value as f32).to_bits()),
             Format::F64 => value.to_bits(),
         };
         self.bits(format, bits)
     }
-    fn bits(&mut self, format: Format, bits: u64) -> Vector {
-        Vector::Constant(format, splat(format, bits))
+    fn bits(&mut self, format: Format, bits: u64) -> LaneVector {
+        LaneVector::Constant(format, splat(format, bits))
     }
 
     binary! { add => fadd, sub => fsub, mul => fmul, div => fdiv, and => band, or => bor, xor => bxor }
-    fn mul_add(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
+    fn mul_add(&mut self, a: LaneVector, b: LaneVector, c: LaneVector) -> LaneVector {
         if !has_fma() {
             let product = self.mul(a, b);
             return self.add(product, c);
@@ -297,9 +299,9 @@ impl Machine for Emitter<'_, '_> {
         let ((a, b), c) = (self.values(a, b), self.value(c));
         let builder = &mut *self.builder;
         let sum = self.fused.entry([a, b, c]).or_insert_with(|| builder.ins().fma(a, b, c));
-        Vector::Value(*sum)
+        LaneVector::Value(*sum)
     }
-    fn mul_sub(&mut self, a: Vector, b: Vector, c: Vector) -> Vector {
+    fn mul_sub(&mut self, a: LaneVector, b: LaneVector, c: LaneVector) -> LaneVector {
         if !has_fma() {
             let product = self.mul(a, b);
             return self.sub(product, c);
@@ -307,7 +309,7 @@ impl Machine for Emitter<'_, '_> {
         let ((a, b), c) = (self.values(a, b), self.value(c));
         // On x86-64 the negation becomes part of the instruction.
         let c = self.builder.ins().fneg(c);
-        Vector::Value(self.builder.ins().fma(a, b, c))
+        LaneVector::Value(self.builder.ins().fma(a, b, c))
     }
     unary! { sqrt => sqrt, floor => floor, ceil => ceil, trunc => trunc, nearest => nearest }
     integer! { int_add => iadd, int_sub => isub }
@@ -315,49 +317,49 @@ impl Machine for Emitter<'_, '_> {
 
     // The mask of sign bits stays in a register, since most formulas negate often. The instructions
     // fneg and fabs would build theirs each time.
-    fn neg(&mut self, a: Vector) -> Vector {
+    fn neg(&mut self, a: LaneVector) -> LaneVector {
         let format = self.format(a);
         let sign = sign_bits(format);
         match a {
-            Vector::Constant(_, bits) => Vector::Constant(format, bits ^ sign),
-            Vector::Value(a) => {
-                let sign = self.value(Vector::Constant(format, sign));
-                Vector::Value(self.builder.ins().bxor(a, sign))
+            LaneVector::Constant(_, bits) => LaneVector::Constant(format, bits ^ sign),
+            LaneVector::Value(a) => {
+                let sign = self.value(LaneVector::Constant(format, sign));
+                LaneVector::Value(self.builder.ins().bxor(a, sign))
             }
         }
     }
-    fn abs(&mut self, a: Vector) -> Vector {
+    fn abs(&mut self, a: LaneVector) -> LaneVector {
         let format = self.format(a);
-        self.and(a, Vector::Constant(format, !sign_bits(format)))
+        self.and(a, LaneVector::Constant(format, !sign_bits(format)))
     }
     // On x86-64 this pattern becomes one minps or maxps; fmin and fmax would take seven
     // instructions.
-    fn min(&mut self, a: Vector, b: Vector) -> Vector {
+    fn min(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
         let (a, b) = self.values(a, b);
         let less = self.compare(FloatCC::LessThan, a, b);
-        Vector::Value(self.builder.ins().bitselect(less, a, b))
+        LaneVector::Value(self.builder.ins().bitselect(less, a, b))
     }
-    fn max(&mut self, a: Vector, b: Vector) -> Vector {
+    fn max(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
         let (a, b) = self.values(a, b);
         let less = self.compare(FloatCC::LessThan, b, a);
-        Vector::Value(self.builder.ins().bitselect(less, a, b))
+        LaneVector::Value(self.builder.ins().bitselect(less, a, b))
     }
 
-    fn lt(&mut self, a: Vector, b: Vector) -> Vector {
+    fn lt(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
         self.comparison(FloatCC::LessThan, a, b)
     }
-    fn le(&mut self, a: Vector, b: Vector) -> Vector {
+    fn le(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
         self.comparison(FloatCC::LessThanOrEqual, a, b)
     }
-    fn eq(&mut self, a: Vector, b: Vector) -> Vector {
+    fn eq(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
         self.comparison(FloatCC::Equal, a, b)
     }
     // A set lane of a mask has its sign bit set. A blend by sign bits is faster than the code for
     // bitselect.
-    fn select(&mut self, mask: Vector, a: Vector, b: Vector) -> Vector {
+    fn select(&mut self, mask: LaneVector, a: LaneVector, b: LaneVector) -> LaneVector {
         self.select_signed(mask, a, b)
     }
-    fn select_signed(&mut self, sign: Vector, a: Vector, b: Vector) -> Vector {
+    fn select_signed(&mut self, sign: LaneVector, a: LaneVector, b: LaneVector) -> LaneVector {
         let sign = self.value(sign);
         let (a, b) = self.values(a, b);
         let ((ty, a), (_, b), (_, sign)) =
@@ -369,27 +371,27 @@ impl Machine for Emitter<'_, '_> {
             let mask = self.builder.ins().sshr_imm_u(sign, last_bit);
             self.builder.ins().bitselect(mask, a, b)
         };
-        Vector::Value(self.cast(ty, chosen))
+        LaneVector::Value(self.cast(ty, chosen))
     }
 
     // Only these two shuffles move halves of vectors: `wide` knows no others.
-    fn widen(&mut self, a: Vector) -> [Vector; 2] {
+    fn widen(&mut self, a: LaneVector) -> [LaneVector; 2] {
         let a = self.value(a);
         let upper = self.shuffle(a, a, [8, 8]);
-        [a, upper].map(|half| Vector::Value(self.builder.ins().fvpromote_low(half)))
+        [a, upper].map(|half| LaneVector::Value(self.builder.ins().fvpromote_low(half)))
     }
-    fn narrow(&mut self, [low, high]: [Vector; 2]) -> Vector {
+    fn narrow(&mut self, [low, high]: [LaneVector; 2]) -> LaneVector {
         let (low, high) = self.values(low, high);
         // Each result is in the lower half of its vector.
         let [low, high] = [low, high].map(|half| self.builder.ins().fvdemote(half));
-        Vector::Value(self.shuffle(low, high, [0, 16]))
+        LaneVector::Value(self.shuffle(low, high, [0, 16]))
     }
 
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
-        inputs: [[Vector; IN]; ROWS],
-        mut text: impl FnMut(&mut Self, [Vector; IN]) -> [Vector; OUT],
-    ) -> [[Vector; OUT]; ROWS] {
+        inputs: [[LaneVector; IN]; ROWS],
+        mut text: impl FnMut(&mut Self, [LaneVector; IN]) -> [LaneVector; OUT],
+    ) -> [[LaneVector; OUT]; ROWS] {
         let (rows, inputs) = self.begin_rows(inputs, OUT);
         let outputs = text(self, inputs);
         self.end_rows::<ROWS, IN, OUT>(&rows, outputs)

@@ -3,7 +3,7 @@
 /// First instruction of a kernel. Kernels use the System V convention on `x86_64` and AAPCS64 on
 /// `aarch64`, on any operating system. Their arguments are the input batch, the output batch, the
 /// number of lanes in use, the parameters, and guard words (reserved, null).
-pub type Entry = *const u8;
+pub type KernelEntry = *const u8;
 
 /// Values of MXCSR that mask all exceptions and keep subnormals. They round to +∞ or, as everywhere
 /// else, to nearest.
@@ -19,20 +19,20 @@ static ROUND_NEAREST: u32 = 0x1f80;
 #[cfg(feature = "comparison")]
 #[inline]
 pub unsafe fn call_rounding_to_nearest(
-    entry: Entry,
+    entry: KernelEntry,
     input: *const u8,
     output: *mut u8,
     count: usize,
     parameters: *const u8,
 ) {
     #[cfg(not(target_arch = "x86_64"))]
-    type Kernel = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, usize);
+    type KernelFn = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, usize);
     #[cfg(target_arch = "x86_64")]
-    type Kernel = unsafe extern "sysv64" fn(*const u8, *mut u8, usize, *const u8, usize);
+    type KernelFn = unsafe extern "sysv64" fn(*const u8, *mut u8, usize, *const u8, usize);
     // SAFETY: the caller vouches for the kernel and the pointers. Kernels have this signature and
     // convention, whatever the rounding mode.
     unsafe {
-        let kernel: Kernel = std::mem::transmute(entry);
+        let kernel: KernelFn = std::mem::transmute(entry);
         kernel(input, output, count, parameters, 0);
     }
 }
@@ -43,7 +43,7 @@ pub unsafe fn call_rounding_to_nearest(
 /// `entry` must be a kernel that may read and write behind these pointers. It must not unwind.
 #[inline]
 pub unsafe fn call_rounding_up(
-    entry: Entry,
+    entry: KernelEntry,
     input: *const u8,
     output: *mut u8,
     count: usize,

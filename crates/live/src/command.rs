@@ -347,6 +347,8 @@ mod tests {
         for text in [":tolerance -1", ":tolerance 0", ":tolerance nan", ":tolerance 101"] {
             assert!(message(text).contains("above 0"), "{text}");
         }
+        assert!(message(":tolerance fine").contains("'fine' is not such a number"));
+        assert!(message(":precision f16").contains("'f16' is not one of auto, f32, f64"));
         assert!(message(":depth 0").contains("between 1 and 20, or 40 in precision f64"));
         assert!(message(":set t = soon").contains("'soon' is not a finite number"));
         for text in [
@@ -354,11 +356,9 @@ mod tests {
             ":domain 1,2",
             ":time",
             ":time inf",
-            ":tolerance fine",
             ":depth -1",
             ":depth 1.5",
             ":view up",
-            ":precision f16",
             ":explain all",
             ":set",
             ":set r =",

@@ -218,11 +218,11 @@ pub(super) struct Pipeline {
 }
 
 struct Shared {
-    state: Mutex<State>,
+    state: Mutex<PipelineState>,
     changed: Condvar,
 }
 
-struct State {
+struct PipelineState {
     request: Arc<Request>,
     revision: u64,
     requested: Instant,
@@ -246,7 +246,7 @@ enum NextView {
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
+    fn lock(&self) -> MutexGuard<'_, PipelineState> {
         // Every write leaves the state whole, so a panic elsewhere does not spoil it.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -255,7 +255,7 @@ impl Shared {
 impl Pipeline {
     /// Starts the worker. It waits for the first request.
     pub fn new(request: Request) -> Self {
-        let state = State {
+        let state = PipelineState {
             request: Arc::new(request),
             revision: 0,
             requested: Instant::now(),
@@ -299,7 +299,7 @@ impl Pipeline {
     /// happened in time.
     pub fn wait(&self, timeout: Duration, done: impl Fn(&Snapshot, u64) -> bool) -> bool {
         let state = self.shared.lock();
-        let waiting = |state: &mut State| !done(&state.snapshot, state.revision);
+        let waiting = |state: &mut PipelineState| !done(&state.snapshot, state.revision);
         let waited = self.shared.changed.wait_timeout_while(state, timeout, waiting);
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }

@@ -21,7 +21,7 @@ use zeroset_syntax::{Limits, parse};
 /// All methods may be called from any thread. The lock is held only briefly: reading and
 /// simplifying run without it, and moving a value or the view never waits for them.
 pub struct Live {
-    state: Mutex<State>,
+    state: Mutex<SessionState>,
     pipeline: Pipeline,
 }
 
@@ -29,7 +29,7 @@ pub struct Live {
 type Move = Box<dyn FnOnce(&Live) + Send>;
 
 #[derive(Default)]
-pub(super) struct State {
+pub(super) struct SessionState {
     /// The current request, with the document as entered.
     pub request: Request,
     /// The text that is drawn: the document, or the document with the line being typed.
@@ -52,7 +52,7 @@ pub(super) struct State {
     cleared_at: u64,
 }
 
-impl State {
+impl SessionState {
     pub fn checkpoint(&self) -> Checkpoint {
         let Self { request, readable, dragged, .. } = self;
         Checkpoint {
@@ -111,19 +111,19 @@ impl Live {
     /// Starts to draw a document. Its text may be empty.
     pub fn new(request: Request) -> Self {
         let text = || Arc::clone(&request.text);
-        let state = State {
+        let state = SessionState {
             shown: text(),
             readable: text(),
             kept: text(),
             request: request.clone(),
-            ..State::default()
+            ..SessionState::default()
         };
         let live = Self { state: Mutex::new(state), pipeline: Pipeline::new(request) };
         live.refresh();
         live
     }
 
-    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
+    pub(super) fn lock(&self) -> MutexGuard<'_, SessionState> {
         // Every write leaves the state whole, so a panic elsewhere does not spoil it.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -218,7 +218,7 @@ impl Live {
     pub(super) fn change_after<W, R>(
         &self,
         work: impl Fn(&Checkpoint) -> Result<W, Refusal>,
-        apply: impl FnOnce(&mut State, W) -> R,
+        apply: impl FnOnce(&mut SessionState, W) -> R,
     ) -> Result<R, Refusal> {
         let mut tries = 0;
         let mut _first = None;
@@ -417,14 +417,19 @@ impl Live {
     }
 
     /// Requests a picture of the current state, and records the state before as a step to undo.
-    pub(super) fn record(&self, state: &mut State, before: Checkpoint, gesture: Option<Gesture>) {
+    pub(super) fn record(
+        &self,
+        state: &mut SessionState,
+        before: Checkpoint,
+        gesture: Option<Gesture>,
+    ) {
         let now = state.checkpoint();
         state.undo.note(before, &now, gesture);
         let shown = Arc::clone(&state.shown);
         self.show(state, shown);
     }
 
-    pub(super) fn show(&self, state: &mut State, shown: Arc<str>) {
+    pub(super) fn show(&self, state: &mut SessionState, shown: Arc<str>) {
         state.shown = shown;
         if state.shown.trim().is_empty() {
             state.cleared_at = state.revision;

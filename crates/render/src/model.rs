@@ -265,7 +265,7 @@ impl Model {
         &self,
         camera: &Camera,
         settings: &Settings,
-        progress: Progress<'_>,
+        progress: ProgressCallback<'_>,
     ) -> Result<Picture, ProgramError> {
         let pixels = settings.width * settings.height * self.visible_surfaces().count();
         let done = AtomicUsize::new(0);
@@ -338,7 +338,7 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
 }
 
 /// Callback for progress: pixels done, and pixels in total. Called from several threads.
-pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+pub type ProgressCallback<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Draws all surfaces of `document` in `region` from `camera`.
 ///
@@ -349,7 +349,7 @@ pub fn render(
     region: &Region,
     camera: &Camera,
     settings: &Settings,
-    progress: Progress<'_>,
+    progress: ProgressCallback<'_>,
 ) -> Result<Picture, ProgramError> {
     Model::new(document, region, settings)?.picture(camera, settings, progress)
 }

@@ -19,7 +19,7 @@ mod window;
 
 use crate::program::{Program, ProgramError};
 use homogeneous::Homogeneous;
-use shape::Shape;
+use shape::GraphShape;
 use std::cell::Cell as Counter;
 use waves::Wave;
 use window::WindowChooser;
@@ -27,7 +27,7 @@ use zeroset_eval::Assumptions;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
-use zeroset_space::{BOX_DEPTH, Cell, DEFAULT_HALF, FINE_DEPTH, Search, places_about};
+use zeroset_space::{BOX_DEPTH, Cell, CellSearch, DEFAULT_HALF, FINE_DEPTH, places_about};
 
 /// Half the extent of the largest cube that is searched for a surface that cannot be proven bounded
 /// everywhere.
@@ -116,7 +116,7 @@ pub fn find_while(
     if !wanted() {
         return Ok(None);
     }
-    let mut search = Search { surfaces, forms: Vec::new(), wanted, work: Counter::new(WORK) };
+    let mut search = CellSearch { surfaces, forms: Vec::new(), wanted, work: Counter::new(WORK) };
     let mut at_infinity = WORK_AT_INFINITY;
     let whole = everything(program, &search, &mut at_infinity)
         .map(|whole| (whole, Finding::Bounded, Finding::Empty));
@@ -140,7 +140,7 @@ pub fn find_while(
 /// A box around all surfaces in `whole`: first by intervals, then by affine forms too.
 fn tighten<'a>(
     program: &'a Program,
-    search: &mut Search<'a>,
+    search: &mut CellSearch<'a>,
     whole: Cell,
 ) -> Result<Option<Cell>, ProgramError> {
     let Some(hull) = search.tight(whole, BOX_DEPTH) else { return Ok(None) };
@@ -191,7 +191,7 @@ fn is_point(program: &Program, hull: &Cell) -> bool {
 const LADDER: [u32; 6] = [4, 12, 20, 40, 60, 100];
 
 /// A box that all surfaces are proven to lie in, if there is a proof.
-fn everything(program: &Program, search: &Search<'_>, work: &mut u64) -> Option<Cell> {
+fn everything(program: &Program, search: &CellSearch<'_>, work: &mut u64) -> Option<Cell> {
     let cubes = LADDER.map(|exponent| Cell::cube(f64::from(exponent).exp2()));
     if let Some(cube) = cubes.into_iter().find(|cube| search.nothing_outside(cube)) {
         return Some(cube);
@@ -221,7 +221,7 @@ fn everything(program: &Program, search: &Search<'_>, work: &mut u64) -> Option<
 }
 
 /// A box that all surfaces within ±[`REACH`] are proven to lie in, if there is a proof.
-fn everything_near(search: &Search<'_>) -> Option<Cell> {
+fn everything_near(search: &CellSearch<'_>) -> Option<Cell> {
     let cube = |exponent: i32| Cell::cube(f64::from(exponent).exp2());
     let is_clear = |exponent: &i32| search.nothing_between(&cube(*exponent), &cube(exponent + 1));
     (0..40).rev().take_while(is_clear).last().map(cube)
@@ -267,12 +267,12 @@ fn gcd(a: u32, b: u32) -> u32 {
 }
 
 /// A box around the windows on all surfaces, and whether all of them look better in a ball.
-fn windows(program: &Program, search: &Search<'_>) -> Result<(Cell, bool), ProgramError> {
+fn windows(program: &Program, search: &CellSearch<'_>) -> Result<(Cell, bool), ProgramError> {
     let (graph, parameters) = (program.graph(), program.values());
     let (mut whole, mut all_round) = (None::<Cell>, true);
     for (surface, &root) in program.roots().iter().enumerate() {
-        let shape = Shape::of(graph, root, parameters);
-        let alone = Search {
+        let shape = GraphShape::of(graph, root, parameters);
+        let alone = CellSearch {
             surfaces: vec![search.surfaces[surface]],
             forms: Vec::new(),
             wanted: search.wanted,

@@ -9,7 +9,7 @@
 
 mod gradients;
 
-use crate::shade::{Canvas, ShadingInput};
+use crate::shade::{ColoredRows, ShadingInput};
 use glam::DVec3;
 use zeroset_eval::{Kernel, Kernels, LANES, Points, Real, Sample, SampleGradient};
 use zeroset_space::Ray;
@@ -69,7 +69,7 @@ struct Rest {
 }
 
 /// The normals of some rows.
-struct Normals<'a> {
+struct BandNormals<'a> {
     /// The picture's normals; empty if it does not keep them.
     kept: &'a mut [[f32; 3]],
     /// Otherwise, normals until colors are computed; empty until one is stored.
@@ -77,7 +77,7 @@ struct Normals<'a> {
     pixels: usize,
 }
 
-impl Normals<'_> {
+impl BandNormals<'_> {
     fn is_kept(&self) -> bool {
         !self.kept.is_empty()
     }
@@ -99,14 +99,14 @@ impl<T: Real> NormalSource<'_, T> {
         rows: &mut Rows<'_>,
         rays: &RayGrid,
         step: f64,
-        mut canvas: Option<Canvas<'_>>,
+        mut canvas: Option<ColoredRows<'_>>,
     ) -> KernelStats {
         let mut work = KernelStats::default();
         let start = rows.pixels().start;
         let windows = rows.windows();
         let (kept, columns) = rows.columns();
         let seen = ShadingInput { columns, paint: &[] };
-        let mut normals = Normals { kept, own: Vec::new(), pixels: seen.columns.drawn.len() };
+        let mut normals = BandNormals { kept, own: Vec::new(), pixels: seen.columns.drawn.len() };
         let open = self.of_band(&seen, &mut normals, rays, &windows, canvas.as_mut(), &mut work);
         let rest = |pixel: usize| {
             let ray = rays.ray_of(start + pixel);

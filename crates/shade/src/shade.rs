@@ -7,7 +7,7 @@ use crate::color::LinearRgb;
 use crate::light::Light;
 use fearless_simd::Level;
 use rayon::prelude::*;
-pub use shader::{Canvas, Shader};
+pub use shader::{ColoredRows, Shader};
 pub(crate) use shader::{ShadingInput, ViewAndNormals};
 use zeroset_style::Look;
 use zeroset_trace::GBuffer;

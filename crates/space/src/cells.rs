@@ -87,7 +87,7 @@ pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f
 }
 
 /// A search for the cells that may hold a point of some surface, with a limit on evaluations.
-pub struct Search<'a> {
+pub struct CellSearch<'a> {
     /// The surfaces' kernels, in interval arithmetic.
     pub surfaces: Vec<&'a dyn Kernel<FindZeros, f64>>,
     /// The surfaces' kernels in affine arithmetic, evaluated where intervals leave a cell open.
@@ -100,7 +100,7 @@ pub struct Search<'a> {
     pub work: Counter<u64>,
 }
 
-impl Search<'_> {
+impl CellSearch<'_> {
     /// Returns whether the search is still wanted.
     pub fn is_wanted(&self) -> bool {
         (self.wanted)()

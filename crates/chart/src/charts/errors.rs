@@ -1,15 +1,15 @@
 //! Time against error, over all surfaces and surface by surface.
 
-use super::{Rows, bar, families, letters, mean, notes, series};
+use super::{MeasuredRows, bar, families, letters, mean, notes, series};
 use crate::grid::Configuration;
 use crate::groups::distinct;
 use crate::pareto::front;
-use crate::plot::{Figure, Mark, Series, Shape};
+use crate::plot::{Figure, MarkShape, PlotMark, PlotSeries};
 use crate::row::Row;
 
 /// A kind of error that has charts of its own.
 #[derive(Clone, Copy)]
-struct Kind {
+struct ErrorMeasure {
     name: &'static str,
     title: &'static str,
     axis: &'static str,
@@ -18,7 +18,7 @@ struct Kind {
     mean_name: &'static str,
 }
 
-const DISTANCE: Kind = Kind {
+const DISTANCE: ErrorMeasure = ErrorMeasure {
     name: "time-distance",
     title: "Time against distance error",
     axis: "distance from the root, 99.9 % of painted pixels, in pixels' footprints",
@@ -26,14 +26,14 @@ const DISTANCE: Kind = Kind {
     mean,
     mean_name: "error: geometric mean",
 };
-const MEDIAN: Kind = Kind {
+const MEDIAN: ErrorMeasure = ErrorMeasure {
     name: "time-median",
     title: "Time against median distance error",
     axis: "distance from the root, median of painted pixels, in pixels' footprints",
     of: |row| row.off_pixels_median,
     ..DISTANCE
 };
-const WRONG: Kind = Kind {
+const WRONG: ErrorMeasure = ErrorMeasure {
     name: "time-wrong",
     title: "Time against wrong pixels",
     axis: "wrong pixels (missed, phantom, wrong root), share of all",
@@ -45,17 +45,17 @@ const WRONG: Kind = Kind {
     },
     mean_name: "error: arithmetic mean",
 };
-const KINDS: [Kind; 3] = [DISTANCE, MEDIAN, WRONG];
+const KINDS: [ErrorMeasure; 3] = [DISTANCE, MEDIAN, WRONG];
 
 /// The charts over all surfaces: means, with a thin line for each surface.
-pub fn over_all(rows: &Rows<'_>) -> Vec<Figure> {
+pub fn over_all(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let charts = KINDS.iter().map(|kind| chart(&rows, kind, None));
     charts.chain([claims(&rows)]).collect()
 }
 
 /// The charts of single surfaces, with a thin line for each view.
-pub fn by_surface(rows: &Rows<'_>) -> Vec<Figure> {
+pub fn by_surface(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let of_surface = |surface: &str| {
         let rows = rows.filter(|row| row.surface == surface);
@@ -65,13 +65,13 @@ pub fn by_surface(rows: &Rows<'_>) -> Vec<Figure> {
 }
 
 /// A chart of one surface, whose parts are views, or of all surfaces, whose parts are surfaces.
-fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Figure {
+fn chart(rows: &MeasuredRows<'_>, kind: &ErrorMeasure, surface: Option<&str>) -> Figure {
     let part = |row: &Row| if surface.is_some() { row.view.clone() } else { row.surface.clone() };
     let parts = distinct(rows.0.iter().map(|(row, _)| part(row)));
-    let parts: Vec<Rows<'_>> =
+    let parts: Vec<MeasuredRows<'_>> =
         parts.iter().map(|name| rows.filter(|row| part(row) == *name)).collect();
     let families = families(rows);
-    let series: Vec<Series> = families.iter().map(|one| of_family(&parts, one, kind)).collect();
+    let series: Vec<PlotSeries> = families.iter().map(|one| of_family(&parts, one, kind)).collect();
     let points: Vec<[f64; 2]> = series.iter().flat_map(|s| s.marks.iter().map(|m| m.at)).collect();
     let front = front(&points).into_iter().map(|index| points[index]).collect();
     let thin = if surface.is_some() { "thin lines: views" } else { "thin lines: surfaces" };
@@ -91,7 +91,11 @@ fn chart(rows: &Rows<'_>, kind: &Kind, surface: Option<&str>) -> Figure {
 }
 
 /// A method's means over all parts, with a thin line for each part.
-fn of_family(parts: &[Rows<'_>], family: &[Configuration], kind: &Kind) -> Series {
+fn of_family(
+    parts: &[MeasuredRows<'_>],
+    family: &[Configuration],
+    kind: &ErrorMeasure,
+) -> PlotSeries {
     let mut behind = vec![Vec::new(); parts.len()];
     let mut marks = Vec::new();
     for one in family {
@@ -109,18 +113,20 @@ fn of_family(parts: &[Rows<'_>], family: &[Configuration], kind: &Kind) -> Serie
             }
         }
         if let (Some(time), Some(error)) = (mean(&times), (kind.mean)(&errors)) {
-            marks.push(Mark { at: [error, time], bar: bar(&times), label: one.label() });
+            marks.push(PlotMark { at: [error, time], bar: bar(&times), label: one.label() });
         }
     }
-    Series { marks, behind, ..series(&family[0]) }
+    PlotSeries { marks, behind, ..series(&family[0]) }
 }
 
 /// The range of wrong claims: from all undecided pixels being right to all of them being wrong.
-fn claims(rows: &Rows<'_>) -> Figure {
+fn claims(rows: &MeasuredRows<'_>) -> Figure {
     let (mut places, mut all) = (Vec::new(), Vec::new());
-    let mut painted = Series { name: "as painted".to_owned(), color: 6, ..Series::default() };
+    let mut painted =
+        PlotSeries { name: "as painted".to_owned(), color: 6, ..PlotSeries::default() };
     for family in families(rows) {
-        let mut claimed = Series { shape: Shape::Bar, is_joined: false, ..series(&family[0]) };
+        let mut claimed =
+            PlotSeries { shape: MarkShape::Bar, is_joined: false, ..series(&family[0]) };
         for one in &family {
             let of_one = rows.of_configuration(one);
             let sum = |count: fn(&Row) -> usize| {
@@ -131,12 +137,12 @@ fn claims(rows: &Rows<'_>) -> Figure {
             let high = low + sum(|row| row.undecided) / decided;
             let wrong = sum(|row| row.missed + row.phantom + row.wrong_root) / decided;
             let place = places.len() as f64;
-            claimed.marks.push(Mark {
+            claimed.marks.push(PlotMark {
                 at: [place, low],
                 bar: Some([low, high]),
-                ..Mark::default()
+                ..PlotMark::default()
             });
-            painted.marks.push(Mark { at: [place, wrong], ..Mark::default() });
+            painted.marks.push(PlotMark { at: [place, wrong], ..PlotMark::default() });
             places.push(format!("{} {}", one.method.name, one.label()));
         }
         all.push(claimed);

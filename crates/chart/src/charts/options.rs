@@ -1,15 +1,15 @@
 //! The cost of options: work by tolerance and depth, time by precision.
 
-use super::{Rows, bar, color, families, mean, notes, series, shape};
+use super::{MeasuredRows, bar, color, families, mean, notes, series, shape};
 use crate::grid::Configuration;
 use crate::groups::distinct;
-use crate::plot::{Figure, Mark, Series};
+use crate::plot::{Figure, PlotMark, PlotSeries};
 use crate::quantile::quantile;
 use crate::row::Row;
 use zeroset_trace::{MethodOption, Precision};
 
 /// Charts of work against each numeric option, and one that compares precisions.
-pub fn charts(rows: &Rows<'_>) -> Vec<Figure> {
+pub fn charts(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     let read = rows.0.iter().flat_map(|(_, one)| one.method.reads.iter().copied());
     let work = distinct(read).into_iter().filter_map(|option| work(rows, option));
     work.chain(precisions(rows)).collect()
@@ -25,7 +25,7 @@ fn lanes(row: &Row) -> Option<f64> {
     Some(lanes as f64 / (row.size * row.size) as f64).filter(|lanes| *lanes > 0.0)
 }
 
-fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Figure> {
+fn work(rows: &MeasuredRows<'_>, option: MethodOption) -> Option<Figure> {
     let mut numbers: Vec<f64> = rows.0.iter().filter_map(|(_, one)| one.number(option)).collect();
     numbers.sort_by(f64::total_cmp);
     numbers.dedup();
@@ -43,7 +43,7 @@ fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Figure> {
             let values = rows.of_configuration(one).by_surface(lanes);
             if let Some(y) = mean(&values) {
                 let bar = bar(&values).filter(|_| has_bars);
-                line.marks.push(Mark { at: [x, y], bar, ..Mark::default() });
+                line.marks.push(PlotMark { at: [x, y], bar, ..PlotMark::default() });
             }
         }
         line.marks.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
@@ -73,9 +73,9 @@ fn work(rows: &Rows<'_>, option: MethodOption) -> Option<Figure> {
 }
 
 /// Times in `f64` and `auto` relative to `f32`, surface by surface.
-fn precisions(rows: &Rows<'_>) -> Option<Figure> {
+fn precisions(rows: &MeasuredRows<'_>) -> Option<Figure> {
     let surfaces = rows.surfaces();
-    let mut all: Vec<Series> = Vec::new();
+    let mut all: Vec<PlotSeries> = Vec::new();
     for family in families(rows) {
         let Some(precision) = family[0].precision.filter(|p| *p != Precision::F32) else {
             continue;
@@ -94,13 +94,13 @@ fn precisions(rows: &Rows<'_>) -> Option<Figure> {
             let ratios = ratios(surface);
             // Marks stand side by side, so that none covers another.
             let x = place as f64 + 0.12 * (all.len() as f64 - 1.5);
-            Some(Mark { at: [x, mean(&ratios)?], bar: range(&ratios), label: String::new() })
+            Some(PlotMark { at: [x, mean(&ratios)?], bar: range(&ratios), label: String::new() })
         });
-        let marks: Vec<Mark> = marks.collect();
+        let marks: Vec<PlotMark> = marks.collect();
         if !marks.is_empty() {
             let name = format!("{}, {precision}", method.name);
             let (color, shape) = (color(method.name), shape(Some(precision)));
-            all.push(Series { name, color, shape, marks, ..Series::default() });
+            all.push(PlotSeries { name, color, shape, marks, ..PlotSeries::default() });
         }
     }
     let lines = ["geometric mean over options,", "bars from least to greatest"];

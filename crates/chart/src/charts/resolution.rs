@@ -1,11 +1,11 @@
 //! Time against resolution.
 
-use super::{Rows, bar, families, mean, notes, series};
+use super::{MeasuredRows, bar, families, mean, notes, series};
 use crate::groups::distinct;
-use crate::plot::{Figure, Mark};
+use crate::plot::{Figure, PlotMark};
 
 /// Time per pixel against size, with the middle configuration of each method; `None` of one size.
-pub fn chart(rows: &Rows<'_>) -> Option<Figure> {
+pub fn chart(rows: &MeasuredRows<'_>) -> Option<Figure> {
     let rows = rows.in_one_precision();
     let mut sizes = distinct(rows.0.iter().map(|(row, _)| row.size));
     sizes.sort_unstable();
@@ -24,7 +24,7 @@ pub fn chart(rows: &Rows<'_>) -> Option<Figure> {
             let values = of_size.by_surface(|row| Some(row.trace_ms * 1e6 / pixels));
             if let Some(y) = mean(&values) {
                 let at = [place as f64, y];
-                line.marks.push(Mark { at, bar: bar(&values), label: String::new() });
+                line.marks.push(PlotMark { at, bar: bar(&values), label: String::new() });
             }
         }
         all.push(line);

@@ -1,10 +1,10 @@
 //! Compile time and code against size, as figures.
 
-use super::{Row, Source};
-use crate::plot::{Figure, Mark, Series, Shape};
+use super::{FormulaSource, GrowthRow};
+use crate::plot::{Figure, MarkShape, PlotMark, PlotSeries};
 
 /// A quantity's name and its value in a row.
-type Quantity = (&'static str, fn(&Row) -> f64);
+type Quantity = (&'static str, fn(&GrowthRow) -> f64);
 
 /// The quantities that grow with size.
 pub const QUANTITIES: [Quantity; 4] = [
@@ -19,7 +19,7 @@ const FIT_FROM_NODES: usize = 100;
 
 /// The exponent of growth: slope of the least-squares line through the logarithms. `None` of less
 /// than two different sizes from [`FIT_FROM_NODES`] on.
-pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
+pub fn slope(rows: &[GrowthRow], value: fn(&GrowthRow) -> f64) -> Option<f64> {
     let points: Vec<[f64; 2]> = rows
         .iter()
         .filter(|row| row.nodes >= FIT_FROM_NODES)
@@ -33,7 +33,7 @@ pub fn slope(rows: &[Row], value: fn(&Row) -> f64) -> Option<f64> {
 }
 
 /// Chart of the stages' times.
-pub fn times(rows: &[Row]) -> Figure {
+pub fn times(rows: &[GrowthRow]) -> Figure {
     Figure {
         name: "compile-time".to_owned(),
         title: "From text to the kernels of a picture, by size".to_owned(),
@@ -43,7 +43,7 @@ pub fn times(rows: &[Row]) -> Figure {
 }
 
 /// Chart of the code's bytes.
-pub fn code(rows: &[Row]) -> Figure {
+pub fn code(rows: &[GrowthRow]) -> Figure {
     Figure {
         name: "compile-code".to_owned(),
         title: "Code of the kernels of a picture, by size".to_owned(),
@@ -52,30 +52,30 @@ pub fn code(rows: &[Row]) -> Figure {
     }
 }
 
-fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
+fn figure(rows: &[GrowthRow], quantities: &[Quantity]) -> Figure {
     let mut series = Vec::new();
     for (color, (name, value)) in quantities.iter().enumerate() {
         let slope =
             slope(rows, *value).map_or(String::new(), |slope| format!(" ~ nodes^{slope:.2}"));
         for (source, shape) in [
-            (Source::Gallery, Shape::Disc),
-            (Source::Sum, Shape::Square),
-            (Source::Product, Shape::Triangle),
+            (FormulaSource::Gallery, MarkShape::Disc),
+            (FormulaSource::Sum, MarkShape::Square),
+            (FormulaSource::Product, MarkShape::Triangle),
         ] {
             let of_source = rows.iter().filter(|row| row.source == source);
-            let mut marks: Vec<Mark> = of_source
-                .map(|row| Mark { at: [row.nodes as f64, value(row)], ..Mark::default() })
+            let mut marks: Vec<PlotMark> = of_source
+                .map(|row| PlotMark { at: [row.nodes as f64, value(row)], ..PlotMark::default() })
                 .collect();
             marks.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
-            let is_joined = source != Source::Gallery;
+            let is_joined = source != FormulaSource::Gallery;
             let called = if is_joined { String::new() } else { format!("{name}{slope}") };
-            series.push(Series {
+            series.push(PlotSeries {
                 name: called,
                 color,
                 shape,
                 is_joined,
                 marks,
-                ..Series::default()
+                ..PlotSeries::default()
             });
         }
     }
@@ -98,11 +98,11 @@ fn figure(rows: &[Row], quantities: &[Quantity]) -> Figure {
 mod tests {
     use super::*;
 
-    fn row(nodes: usize, parse_ms: f64) -> Row {
+    fn row(nodes: usize, parse_ms: f64) -> GrowthRow {
         let text = String::new;
-        Row {
+        GrowthRow {
             name: text(),
-            source: Source::Sum,
+            source: FormulaSource::Sum,
             nodes_typed: nodes,
             nodes,
             parse_ms,

@@ -12,7 +12,7 @@ use zeroset_space::Region;
 /// Origin of a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Source {
+pub enum FormulaSource {
     /// An example of the gallery.
     Gallery,
     /// A sum of squares of linear functions.
@@ -30,14 +30,14 @@ const STEP: f64 = 1.5;
 ///
 /// # Errors
 /// If an example has no domain.
-pub fn all(nodes: usize, seed: u64) -> Result<Vec<(Source, Surface)>, ChartError> {
+pub fn all(nodes: usize, seed: u64) -> Result<Vec<(FormulaSource, Surface)>, ChartError> {
     let mut all = Vec::new();
     for example in examples() {
-        all.push((Source::Gallery, Surface::read(example.slug, example.text, None)?));
+        all.push((FormulaSource::Gallery, Surface::read(example.slug, example.text, None)?));
     }
     let (mut terms, most) = (1, (nodes / NODES).max(1));
     loop {
-        for source in [Source::Sum, Source::Product] {
+        for source in [FormulaSource::Sum, FormulaSource::Product] {
             all.push((source, generated(source, terms, seed)?));
         }
         if terms == most {
@@ -49,13 +49,13 @@ pub fn all(nodes: usize, seed: u64) -> Result<Vec<(Source, Surface)>, ChartError
 
 /// A sum or product of `terms` different linear functions. Their values on the domain are within
 /// [−1, 1], so that no bounds of a product become infinite.
-fn generated(source: Source, terms: usize, seed: u64) -> Result<Surface, ChartError> {
+fn generated(source: FormulaSource, terms: usize, seed: u64) -> Result<Surface, ChartError> {
     let name = format!("{source:?}-{terms}").to_lowercase();
     let mut rng = rng(&format!("{seed} {name}"));
     let linear: Vec<String> = (0..terms).map(|_| format!("({})", linear(&mut rng))).collect();
     let text = match source {
-        Source::Sum => format!("{}^2 - {terms}/8", linear.join("^2 + ")),
-        Source::Product | Source::Gallery => linear.join("*"),
+        FormulaSource::Sum => format!("{}^2 - {terms}/8", linear.join("^2 + ")),
+        FormulaSource::Product | FormulaSource::Gallery => linear.join("*"),
     };
     let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0))
         .map_err(ChartError::of_surface(&name))?;

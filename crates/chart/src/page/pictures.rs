@@ -3,11 +3,11 @@
 use super::escaped;
 use crate::difference::{difference, png};
 use crate::error::ChartError;
-use crate::errors::Errors;
+use crate::errors::PixelErrors;
 use crate::grid::Configuration;
 use crate::groups::{distinct, grouped};
 use crate::progress::progress;
-use crate::reference::{Reference, Sampling};
+use crate::reference::{RootReference, Sampling};
 use crate::row::Row;
 use crate::store::Store;
 use crate::surfaces::Surface;
@@ -53,14 +53,14 @@ fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
     let surface = Surface::named(&row.surface)?;
     let view = View { name: format!("{}-page", row.view), camera: row.camera()? };
     let sampling = Sampling { size: SIZE, samples: 0, seed: row.seed, budget: BUDGET };
-    let reference = Reference::kept(&store.path("reference"), &surface, &view, sampling)?;
+    let reference = RootReference::kept(&store.path("reference"), &surface, &view, sampling)?;
     let rays = view.camera.rays(SIZE, SIZE);
     let name = escaped(&surface.name);
     let mut text = vec![format!("<h3>{name}</h3>\n<div class=\"pictures\">\n")];
     for configuration in middle_configurations(rows) {
         let settings = configuration.settings(SIZE);
         let picture = surface.picture(&view.camera, &settings)?;
-        let errors = Errors::new(&reference, &rays, &picture.buffer);
+        let errors = PixelErrors::new(&reference, &rays, &picture.buffer);
         let wrong = difference(&reference, &picture.buffer);
         let side = SIZE as u32;
         let shown = RgbImage::from_raw(side, side, picture.rgb).unwrap_or_default();

@@ -1,6 +1,6 @@
 //! A figure as SVG.
 
-use super::{Figure, Mark, Scale, Series, Shape};
+use super::{AxisScale, Figure, MarkShape, PlotMark, PlotSeries};
 use crate::error::ChartError;
 use plotters::coord::Shift;
 use plotters::prelude::*;
@@ -41,8 +41,8 @@ type DrawResult = Result<(), Box<dyn std::error::Error>>;
 
 struct PlotArea<'a> {
     area: Area<'a>,
-    x: Scale,
-    y: Scale,
+    x: AxisScale,
+    y: AxisScale,
     bottom: i32,
 }
 
@@ -79,10 +79,11 @@ impl<'a> PlotArea<'a> {
         let thin = figure.series.iter().flat_map(|series| series.behind.iter().flatten());
         let points = marks.clone().map(|mark| mark.at).chain(thin.copied());
         let bars = marks.filter_map(|mark| mark.bar).flatten();
-        let y = Scale::logarithmic(points.clone().map(|at| at[1]).chain(bars).chain(figure.level));
+        let y =
+            AxisScale::logarithmic(points.clone().map(|at| at[1]).chain(bars).chain(figure.level));
         let x = match figure.places.len() {
-            0 => Scale::logarithmic(points.map(|at| at[0])),
-            places => Scale::named(places),
+            0 => AxisScale::logarithmic(points.map(|at| at[0])),
+            places => AxisScale::named(places),
         };
         let letters = figure.places.iter().map(|name| name.chars().count()).max().unwrap_or(0);
         let is_upright = figure.places.len() > SIDEWAYS;
@@ -179,17 +180,17 @@ impl<'a> PlotArea<'a> {
         self.text(&figure.y, (16, upward), upright)
     }
 
-    fn series(&self, series: &Series) -> DrawResult {
+    fn series(&self, series: &PlotSeries) -> DrawResult {
         let color = COLORS[series.color % COLORS.len()];
         if series.is_joined {
             let points: Vec<[f64; 2]> = series.marks.iter().map(|mark| mark.at).collect();
             self.area.draw(&PathElement::new(self.path(&points), color.stroke_width(2)))?;
         }
-        for Mark { at, bar, label } in &series.marks {
+        for PlotMark { at, bar, label } in &series.marks {
             let Some(place) = self.at(*at) else { continue };
             if let Some([low, high]) = bar {
                 let mut ends = self.path(&[[at[0], *low], [at[0], *high]]);
-                let width = if series.shape == Shape::Bar { 11 } else { 1 };
+                let width = if series.shape == MarkShape::Bar { 11 } else { 1 };
                 // A bar whose ends coincide is lengthened to be visible.
                 if let [(_, low), (_, high)] = &mut ends[..]
                     && low == high
@@ -207,18 +208,18 @@ impl<'a> PlotArea<'a> {
         Ok(())
     }
 
-    fn mark(&self, (x, y): (i32, i32), shape: Shape, color: RGBColor) -> DrawResult {
+    fn mark(&self, (x, y): (i32, i32), shape: MarkShape, color: RGBColor) -> DrawResult {
         match shape {
-            Shape::Disc => self.area.draw(&Circle::new((x, y), 4, color.filled()))?,
-            Shape::Square => {
+            MarkShape::Disc => self.area.draw(&Circle::new((x, y), 4, color.filled()))?,
+            MarkShape::Square => {
                 let corners = [(x - 4, y - 4), (x + 4, y + 4)];
                 self.area.draw(&Rectangle::new(corners, color.filled()))?;
             }
-            Shape::Triangle => {
+            MarkShape::Triangle => {
                 let corners = vec![(x - 5, y + 4), (x + 5, y + 4), (x, y - 5)];
                 self.area.draw(&Polygon::new(corners, color.filled()))?;
             }
-            Shape::Bar => {}
+            MarkShape::Bar => {}
         }
         Ok(())
     }
@@ -231,8 +232,8 @@ impl<'a> PlotArea<'a> {
         };
         for series in figure.series.iter().filter(|series| !series.name.is_empty()) {
             let color = COLORS[series.color % COLORS.len()];
-            if series.is_joined || series.shape == Shape::Bar {
-                let width = if series.shape == Shape::Bar { 11 } else { 2 };
+            if series.is_joined || series.shape == MarkShape::Bar {
+                let width = if series.shape == MarkShape::Bar { 11 } else { 2 };
                 let ends = vec![(left, y), (left + 26, y)];
                 self.area.draw(&PathElement::new(ends, color.stroke_width(width)))?;
             }

@@ -2,7 +2,7 @@
 
 /// A mapping from values to positions on an axis, with the axis' labels.
 #[derive(Clone, Debug)]
-pub struct Scale {
+pub struct AxisScale {
     /// Logarithms of the axis' least and greatest value, margins included.
     low: f64,
     high: f64,
@@ -17,7 +17,7 @@ const BAND: f64 = 0.09;
 /// Number of decades below which 2 and 5 have ticks, too.
 const FEW: f64 = 3.2;
 
-impl Scale {
+impl AxisScale {
     /// A logarithmic axis for these values. Negative and non-finite values are ignored.
     pub fn logarithmic(values: impl Iterator<Item = f64> + Clone) -> Self {
         let has_zero = values.clone().any(|value| value == 0.0);
@@ -103,12 +103,12 @@ mod tests {
 
     #[test]
     fn zero_is_apart_and_the_rest_in_order() {
-        let scale = Scale::logarithmic([0.0, 1e-3, 10.0].into_iter());
+        let scale = AxisScale::logarithmic([0.0, 1e-3, 10.0].into_iter());
         let places = [0.0, 1e-3, 1.0, 10.0].map(|v| scale.place(v).expect("a place"));
         assert!(places.is_sorted() && places[0] > 0.0 && places[3] < 1.0, "{places:?}");
         let band = scale.band().expect("a band");
         assert!(places[0] < band && band < places[1]);
-        assert_eq!(Scale::logarithmic([1.0, 2.0].into_iter()).place(0.0), None);
+        assert_eq!(AxisScale::logarithmic([1.0, 2.0].into_iter()).place(0.0), None);
         let texts: Vec<String> = scale.ticks().into_iter().map(|(_, text)| text).collect();
         assert_eq!(texts, ["0", "0.001", "0.01", "0.1", "1", "10"]);
     }

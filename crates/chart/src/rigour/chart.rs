@@ -1,13 +1,13 @@
 //! The cost of sound rounding as a figure.
 
-use super::{Row, Workload, name};
+use super::{RigourRow, Workload, name};
 use crate::groups::distinct;
-use crate::plot::{Figure, Mark, Series, Shape};
+use crate::plot::{Figure, MarkShape, PlotMark, PlotSeries};
 use crate::quantile::{geometric_mean, quantile};
 use zeroset_jit::comparison::Arithmetic;
 
 /// Pairs of task and precision that have rows, in the order of the axis.
-pub fn places(rows: &[Row]) -> Vec<(Workload, &'static str)> {
+pub fn places(rows: &[RigourRow]) -> Vec<(Workload, &'static str)> {
     let asked = [Workload::Boxes, Workload::Segments, Workload::Tiles, Workload::Picture];
     let all = asked.into_iter().flat_map(|asked| ["f32", "f64"].map(|floats| (asked, floats)));
     let is_there = |(asked, floats): &(Workload, &str)| {
@@ -18,19 +18,19 @@ pub fn places(rows: &[Row]) -> Vec<(Workload, &'static str)> {
 
 /// The rows of one task, precision and arithmetic, one per surface.
 pub fn of<'a>(
-    rows: &'a [Row],
+    rows: &'a [RigourRow],
     asked: Workload,
     precision: &str,
     arithmetic: Arithmetic,
-) -> Vec<&'a Row> {
-    let is_of = |row: &&Row| {
+) -> Vec<&'a RigourRow> {
+    let is_of = |row: &&RigourRow| {
         row.asked == asked && row.precision == precision && row.arithmetic == name(arithmetic)
     };
     rows.iter().filter(is_of).collect()
 }
 
 /// Figure of times relative to the unsound arithmetic.
-pub fn figure(rows: &[Row]) -> Figure {
+pub fn figure(rows: &[RigourRow]) -> Figure {
     let places = places(rows);
     let series = |arithmetic, called: &str, color, shape, aside: f64| {
         let marks = places.iter().enumerate().filter_map(|(place, (asked, precision))| {
@@ -40,14 +40,14 @@ pub fn figure(rows: &[Row]) -> Figure {
             let mean = geometric_mean(&values)?;
             // Series stand side by side, so that none covers another.
             let at = [place as f64 + aside, mean];
-            Some(Mark { at, bar: Some(bar), label: format!("{mean:.2}") })
+            Some(PlotMark { at, bar: Some(bar), label: format!("{mean:.2}") })
         });
-        Series {
+        PlotSeries {
             name: called.to_owned(),
             color,
             shape,
             marks: marks.collect(),
-            ..Series::default()
+            ..PlotSeries::default()
         }
     };
     let number = distinct(rows.iter().map(|row| row.surface.as_str())).len();
@@ -68,8 +68,8 @@ pub fn figure(rows: &[Row]) -> Figure {
         y: "time, as a multiple of that without rigour".to_owned(),
         places: places.iter().map(|(asked, precision)| format!("{asked} {precision}")).collect(),
         series: vec![
-            series(Arithmetic::Widened, "to nearest, then widened", 1, Shape::Square, -0.12),
-            series(Arithmetic::Upward, "rounded up (zeroset)", 0, Shape::Disc, 0.12),
+            series(Arithmetic::Widened, "to nearest, then widened", 1, MarkShape::Square, -0.12),
+            series(Arithmetic::Upward, "rounded up (zeroset)", 0, MarkShape::Disc, 0.12),
         ],
         level: Some(1.0),
         notes: notes.into(),

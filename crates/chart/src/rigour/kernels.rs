@@ -20,13 +20,13 @@ pub struct PrecisionKernels<T: Real> {
     tape: Tape<T>,
     arithmetic: Arithmetic,
     records: bool,
-    zeros: Slot<FindZeros, T>,
-    bounds: Slot<Enclose, T>,
-    segments: Slot<ContractSegments, T>,
-    tiles: Slot<ContractTiles, T>,
+    zeros: KernelSlot<FindZeros, T>,
+    bounds: KernelSlot<Enclose, T>,
+    segments: KernelSlot<ContractSegments, T>,
+    tiles: KernelSlot<ContractTiles, T>,
 }
 
-type Slot<Q, T> = OnceLock<Result<RecordingKernel<Q, T>, KernelError>>;
+type KernelSlot<Q, T> = OnceLock<Result<RecordingKernel<Q, T>, KernelError>>;
 
 /// A kernel, with its recorded inputs if it records them.
 pub struct RecordingKernel<Q: Query, T: Real> {
@@ -54,13 +54,13 @@ impl<Q: Query, T: Real> Kernel<Q, T> for RecordingKernel<Q, T> {
 /// A query that a set has a kernel for.
 pub trait HasKernel<Q: Query, T: Real> {
     /// The kernel's slot.
-    fn slot(&self) -> &Slot<Q, T>;
+    fn slot(&self) -> &KernelSlot<Q, T>;
 }
 
 macro_rules! has {
     ($($question:ty: $slot:ident,)*) => {
         $(impl<T: Real> HasKernel<$question, T> for PrecisionKernels<T> {
-            fn slot(&self) -> &Slot<$question, T> {
+            fn slot(&self) -> &KernelSlot<$question, T> {
                 &self.$slot
             }
         })*
@@ -193,10 +193,10 @@ impl<T: KernelFloat> PrecisionKernels<T> {
             tape: tape.ok_or("it has no function")?,
             arithmetic,
             records,
-            zeros: Slot::new(),
-            bounds: Slot::new(),
-            segments: Slot::new(),
-            tiles: Slot::new(),
+            zeros: KernelSlot::new(),
+            bounds: KernelSlot::new(),
+            segments: KernelSlot::new(),
+            tiles: KernelSlot::new(),
         })
     }
 }

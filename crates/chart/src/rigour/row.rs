@@ -33,7 +33,7 @@ pub fn name(arithmetic: Arithmetic) -> String {
 /// pictures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns
-pub struct Row {
+pub struct RigourRow {
     pub surface: String,
     pub asked: Workload,
     pub precision: String,

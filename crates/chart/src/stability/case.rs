@@ -2,7 +2,7 @@
 
 use super::SIDE;
 use crate::error::ChartError;
-use crate::reference::{Reference, Sampling};
+use crate::reference::{RootReference, Sampling};
 use crate::surfaces::Surface;
 use crate::truth::{Root, Truth};
 use crate::views::View;
@@ -131,10 +131,10 @@ impl Case {
     ///
     /// # Errors
     /// If the formula is refused, or the directory cannot be written.
-    pub fn reference(&self, directory: &Path) -> Result<Reference, ChartError> {
+    pub fn reference(&self, directory: &Path) -> Result<RootReference, ChartError> {
         let (surface, view) = self.view()?;
         let sampling = Sampling { size: SIDE, samples: 0, seed: 0, budget: BUDGET };
-        let mut reference = Reference::kept(directory, &surface, &view, sampling)?;
+        let mut reference = RootReference::kept(directory, &surface, &view, sampling)?;
         if let Some(place) = self.place {
             for ((_, truth), stored) in reference.pixels.iter_mut().zip(stored(place)?) {
                 if *truth == Truth::Open {

@@ -1,6 +1,6 @@
 //! The class of a method's result on a case.
 
-use crate::errors::Errors;
+use crate::errors::PixelErrors;
 use serde::Serialize;
 
 /// The class of a method's picture of a difficult formula.
@@ -55,7 +55,7 @@ impl Outcome {
     }
 
     /// Classifies a picture with these errors; `is_late` tells that the time limit was reached.
-    pub fn of(errors: &Errors, is_late: bool) -> Self {
+    pub fn of(errors: &PixelErrors, is_late: bool) -> Self {
         let decided = errors.decided() as f64;
         let (holes, phantoms) = ((errors.missed + errors.wrong_root) as f64, errors.phantom as f64);
         let wrong = holes + phantoms;
@@ -84,19 +84,19 @@ mod tests {
 
     #[test]
     fn outcomes_are_named_after_what_is_wrong() {
-        let plain = || Errors { samples: 4000, roots: 1000, ..Errors::default() };
+        let plain = || PixelErrors { samples: 4000, roots: 1000, ..PixelErrors::default() };
         let cases = [
             (plain(), Outcome::Sound),
-            (Errors { phantom: 20, ..plain() }, Outcome::Sound),
-            (Errors { off_pixels: Some([2.0, 3.0, 4.0]), ..plain() }, Outcome::Noise),
-            (Errors { missed: 10, wrong_root: 20, ..plain() }, Outcome::Holes),
-            (Errors { phantom: 100, missed: 5, ..plain() }, Outcome::Phantoms),
-            (Errors { phantom: 300, missed: 5, ..plain() }, Outcome::Wall),
-            (Errors { phantom: 30, missed: 30, ..plain() }, Outcome::Noise),
+            (PixelErrors { phantom: 20, ..plain() }, Outcome::Sound),
+            (PixelErrors { off_pixels: Some([2.0, 3.0, 4.0]), ..plain() }, Outcome::Noise),
+            (PixelErrors { missed: 10, wrong_root: 20, ..plain() }, Outcome::Holes),
+            (PixelErrors { phantom: 100, missed: 5, ..plain() }, Outcome::Phantoms),
+            (PixelErrors { phantom: 300, missed: 5, ..plain() }, Outcome::Wall),
+            (PixelErrors { phantom: 30, missed: 30, ..plain() }, Outcome::Noise),
             // A thin feature has few pixels, and all of them are missing.
-            (Errors { roots: 10, missed: 10, ..plain() }, Outcome::Holes),
-            (Errors { roots: 0, ..plain() }, Outcome::Sound),
-            (Errors { roots: 0, open: 9, phantom: 300, ..plain() }, Outcome::Unjudged),
+            (PixelErrors { roots: 10, missed: 10, ..plain() }, Outcome::Holes),
+            (PixelErrors { roots: 0, ..plain() }, Outcome::Sound),
+            (PixelErrors { roots: 0, open: 9, phantom: 300, ..plain() }, Outcome::Unjudged),
         ];
         for (errors, outcome) in cases {
             assert_eq!(Outcome::of(&errors, false), outcome, "{errors:?}");

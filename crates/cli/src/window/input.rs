@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 /// One key or letter. Nothing is lost when a key is released before the next poll.
 #[derive(Clone, Copy)]
-pub enum Input {
+pub enum InputEvent {
     Letter(char),
     Key(Key),
     /// A key pressed while Ctrl was held.
@@ -16,11 +16,11 @@ pub enum Input {
 
 /// Input that has not been handled yet.
 #[derive(Clone, Default)]
-pub struct InputQueue(Rc<RefCell<VecDeque<Input>>>);
+pub struct InputQueue(Rc<RefCell<VecDeque<InputEvent>>>);
 
 impl InputQueue {
     /// Takes all input, in order.
-    pub fn take(&self) -> Vec<Input> {
+    pub fn take(&self) -> Vec<InputEvent> {
         self.0.borrow_mut().drain(..).collect()
     }
 }
@@ -35,7 +35,7 @@ pub struct Keyboard {
 impl InputCallback for Keyboard {
     fn add_char(&mut self, letter: u32) {
         if let Some(letter) = char::from_u32(letter).filter(|letter| !letter.is_control()) {
-            self.typed.0.borrow_mut().push_back(Input::Letter(letter));
+            self.typed.0.borrow_mut().push_back(InputEvent::Letter(letter));
         }
     }
 
@@ -47,7 +47,7 @@ impl InputCallback for Keyboard {
         }
         if down {
             let held = self.controls.contains(&true);
-            let input = if held { Input::Control(key) } else { Input::Key(key) };
+            let input = if held { InputEvent::Control(key) } else { InputEvent::Key(key) };
             self.typed.0.borrow_mut().push_back(input);
         }
     }

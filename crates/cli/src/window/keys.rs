@@ -1,7 +1,7 @@
 //! Keys in the window, and the line that is typed in it.
 
 use super::Window;
-use super::input::Input;
+use super::input::InputEvent;
 use super::page::Page;
 use super::tasks::save;
 use crate::line_edit::LineEdit;
@@ -23,31 +23,31 @@ impl Window {
             self.active = Instant::now();
             if self.browser.is_open() {
                 match typed {
-                    Input::Letter(letter) => self.filter_gallery(letter),
-                    Input::Key(Key::Escape) => self.toggle_gallery(),
-                    Input::Key(key) => self.browse(key),
-                    Input::Control(_) => {}
+                    InputEvent::Letter(letter) => self.filter_gallery(letter),
+                    InputEvent::Key(Key::Escape) => self.toggle_gallery(),
+                    InputEvent::Key(key) => self.browse(key),
+                    InputEvent::Control(_) => {}
                 }
                 continue;
             }
             match (typed, &mut self.line) {
-                (Input::Letter(letter), Some(line)) => {
+                (InputEvent::Letter(letter), Some(line)) => {
                     line.insert(letter);
                     self.follow_typing();
                 }
-                (Input::Letter(letter), None) => self.shortcut(letter),
-                (Input::Control(Key::Z), None) => self.step_back(true),
-                (Input::Control(Key::Y), None) => self.step_back(false),
-                (Input::Control(_), None) => {}
-                (Input::Key(Key::F1), _) => self.next_help(),
-                (Input::Key(Key::F2), _) => self.define_letter(),
-                (Input::Key(Key::Escape), _) => self.escape(),
-                (Input::Key(Key::Enter | Key::NumPadEnter), _) => match self.line.take() {
+                (InputEvent::Letter(letter), None) => self.shortcut(letter),
+                (InputEvent::Control(Key::Z), None) => self.step_back(true),
+                (InputEvent::Control(Key::Y), None) => self.step_back(false),
+                (InputEvent::Control(_), None) => {}
+                (InputEvent::Key(Key::F1), _) => self.next_help(),
+                (InputEvent::Key(Key::F2), _) => self.define_letter(),
+                (InputEvent::Key(Key::Escape), _) => self.escape(),
+                (InputEvent::Key(Key::Enter | Key::NumPadEnter), _) => match self.line.take() {
                     None => self.line = Some(LineEdit::default()),
                     Some(line) => self.enter(line),
                 },
-                (Input::Key(key) | Input::Control(key), Some(_)) => self.edit(key),
-                (Input::Key(key), None) => self.arrow(key),
+                (InputEvent::Key(key) | InputEvent::Control(key), Some(_)) => self.edit(key),
+                (InputEvent::Key(key), None) => self.arrow(key),
             }
         }
     }

@@ -3,14 +3,16 @@
 use super::*;
 use crate::constant::NamedConstant;
 use crate::display;
-use crate::testing::{Expr, GraphBuilder, Random, evaluate};
+use crate::testing::{Random, TestExpr, TestGraphBuilder, evaluate};
 use zeroset_ops::{Continuity, Law, Parity, TABLE};
 
 const DOMAIN: Interval = Interval { lo: -2.0, hi: 2.0 };
 
 /// The simplified text of a formula over the box [-2, 2]³ and parameters a in [-2, 2], b in [1, 2].
-fn simple(formula: impl for<'a> Fn(&'a GraphBuilder, [Expr<'a>; 3]) -> Expr<'a>) -> String {
-    let builder = GraphBuilder::default();
+fn simple(
+    formula: impl for<'a> Fn(&'a TestGraphBuilder, [TestExpr<'a>; 3]) -> TestExpr<'a>,
+) -> String {
+    let builder = TestGraphBuilder::default();
     let root = formula(&builder, builder.xyz()).id;
     let graph = builder.graph();
     let parameters = [DOMAIN, Interval { lo: 1.0, hi: 2.0 }];
@@ -154,7 +156,7 @@ fn numbers_known_by_bounds_only_never_cancel() {
 fn multiples_too_large_to_add_up_are_counted_once_each() {
     // Fourth powers below 2^512 / 9 (the first and third), between that and 2^512, and beyond.
     for number in ["3", "340282326356119256160033759537265639424", "1e38", "5e38"] {
-        let builder = GraphBuilder::default();
+        let builder = TestGraphBuilder::default();
         let [_, y, _] = builder.xyz();
         let one = (builder.number(number) * y).pow(4);
         let two = one + one;
@@ -174,7 +176,7 @@ fn multiples_too_large_to_add_up_are_counted_once_each() {
 
 #[test]
 fn long_and_deep_input_takes_little_time() {
-    let builder = GraphBuilder::default();
+    let builder = TestGraphBuilder::default();
     let [x, y, z] = builder.xyz();
     let (mut sum, mut nest, mut tower, mut product, mut shared) = (x, x, x, x, x);
     for n in 0..20_000_i32 {
@@ -343,7 +345,7 @@ fn enclosures_do_not_widen() {
 #[test]
 fn rows_state_what_is_true() {
     let value = |op: Op, a: f64| {
-        let builder = GraphBuilder::default();
+        let builder = TestGraphBuilder::default();
         let [x, _, _] = builder.xyz();
         let id = x.f(op).id;
         evaluate(&builder.graph(), [a, 0.0, 0.0], &[])[id.index()]

@@ -19,7 +19,7 @@ const FIRST: Register = Register::ZMM16;
 pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
     let mut spans = spans(read, blocks, slots);
     // First come spans with the most uses for the time that they occupy a register.
-    let price = |span: &Span| {
+    let price = |span: &SpillSpan| {
         (span.lifetime.end() - span.lifetime.start() + 1) as f64 / span.uses.len() as f64
     };
     spans.sort_by(|a, b| price(a).total_cmp(&price(b)));
@@ -53,12 +53,12 @@ pub fn replace_memory_operand(instruction: &mut Instruction, register: Register)
 }
 
 /// The instructions that use a place on the stack while it holds one vector, and their range.
-struct Span {
+struct SpillSpan {
     uses: Vec<usize>,
     lifetime: RangeInclusive<usize>,
 }
 
-fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Span> {
+fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<SpillSpan> {
     let mut places = BTreeMap::<u64, Vec<usize>>::new();
     for (number, instruction) in read.iter().enumerate() {
         if instruction.memory_base() == Register::RSP {
@@ -78,13 +78,13 @@ fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Span> {
             is_write(uses[0]) && uses.iter().all(|&number| blocks[number] == blocks[uses[0]]);
         if is_local {
             // A span ends before the next write.
-            spans.extend(uses.chunk_by(|_, &next| !is_write(next)).map(|uses| Span {
+            spans.extend(uses.chunk_by(|_, &next| !is_write(next)).map(|uses| SpillSpan {
                 uses: uses.to_vec(),
                 lifetime: uses[0]..=uses[uses.len() - 1],
             }));
         } else {
             // The vector may live on from one iteration of a loop to the next.
-            spans.push(Span { uses, lifetime: 0..=read.len() });
+            spans.push(SpillSpan { uses, lifetime: 0..=read.len() });
         }
     }
     spans

@@ -2,7 +2,7 @@
 
 use super::domain_hysteresis;
 use super::pace::Pace;
-use super::{Fault, FaultReason, Rendering, Request, Shared, State, same_document};
+use super::{Fault, FaultReason, PipelineState, Rendering, Request, Shared, same_document};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError, Weak};
 use std::time::{Duration, Instant};
@@ -183,10 +183,10 @@ impl Worker {
 
     /// Waits for a request other than this revision. `None` once the worker should stop.
     fn next(&self, done: u64) -> Option<Job> {
-        let waiting = |state: &mut State| !state.stop && state.revision == done;
+        let waiting = |state: &mut PipelineState| !state.stop && state.revision == done;
         let state = self.shared.changed.wait_while(self.shared.lock(), waiting);
         let state = state.unwrap_or_else(PoisonError::into_inner);
-        let State { request, revision, requested, .. } = &*state;
+        let PipelineState { request, revision, requested, .. } = &*state;
         let job = Job { request: Arc::clone(request), revision: *revision, requested: *requested };
         (!state.stop).then_some(job)
     }
@@ -304,7 +304,7 @@ impl Worker {
 
     /// Waits for this time, or until there is another request.
     pub fn rest(&self, job: &Job, time: Duration) {
-        let waiting = |state: &mut State| !state.stop && state.revision == job.revision;
+        let waiting = |state: &mut PipelineState| !state.stop && state.revision == job.revision;
         let state = self.shared.lock();
         // The caller checks again what is wanted, so the reason for waking does not matter.
         drop(self.shared.changed.wait_timeout_while(state, time, waiting));

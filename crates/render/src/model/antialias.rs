@@ -24,7 +24,7 @@ const MARGIN_PIXELS: f64 = 4.0;
 const SLOPE_FACTOR: f64 = 2.0;
 
 /// Buffers for all surfaces of a part, and for a single one.
-type Buffers = [GBuffer; 2];
+type LayerBuffers = [GBuffer; 2];
 
 impl<T: KernelFloat> RenderPass<'_, T> {
     /// Replaces the colors of pixels on edges by means. Returns the number of rays traced.
@@ -69,7 +69,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             has_one: tracers.len() == 1 && layers.is_empty(),
         };
         let new = || [0; 2].map(|size| GBuffer::new(size, size, 0));
-        let smooth = |buffers: &mut Buffers, pixels: &[usize]| edge.smooth(buffers, pixels);
+        let smooth = |buffers: &mut LayerBuffers, pixels: &[usize]| edge.smooth(buffers, pixels);
         let found: Result<Vec<_>, ProgramError> =
             wanted.par_chunks(PART).map_init(new, smooth).collect();
         let pixels = rgb.as_chunks_mut::<3>().0;
@@ -98,7 +98,7 @@ impl<T: KernelFloat> Edges<'_, T> {
     /// The mean colors of some pixels, except those whose color is right already.
     fn smooth(
         &self,
-        [all, layer]: &mut Buffers,
+        [all, layer]: &mut LayerBuffers,
         pixels: &[usize],
     ) -> Result<Vec<(usize, [u8; 3])>, ProgramError> {
         if !(self.pass.advance)(0) {

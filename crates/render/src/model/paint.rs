@@ -38,14 +38,14 @@ pub(super) struct Coloring<'a> {
 pub(super) struct Painter<'a> {
     model: &'a Model,
     /// Scale of each surface.
-    scales: Vec<Option<Scale<'a>>>,
+    scales: Vec<Option<ValueScale<'a>>>,
     /// Value and step of the contour lines on each surface.
     contours: Vec<Option<(&'a PointValue, f64)>>,
 }
 
 /// Assignment of a color map to a range of values.
 #[derive(Clone, Copy)]
-struct Scale<'a> {
+struct ValueScale<'a> {
     map: &'static ColorMap,
     value: &'a PointValue,
     low: f64,
@@ -106,9 +106,9 @@ impl<'a> Painter<'a> {
                     range(&own.value, &|other| mapped(other).is_some_and(|one| is_same(own, one)))
                 }
             };
-            Some(Scale { map: own.map, value: &own.value, low, high })
+            Some(ValueScale { map: own.map, value: &own.value, low, high })
         };
-        let scales: Vec<Option<Scale<'_>>> = surfaces.clone().map(scale).collect();
+        let scales: Vec<Option<ValueScale<'_>>> = surfaces.clone().map(scale).collect();
         let contours = surfaces.map(|surface| {
             let setting = model.setting.lines.contours.as_ref()?;
             let scale = scales[surface];
@@ -131,7 +131,7 @@ impl<'a> Painter<'a> {
     pub fn legends(&self) -> Vec<Legend> {
         let mut legends: Vec<Legend> = Vec::new();
         for (scale, contours) in self.scales.iter().zip(&self.contours) {
-            let Some(Scale { map, value, low, high }) = scale else { continue };
+            let Some(ValueScale { map, value, low, high }) = scale else { continue };
             let own = contours.filter(|(contour, _)| contour.echo == value.echo);
             let step = own.map(|(_, step)| step);
             let legend = Legend { map, value: value.echo.clone(), low: *low, high: *high, step };
@@ -149,7 +149,7 @@ impl<'a> Painter<'a> {
             let points = points(picture, |pixel| usize::from(picture.surface[pixel]) == surface);
             let (scale, contours) = (&self.scales[surface], &self.contours[surface]);
             let mut known: Option<(&str, Vec<f64>)> = None;
-            if let Some(Scale { map, value, low, high }) = scale {
+            if let Some(ValueScale { map, value, low, high }) = scale {
                 let values = self.values(value, &points, picture, rays, 0.0);
                 let extent = high - low;
                 for (&pixel, value) in points.iter().zip(&values) {

@@ -4,7 +4,7 @@
 //! color scales. These need distant rows and come from an overview: a smaller picture of the whole.
 //! If the overview has full size, nothing differs.
 
-use super::{Model, Progress};
+use super::{Model, ProgressCallback};
 use crate::picture::{Picture, Settings};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_scene::program::ProgramError;
@@ -50,7 +50,7 @@ impl Model {
         &self,
         camera: &Camera,
         settings: &Settings,
-        progress: Progress<'_>,
+        progress: ProgressCallback<'_>,
         each: &mut dyn FnMut(Strip<'_>) -> Result<(), E>,
     ) -> Result<Picture, E> {
         let Settings { width, height, .. } = *settings;
@@ -74,7 +74,7 @@ impl Model {
         rows: usize,
         camera: &Camera,
         settings: &Settings,
-        progress: Progress<'_>,
+        progress: ProgressCallback<'_>,
         each: &mut dyn FnMut(Strip<'_>) -> Result<(), E>,
     ) -> Result<Picture, E> {
         let Settings { width, height, .. } = *settings;

@@ -5,9 +5,9 @@
 //! critical points moved. A point counts if the sign changes nearby and intervals do not rule out a
 //! zero there. Others may be missed. Knows neither cameras nor pictures.
 
-use super::polynomial::{Vector, principal};
+use super::polynomial::{Coordinates, principal};
 use zeroset_eval::{Kernel, Sample};
-use zeroset_space::{Cell, Search, places_about};
+use zeroset_space::{Cell, CellSearch, places_about};
 
 /// Distances from the center to critical points near the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,7 +29,7 @@ impl CriticalDistances {
 
 /// A search for critical points of one function.
 pub struct CriticalSearch<'a> {
-    pub search: &'a Search<'a>,
+    pub search: &'a CellSearch<'a>,
     pub values: &'a dyn Kernel<Sample, f64>,
     /// Whether the function depends on each axis.
     pub depends: [bool; 3],
@@ -91,23 +91,23 @@ enum PathEnd {
 /// A place on its path to a critical point.
 #[derive(Clone, Copy)]
 struct NewtonPath {
-    place: Vector,
+    place: Coordinates,
     end: Option<PathEnd>,
 }
 
 impl CriticalSearch<'_> {
     /// Finds the critical points.
     pub fn find(&self) -> CriticalDistances {
-        let starts: Vec<Vector> = (1..=STARTS).map(|n| self.start(n)).collect();
+        let starts: Vec<Coordinates> = (1..=STARTS).map(|n| self.start(n)).collect();
         let ends = self.descend(&starts);
         let among =
             || ends.iter().filter(|(_, end)| *end == PathEnd::OnCurve).map(|(place, _)| *place);
         // On a curve that is not closed, points are found at every distance that is searched.
         let farthest = among().map(|place| distance(place, self.centre)).fold(0.0, f64::max);
         let is_closed = among().count() >= CURVE_POINTS && farthest <= CLOSED * self.half;
-        let (mut known, mut found) = (Vec::<Vector>::new(), CriticalDistances::default());
+        let (mut known, mut found) = (Vec::<Coordinates>::new(), CriticalDistances::default());
         for (place, end) in ends {
-            let is_same = |other: &Vector| distance(*other, place) <= MERGED * self.half;
+            let is_same = |other: &Coordinates| distance(*other, place) <= MERGED * self.half;
             if known.iter().any(is_same) {
                 continue;
             }
@@ -125,7 +125,7 @@ impl CriticalSearch<'_> {
 
     /// The nth start, of a sequence that fills the cube evenly: multiples of 1/g, 1/g² and 1/g³
     /// with g⁴ = g + 1 (Roberts, 2018: the sequence R₃).
-    fn start(&self, n: u32) -> Vector {
+    fn start(&self, n: u32) -> Coordinates {
         let strides = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
         [0, 1, 2].map(|axis| {
             let place = 2.0 * (f64::from(n) * strides[axis]).fract() - 1.0;
@@ -135,8 +135,8 @@ impl CriticalSearch<'_> {
     }
 
     /// The critical points at which paths from these starts end.
-    fn descend(&self, starts: &[Vector]) -> Vec<(Vector, PathEnd)> {
-        let way = |place: &Vector| NewtonPath { place: *place, end: None };
+    fn descend(&self, starts: &[Coordinates]) -> Vec<(Coordinates, PathEnd)> {
+        let way = |place: &Coordinates| NewtonPath { place: *place, end: None };
         let mut ways: Vec<NewtonPath> = starts.iter().map(way).collect();
         for _ in 0..STEPS {
             let on_the_way = ways.iter_mut().filter(|way| way.end.is_none());
@@ -156,7 +156,7 @@ impl CriticalSearch<'_> {
 
     /// The places whose values give the derivatives at `place`: itself, one step either way along
     /// each axis, and one step either way along each pair of axes.
-    fn around(&self, place: Vector) -> Vec<Vector> {
+    fn around(&self, place: Coordinates) -> Vec<Coordinates> {
         let alone: [[i8; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
         let both: [[i8; 3]; 3] = [[0, 1, 1], [1, 0, 1], [1, 1, 0]];
         let back = |steps: [[i8; 3]; 3]| steps.map(|step| step.map(|along| -along));
@@ -211,7 +211,7 @@ impl CriticalSearch<'_> {
     /// The distance of a critical point from the center. `None` if the surface is not near it. Also
     /// `None` on the lines through the center along the axes, where the surface itself is searched
     /// for.
-    fn distance_if_near(&self, place: Vector) -> Option<f64> {
+    fn distance_if_near(&self, place: Coordinates) -> Option<f64> {
         let far = distance(place, self.centre);
         let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > MERGED * self.half;
         if (0..3).filter(is_off).count() < 2 {
@@ -219,7 +219,7 @@ impl CriticalSearch<'_> {
         }
         let is_near = (0..HALVINGS).rev().map(|k| NEAR * far * 0.5_f64.powi(k)).any(|radius| {
             let steps = self.depends.map(|depends| if depends { radius } else { 0.0 });
-            let around: Vec<Vector> = places_about(place, steps).collect();
+            let around: Vec<Coordinates> = places_about(place, steps).collect();
             let values = self.search.values(self.values, &around);
             // The middle one of 27 places is the critical point.
             let here = values[13];
@@ -234,30 +234,30 @@ impl CriticalSearch<'_> {
 }
 
 /// The largest difference of a coordinate.
-fn distance(a: Vector, b: Vector) -> f64 {
+fn distance(a: Coordinates, b: Coordinates) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).abs()).fold(0.0, f64::max)
 }
 
 /// The solution of a symmetric system, and how reliable it is.
 struct NewtonStep {
-    way: Vector,
+    way: Coordinates,
     /// How far each coordinate of the solution may be off, along directions with hardly any second
     /// derivative.
-    rest: Vector,
+    rest: Coordinates,
     /// The determinant, with each axis scaled so that its largest number is 1.
     determinant: f64,
 }
 
 /// Solves `matrix` · step = `wanted`. Where the determinant is below [`LEAST_DETERMINANT`], the shortest
 /// solution is taken, since steps along a curve are arbitrary. `None` if the result is not finite.
-fn solve(matrix: [Vector; 3], wanted: Vector) -> Option<NewtonStep> {
+fn solve(matrix: [Coordinates; 3], wanted: Coordinates) -> Option<NewtonStep> {
     let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
     let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);
     let scale = most.map(|most| most.max(least).sqrt().recip());
     let scaled = [0, 1, 2].map(|a| [0, 1, 2].map(|b| scale[a] * matrix[a][b] * scale[b]));
     let wanted = [0, 1, 2].map(|axis| scale[axis] * wanted[axis]);
     let [a, b, c] = scaled;
-    let cross = |a: Vector, b: Vector| {
+    let cross = |a: Coordinates, b: Coordinates| {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     };
     let columns = [cross(b, c), cross(c, a), cross(a, b)];

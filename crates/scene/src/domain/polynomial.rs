@@ -6,9 +6,9 @@
 use std::collections::BTreeMap;
 
 /// Three numbers, one per axis.
-pub type Vector = [f64; 3];
+pub type Coordinates = [f64; 3];
 /// A symmetric matrix.
-pub type Symmetric = [Vector; 3];
+pub type Symmetric = [Coordinates; 3];
 
 /// A polynomial: coefficients by the powers of x, y and z.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -106,7 +106,7 @@ impl Polynomial {
     }
 
     /// The polynomial in coordinates whose origin is at `place`.
-    fn translated_to(&self, place: Vector) -> Self {
+    fn translated_to(&self, place: Coordinates) -> Self {
         let mut seen = self.clone();
         for (axis, along) in place.into_iter().enumerate().filter(|(_, along)| *along != 0.0) {
             let mut moved = Self::default();
@@ -170,12 +170,12 @@ impl Polynomial {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DirectionalSum {
     directions: Symmetric,
-    places: Vector,
+    places: Coordinates,
 }
 
 impl DirectionalSum {
     /// Adds the coordinate `place` along a direction of length 1.
-    fn add(&mut self, along: Vector, place: f64) {
+    fn add(&mut self, along: Coordinates, place: f64) {
         let places = along.map(|along| along * place);
         self.join(&Self { directions: onto(along), places });
     }
@@ -191,7 +191,7 @@ impl DirectionalSum {
     }
 
     /// The mean place. Along directions without coordinates it is that of `rest`, else 0.
-    pub fn mean(&self, rest: Option<&Self>) -> Vector {
+    pub fn mean(&self, rest: Option<&Self>) -> Coordinates {
         let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mut place = [0.0; 3];
         for pull in [Some(self), rest].into_iter().flatten() {
@@ -212,11 +212,11 @@ impl DirectionalSum {
 /// A direction with a smaller weight than this has no coordinate.
 const LEAST_WEIGHT: f64 = 1e-6;
 
-fn dot(a: Vector, b: Vector) -> f64 {
+fn dot(a: Coordinates, b: Coordinates) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn times(matrix: Symmetric, vector: Vector) -> Vector {
+fn times(matrix: Symmetric, vector: Coordinates) -> Coordinates {
     matrix.map(|row| dot(row, vector))
 }
 
@@ -227,13 +227,13 @@ fn within(free: Symmetric, matrix: Symmetric) -> Symmetric {
 }
 
 /// A projection without one of its directions.
-fn without(free: Symmetric, along: Vector) -> Symmetric {
+fn without(free: Symmetric, along: Coordinates) -> Symmetric {
     let gone = onto(along);
     [0, 1, 2].map(|axis| [0, 1, 2].map(|other| free[axis][other] - gone[axis][other]))
 }
 
 /// The projection onto a direction of length 1.
-fn onto(along: Vector) -> Symmetric {
+fn onto(along: Coordinates) -> Symmetric {
     along.map(|one| along.map(|other| one * other))
 }
 
@@ -242,7 +242,7 @@ fn onto(along: Vector) -> Symmetric {
 const SWEEPS: usize = 5;
 
 /// The eigenvalues and eigenvectors of a symmetric matrix, by Jacobi rotations.
-pub fn principal(mut matrix: Symmetric) -> [(f64, Vector); 3] {
+pub fn principal(mut matrix: Symmetric) -> [(f64, Coordinates); 3] {
     let mut directions: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for (p, q) in [(0, 1), (0, 2), (1, 2)].repeat(SWEEPS) {
         if matrix[p][q] == 0.0 {

@@ -13,7 +13,7 @@ type Linear = [f64; 3];
 
 /// Properties of a function.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shape {
+pub struct GraphShape {
     /// Whether the function depends on each axis.
     pub depends: [bool; 3],
     /// The period along each axis. `None` unless the axis occurs only in sines, cosines and
@@ -49,7 +49,7 @@ struct NodeShape {
     value: Option<f64>,
 }
 
-impl Shape {
+impl GraphShape {
     /// The shape of the function at `root`, for parameters within bounds.
     pub fn of(graph: &Graph, root: NodeId, parameters: &[Interval]) -> Self {
         let needed = graph.reachable(&[root]);

@@ -365,7 +365,7 @@ fn a_window_is_not_empty_where_a_wider_one_is_not() {
         let found = found(text);
         let surfaces = vec![program.kernels::<f64>(0).zeros().expect("code")];
         let work = Counter::new(WORK);
-        let search = Search { surfaces, forms: Vec::new(), wanted: &|| true, work };
+        let search = CellSearch { surfaces, forms: Vec::new(), wanted: &|| true, work };
         let window = Cell { low: found.low, high: found.high };
         assert!(search.tight(window, BOX_DEPTH).is_some(), "{text}: {found:?}");
     }

@@ -9,11 +9,11 @@ use super::climb;
 use super::critical::{CriticalDistances, CriticalSearch};
 use super::ground;
 use super::heights::{self, Grid, shown};
-use super::shape::Shape;
+use super::shape::GraphShape;
 use super::tops::around_tops;
 use super::waves::{Wave, resolvable_half};
 use zeroset_eval::{Kernel, Sample};
-use zeroset_space::{BOX_DEPTH, Cell, DEFAULT_HALF, Search};
+use zeroset_space::{BOX_DEPTH, Cell, CellSearch, DEFAULT_HALF};
 
 /// Ratio of a window's extent to that of the features in it, in general and for a plane.
 const MARGIN: f64 = 2.5;
@@ -57,8 +57,8 @@ const LARGEST_OF_ANY: i32 = 5;
 
 /// The data from which the window on one surface is chosen.
 pub struct WindowChooser<'a> {
-    pub search: &'a Search<'a>,
-    pub shape: Shape,
+    pub search: &'a CellSearch<'a>,
+    pub shape: GraphShape,
     /// The kernel for the function's values.
     pub values: &'a dyn Kernel<Sample, f64>,
     /// The center of the function.
@@ -71,7 +71,7 @@ impl WindowChooser<'_> {
     /// Returns the window on the surface, and whether it looks better clipped to a ball.
     pub fn window(mut self) -> (Cell, bool) {
         // Along an axis without features, the center is set to the origin, which is easier to read.
-        let Shape { depends, period, is_plane, .. } = self.shape;
+        let GraphShape { depends, period, is_plane, .. } = self.shape;
         let counts = |axis: usize| depends[axis] && period[axis].is_none() && !is_plane;
         self.centre = [0, 1, 2].map(|axis| if counts(axis) { self.centre[axis] } else { 0.0 });
         // A center that is off by rounding would make lines meet surfaces that they are parallel
@@ -91,7 +91,7 @@ impl WindowChooser<'_> {
     /// would look like its own. Planes, periodic surfaces and graphs over two axes look better in
     /// the box.
     fn is_round(&self, cell: &Cell) -> bool {
-        let Shape { depends, period, ref waves, is_of_planes, height, .. } = self.shape;
+        let GraphShape { depends, period, ref waves, is_of_planes, height, .. } = self.shape;
         let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
         let repeats = !waves.is_empty() || period.iter().any(Option::is_some);
         let largest = cell.largest();
@@ -104,7 +104,7 @@ impl WindowChooser<'_> {
 
     /// Half the side of the window that shows the features.
     fn half(&self) -> f64 {
-        let Shape { period, is_plane, height, .. } = self.shape;
+        let GraphShape { period, is_plane, height, .. } = self.shape;
         let on_ground = |axis: usize| height.is_none_or(|(up, _)| axis != up);
         let periods = (0..3).filter(|axis| on_ground(*axis)).filter_map(|axis| period[axis]);
         let longest = periods.fold(0.0_f64, f64::max);
@@ -138,7 +138,7 @@ impl WindowChooser<'_> {
 
     /// The window with this half side.
     fn cell(&self, half: f64) -> Cell {
-        let Shape { depends, is_plane, height, .. } = self.shape;
+        let GraphShape { depends, is_plane, height, .. } = self.shape;
         if let Some((up, factor)) = height {
             return self.graph(up, factor, half);
         }
@@ -211,7 +211,7 @@ impl WindowChooser<'_> {
     /// which nothing changes, its length is chosen to fit the rest.
     fn pruned(&self, window: Cell) -> Option<Cell> {
         let hull = self.search.tight(window, BOX_DEPTH)?;
-        let Shape { depends, .. } = self.shape;
+        let GraphShape { depends, .. } = self.shape;
         let across = (0..3).filter(|axis| depends[*axis]);
         let widest = across.map(|axis| hull.extent(axis)).fold(0.0, f64::max) / 2.0;
         let mut hull = super::with_margin(&hull);

@@ -1,8 +1,8 @@
 //! Normals from gradients, sixteen pixels of a window at a time, and their colors while the normals
 //! are in registers.
 
-use super::{NormalSource, Normals};
-use crate::shade::{Canvas, ShadingInput, ViewAndNormals};
+use super::{BandNormals, NormalSource};
+use crate::shade::{ColoredRows, ShadingInput, ViewAndNormals};
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
@@ -22,20 +22,20 @@ impl<T: Real> NormalSource<'_, T> {
     pub(super) fn of_band(
         &self,
         seen: &ShadingInput<'_>,
-        normals: &mut Normals<'_>,
+        normals: &mut BandNormals<'_>,
         rays: &RayGrid,
         windows: &[Window],
-        canvas: Option<&mut Canvas<'_>>,
+        canvas: Option<&mut ColoredRows<'_>>,
         work: &mut KernelStats,
     ) -> Vec<usize> {
         if let Self::Refined { double, everywhere: true, .. } = self
             && let Ok(kernel) = double.gradients()
         {
-            return Band { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
+            return BandGradients { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
                 .found(windows);
         }
         if let Self::Gradient(kernel) | Self::Refined { kernel, .. } = *self {
-            return Band { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
+            return BandGradients { kernel, rays, seen, normals, canvas, open: Vec::new(), work }
                 .found(windows);
         }
         if let Some(canvas) = canvas {
@@ -47,19 +47,19 @@ impl<T: Real> NormalSource<'_, T> {
 }
 
 /// Some rows whose normals are computed.
-struct Band<'a, 'c, 'n, T: Real> {
+struct BandGradients<'a, 'c, 'n, T: Real> {
     kernel: &'a dyn Kernel<SampleGradient, T>,
     rays: &'a RayGrid,
     /// All quantities of the rows except their normals.
     seen: &'a ShadingInput<'a>,
-    normals: &'a mut Normals<'n>,
-    canvas: Option<&'a mut Canvas<'c>>,
+    normals: &'a mut BandNormals<'n>,
+    canvas: Option<&'a mut ColoredRows<'c>>,
     /// Pixels without a gradient.
     open: Vec<usize>,
     work: &'a mut KernelStats,
 }
 
-impl<T: Real> Band<'_, '_, '_, T> {
+impl<T: Real> BandGradients<'_, '_, '_, T> {
     /// Computes all normals that have a gradient. Returns the pixels without one.
     fn found(mut self, windows: &[Window]) -> Vec<usize> {
         dispatch!(Level::new(), simd => self.compute_normals(simd, windows));

@@ -54,21 +54,21 @@ impl<'a> Shader<'a> {
 
     /// A canvas for the colors of some rows, three bytes a pixel. It is filled with background
     /// first.
-    pub fn canvas<'b>(&'b self, bytes: &'b mut [u8]) -> Canvas<'b> {
+    pub fn canvas<'b>(&'b self, bytes: &'b mut [u8]) -> ColoredRows<'b> {
         bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
-        Canvas { shader: self, bytes: bytes.as_chunks_mut().0, left: Vec::new() }
+        ColoredRows { shader: self, bytes: bytes.as_chunks_mut().0, left: Vec::new() }
     }
 }
 
 /// The colors of some rows, while they are computed.
-pub struct Canvas<'a> {
+pub struct ColoredRows<'a> {
     shader: &'a Shader<'a>,
     bytes: &'a mut [[u8; 3]],
     /// Windows that wait for normals.
     pub(crate) left: Vec<Window>,
 }
 
-impl Canvas<'_> {
+impl ColoredRows<'_> {
     /// Paints a window whose normals are known.
     #[inline(always)]
     pub(crate) fn paint<S: Simd>(

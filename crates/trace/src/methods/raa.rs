@@ -40,17 +40,17 @@ struct FormTest<'a, T: Scalar> {
 
 /// Batches that kernels read and write.
 #[derive(Default)]
-struct Buffers<T: Scalar> {
+struct FormBuffers<T: Scalar> {
     segments: Segments<T>,
     out: Contractions<T>,
     boxes: Boxes<T>,
 }
 
 impl<T: Scalar> SlabTest<T> for FormTest<'_, T> {
-    type Buffers = Buffers<T>;
+    type Buffers = FormBuffers<T>;
 
     #[inline(always)]
-    fn begin<S: Simd>(&self, simd: S, packet: &Packet<T>, batch: &mut Buffers<T>) {
+    fn begin<S: Simd>(&self, simd: S, packet: &Packet<T>, batch: &mut FormBuffers<T>) {
         packet.lines(simd, &mut batch.segments);
     }
 
@@ -60,7 +60,7 @@ impl<T: Scalar> SlabTest<T> for FormTest<'_, T> {
         simd: S,
         packet: &Packet<T>,
         slab: &Slab<T>,
-        batch: &mut Buffers<T>,
+        batch: &mut FormBuffers<T>,
         work: &mut KernelStats,
     ) -> Zeros {
         let Slab { planes, rays, is_last } = *slab;

@@ -26,7 +26,7 @@ const PARTS_BEFORE_GROWTH: u32 = 256;
 const GRAIN_GROWTH: f64 = 1.5;
 
 /// State of the search along one ray.
-struct Search<'a> {
+struct RaySearch<'a> {
     local_ray: &'a LocalRay,
     /// Parts that remain to be examined, the nearest last.
     parts: Vec<[f64; 2]>,
@@ -71,8 +71,8 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         start: Start,
         work: &mut KernelStats,
     ) -> Vec<RayOutcome> {
-        let mut rays: Vec<Search> =
-            local_rays.iter().map(|local_ray| Search::new::<T>(local_ray, start)).collect();
+        let mut rays: Vec<RaySearch> =
+            local_rays.iter().map(|local_ray| RaySearch::new::<T>(local_ray, start)).collect();
         loop {
             let parts = self.possible(&mut rays, work);
             if parts.is_empty() && rays.iter().all(|ray| ray.parts.is_empty()) {
@@ -85,7 +85,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             .filter_map(|ray| Some((ray.local_ray, ray.isolated.as_mut()?)))
             .collect();
         refine(&mut isolated, &self.slopes, self.region, work);
-        let outcome = |ray: Search| match ray.isolated {
+        let outcome = |ray: RaySearch| match ray.isolated {
             Some(isolated) => RayOutcome { hit: Some(isolated.ends()), ..ray.outcome },
             None => ray.outcome,
         };
@@ -93,7 +93,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Takes the next part of each ray, and returns the parts that may hold a zero.
-    fn possible(&self, rays: &mut [Search], work: &mut KernelStats) -> Vec<RayPart> {
+    fn possible(&self, rays: &mut [RaySearch], work: &mut KernelStats) -> Vec<RayPart> {
         let mut parts = Vec::with_capacity(LANES);
         for (number, ray) in rays.iter_mut().enumerate() {
             if let Some(ends) = ray.parts.pop() {
@@ -119,7 +119,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Isolates the root of each part, cuts it in two, or finds it empty.
-    fn classify(&self, rays: &mut [Search], parts: &[RayPart], work: &mut KernelStats) {
+    fn classify(&self, rays: &mut [RaySearch], parts: &[RayPart], work: &mut KernelStats) {
         let slopes = self.slopes.along(
             &cuboids(parts),
             |lane| rays[parts[lane].ray].local_ray.direction,
@@ -166,7 +166,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 
     /// Cuts a part in two, or leaves it open if it is as short as precision allows.
-    fn cut(&self, ray: &mut Search, part: &RayPart, work: &mut KernelStats) {
+    fn cut(&self, ray: &mut RaySearch, part: &RayPart, work: &mut KernelStats) {
         let [near, far] = part.ends;
         let cut = near + CUT * (far - near);
         if far - near > ray.grain && near < cut && cut < far {
@@ -204,7 +204,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
     }
 }
 
-impl<'a> Search<'a> {
+impl<'a> RaySearch<'a> {
     fn new<T: Scalar>(local_ray: &'a LocalRay, start: Start) -> Self {
         let [near, far] = local_ray.span;
         let [first, last] = [local_ray.inside[0].max(near), local_ray.inside[1].min(far)];
