@@ -102,6 +102,20 @@ fn every_file_of_a_test_binary_is_a_part_of_it() {
     }
 }
 
+/// The binary of the window has a runner of its own. There the compiler drops functions that are
+/// marked `#[test]`.
+#[test]
+fn no_test_of_the_window_is_dropped() {
+    let mut files = Vec::new();
+    sources(&root().join("tests/window"), &mut files);
+    assert!(files.len() >= 5, "{files:?}");
+    for path in files {
+        let text = std::fs::read_to_string(&path).expect("readable");
+        let is_marked = text.lines().any(|line| line.trim() == "#[test]");
+        assert!(!is_marked, "a test of {} would never run", path.display());
+    }
+}
+
 #[test]
 fn the_native_example_states_columns_of_the_table() {
     let (_, row) = native_section();

@@ -1,5 +1,5 @@
-//! End-to-end tests of the program on the command line, in a terminal and in a window, and of the
-//! documents for contributors.
+//! End-to-end tests of the program on the command line and in a terminal, and of the documents for
+//! contributors. Those in a window have a binary of their own.
 
 mod cli_axes;
 mod cli_errors;
@@ -12,20 +12,12 @@ mod contributing;
 #[cfg(unix)]
 #[path = "../edit_support/mod.rs"]
 mod edit_support;
+#[cfg(unix)]
+mod prompt;
+#[cfg(unix)]
+mod prompt_soak;
 mod readme;
 #[cfg(unix)]
-mod window_frame;
-#[cfg(unix)]
-mod window_gallery;
-#[cfg(unix)]
-mod window_prompt;
-#[cfg(unix)]
-mod window_session;
-#[cfg(unix)]
-mod window_sliders;
-#[cfg(unix)]
-mod window_soak;
-#[cfg(unix)]
-mod window_support;
-#[cfg(unix)]
-mod window_surfaces;
+#[path = "../terminal_support/mod.rs"]
+#[allow(dead_code, reason = "the window's tests use the rest")]
+mod terminal_support;

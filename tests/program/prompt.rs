@@ -1,7 +1,7 @@
 //! The prompt in a pseudo-terminal without a display: preview, errors, history, clean exits.
 
 use crate::cli_render::BULB;
-use crate::window_support::{Terminal, until};
+use crate::terminal_support::{Terminal, until};
 use std::path::PathBuf;
 
 /// Whether the output has a picture made of letters.
@@ -308,8 +308,8 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     let mut terminal = Terminal::answering("\u{1b}[?62;4;22c", &["--preview", "x^2+y^2+z^2 = 1"]);
     terminal.shows("undecided");
     let mut shown = None;
-    crate::window_support::until("there are sixels", || {
-        shown = crate::window_support::sixel::picture(&terminal.bytes());
+    crate::terminal_support::until("there are sixels", || {
+        shown = crate::terminal_support::sixel::picture(&terminal.bytes());
         shown.is_some()
     });
     let shown = shown.expect("waited for");
@@ -387,4 +387,27 @@ fn precision_is_chosen_shown_and_kept_in_the_command() {
     terminal.type_in(":explain code\r");
     terminal.shows("function u0:0");
     terminal.leaves();
+}
+
+#[test]
+fn the_prompt_tells_how_to_give_a_letter_a_value() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.shows("undecided");
+    terminal.type_in("x^2+y^2 = q\r");
+    terminal.shows("type `q = 1` to give it a value");
+    terminal.type_in("q = 1\r");
+    terminal.type_in("x^2+y^2 = q\r");
+    terminal.type_in(":list\r");
+    terminal.shows("q = 1\r\nx^2+y^2 = q");
+    let place = terminal.place().join("data/zeroset/tips");
+    for (line, shown) in [(":tips on\r", "0\n"), (":tips off\r", "5\n")] {
+        terminal.type_in(line);
+        until(line, || std::fs::read_to_string(&place).is_ok_and(|text| text == shown));
+    }
+    terminal.leaves();
+}
+
+#[test]
+fn a_terminal_that_goes_away_ends_the_program_and_keeps_history_and_document() {
+    Terminal::start(&["--preview", "x+y+z"], None).hang_up();
 }

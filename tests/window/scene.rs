@@ -1,9 +1,9 @@
 //! A window with a picture, and functions that operate it.
 
-use super::{Display, Terminal, until};
+use crate::display::Display;
+use crate::terminal_support::{Terminal, until};
 use image::RgbImage;
 
-pub const PROGRAMS: &[&str] = &["Xvfb", "xdotool", "import"];
 pub const CUBE: &[&str] = &["max(abs(x),abs(y),abs(z)) = 1", "--size", "400x320"];
 
 /// A window that shows a cube, with its terminal and display.

@@ -1,15 +1,12 @@
-//! A virtual display with a real window, and a pseudo-terminal for its prompt.
+//! The program in a pseudo-terminal, for more than one test binary.
 
-pub mod scene;
 #[cfg(feature = "sixel")]
 pub mod sixel;
 
-use image::RgbImage;
 use rustix::termios::Winsize;
-use std::ffi::OsStr;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::{Read, Write};
+use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -17,22 +14,6 @@ use std::time::{Duration, Instant};
 
 /// Time limit far above every duration here, even on a slow and busy machine.
 pub const LIMIT: Duration = Duration::from_mins(1);
-
-/// Whether these programs are installed. If not, this panics under CI, and elsewhere reports that
-/// the test is skipped.
-pub fn have(programs: &[&str]) -> bool {
-    let found = |program: &&str| {
-        let path = std::env::var_os("PATH").unwrap_or_default();
-        std::env::split_paths(&path).any(|place| place.join(program).is_file())
-    };
-    let missing: Vec<_> = programs.iter().filter(|program| !found(program)).collect();
-    if missing.is_empty() {
-        return true;
-    }
-    assert!(std::env::var_os("CI").is_none(), "CI needs {missing:?}");
-    println!("SKIPPED: there is no {missing:?}");
-    false
-}
 
 /// Polls until `holds` returns true.
 pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
@@ -217,20 +198,23 @@ impl Terminal {
         }
     }
 
-    /// Resident memory of the program in kilobytes, if the system reports it.
+    /// Resident memory of the program in kilobytes. `None` on systems other than Linux.
     pub fn resident(&self) -> Option<u64> {
         self.status("VmRSS:")
     }
 
-    /// Number of threads of the program, if the system reports it.
+    /// Number of threads of the program. `None` on systems other than Linux.
     pub fn threads(&self) -> Option<u64> {
         self.status("Threads:")
     }
 
     fn status(&self, what: &str) -> Option<u64> {
-        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
-        let line = status.lines().find_map(|line| line.strip_prefix(what))?;
-        line.trim().trim_end_matches("kB").trim().parse().ok()
+        cfg!(target_os = "linux").then(|| {
+            let path = format!("/proc/{}/status", self.child.id());
+            let status = std::fs::read_to_string(path).expect("readable");
+            let line = status.lines().find_map(|line| line.strip_prefix(what)).expect("a line");
+            line.trim().trim_end_matches("kB").trim().parse().expect("a number")
+        })
     }
 
     /// Waits until the terminal shows a text.
@@ -260,13 +244,17 @@ impl Terminal {
         status.expect("one")
     }
 
-    /// Closes the terminal as if its window was closed, waits for the program's end, and returns
-    /// its directory.
-    pub fn hang_up(mut self) -> tempfile::TempDir {
+    /// Closes the terminal as if its window was closed, and asserts that the program ends and keeps
+    /// history and document.
+    pub fn hang_up(mut self) {
+        self.type_in("z = x^3\r");
+        self.type_in("x^2 +");
         self.closed.store(true, Ordering::Relaxed);
         self.master = File::open("/dev/null").expect("there is one");
         self.end();
-        std::mem::replace(&mut self.directory, tempfile::tempdir().expect("a directory"))
+        let data = self.place().join("data/zeroset");
+        let read = |name: &str| std::fs::read_to_string(data.join(name)).expect(name);
+        assert!(read("history").contains("z = x^3") && read("last.zset").contains("z = x^3"));
     }
 }
 
@@ -274,80 +262,5 @@ impl Drop for Terminal {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-    }
-}
-
-/// A virtual display.
-pub struct Display {
-    server: Child,
-    pub name: String,
-}
-
-impl Display {
-    pub fn start() -> Self {
-        // By default the server resets when its last client disconnects, and rejects a program that
-        // connects at that moment. This can happen because xdotool comes and goes while the window
-        // is awaited.
-        let mut server = Command::new("Xvfb")
-            .args([
-                "-noreset",
-                "-displayfd",
-                "1",
-                "-screen",
-                "0",
-                "1000x800x24",
-                "-nolisten",
-                "tcp",
-            ])
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("Xvfb starts");
-        let mut number = String::new();
-        let output = server.stdout.take().expect("piped");
-        BufReader::new(output).read_line(&mut number).expect("a display number");
-        Self { server, name: format!(":{}", number.trim()) }
-    }
-
-    /// Runs xdotool, and returns its output.
-    pub fn tool(&self, arguments: &[&str]) -> String {
-        let run = Command::new("xdotool").env("DISPLAY", &self.name).args(arguments).output();
-        String::from_utf8_lossy(&run.expect("xdotool runs").stdout).trim().to_owned()
-    }
-
-    /// Waits for the window and returns its id.
-    pub fn window(&self) -> String {
-        let mut window = String::new();
-        until("the window is there", || {
-            window = self.tool(&["search", "--name", " - zeroset$"]);
-            !window.is_empty()
-        });
-        // Without a window manager, keys go to the window under the pointer.
-        window.lines().next().unwrap_or_default().to_owned()
-    }
-
-    /// A screenshot of a window.
-    pub fn picture(&self, window: &str) -> RgbImage {
-        let run = Command::new("import")
-            .env("DISPLAY", &self.name)
-            .args(["-window", window, "png:-"].map(OsStr::new))
-            .output()
-            .expect("import runs");
-        image::load_from_memory(&run.stdout).expect("a picture").to_rgb8()
-    }
-
-    /// Saves a screenshot for people to look at, in the directory given by `ZEROSET_SCREENSHOTS`.
-    pub fn keep(&self, window: &str, name: &str) {
-        if let Some(place) = std::env::var_os("ZEROSET_SCREENSHOTS") {
-            let path = PathBuf::from(place).join(format!("{name}.png"));
-            self.picture(window).save(path).expect("saved");
-        }
-    }
-}
-
-impl Drop for Display {
-    fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
     }
 }

@@ -1,7 +1,7 @@
 //! The gallery in a real window.
 
-use crate::window_support::scene::{CUBE, PROGRAMS, Scene};
-use crate::window_support::{have, until};
+use crate::scene::{CUBE, Scene};
+use crate::terminal_support::until;
 
 /// Whether the gallery is open and shows its second picture.
 fn has_pictures(scene: &Scene) -> bool {
@@ -22,11 +22,7 @@ fn colors(scene: &Scene, [x, y, width, height]: [u32; 4]) -> usize {
 /// of 8.
 const SECOND: [u32; 4] = [152, 28, 96, 96];
 
-#[test]
-fn a_surface_is_chosen_by_its_picture() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn a_surface_is_chosen_by_its_picture() {
     let mut scene = Scene::start(CUBE);
     scene.point(5, 200);
     let start = scene.rest();
@@ -69,11 +65,7 @@ fn a_surface_is_chosen_by_its_picture() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn help_is_read_in_the_window() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn help_is_read_in_the_window() {
     let scene = Scene::start(CUBE);
     let start = scene.rest();
     let keys = scene.changes("keys", || scene.key("F1"));

@@ -1,7 +1,7 @@
 //! The list of surfaces in a real window, by mouse and by keys, and the axes.
 
-use crate::window_support::scene::{PROGRAMS, Scene};
-use crate::window_support::{have, until};
+use crate::scene::Scene;
+use crate::terminal_support::until;
 use image::RgbImage;
 
 const TWO: &[&str] =
@@ -38,11 +38,7 @@ fn listed(scene: &mut Scene, expected: &str) {
     scene.terminal.shows(expected);
 }
 
-#[test]
-fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     let mut scene = Scene::start(TWO);
     scene.point(30, 250);
     let start = scene.rest();
@@ -93,11 +89,7 @@ fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn axes_are_there_unless_somebody_wants_none() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn axes_are_there_unless_somebody_wants_none() {
     let mut scene = Scene::start(&["domain 2\nx^2+y^2+z^2 = 1", "--size", "400x320"]);
     scene.point(30, 250);
     // Only lines and letters are dark.

@@ -6,10 +6,10 @@
 //! allocator keeps. Thousands of edits in between add almost nothing.
 //!
 //! A long run, of 10,000 edits and 1,000 saves: `ZEROSET_CASES=10000 cargo test --release --test
-//! program window_soak -- --nocapture`.
+//! program prompt_soak -- --nocapture`.
 
 use crate::edit_support::{beginnings, edit};
-use crate::window_support::{Terminal, until};
+use crate::terminal_support::{Terminal, until};
 use std::path::Path;
 use std::process::Command;
 use zeroset_testkit::Effort;

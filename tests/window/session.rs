@@ -1,13 +1,8 @@
 //! A real window on a virtual display: mouse, keys, the edit line, saving, reloading.
 
-use crate::window_support::have;
-use crate::window_support::scene::{CUBE, PROGRAMS, Scene, painted};
+use crate::scene::{CUBE, Scene, painted};
 
-#[test]
-fn the_picture_is_centred_and_follows_mouse_and_keys() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn the_picture_is_centred_and_follows_mouse_and_keys() {
     // A method that leaves some pixels undecided, so that they can be marked.
     let scene = Scene::start(&[CUBE, &["--method", "knoll"]].concat());
     scene.display.keep(&scene.window, "start");
@@ -37,11 +32,7 @@ fn the_picture_is_centred_and_follows_mouse_and_keys() {
 }
 
 /// The X server reports a step of the wheel as a button pressed and released.
-#[test]
-fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     let scene = Scene::start(CUBE);
     // The middle of the picture, above a status line of 20 pixels.
     scene.point(200, 150);
@@ -72,11 +63,7 @@ fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn a_line_is_typed_corrected_and_entered_in_the_window() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
     let mut scene = Scene::start(CUBE);
     let type_in = |scene: &Scene, text: &str| {
         scene.display.tool(&["type", "--delay", "30", text]);
@@ -110,11 +97,7 @@ fn a_line_is_typed_corrected_and_entered_in_the_window() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
     let mut scene = Scene::start(CUBE);
     scene.changes("turning", || scene.drag("1", (200, 160), (170, 150)));
     scene.point(200, 160);
@@ -155,11 +138,7 @@ fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
 }
 
 /// The window stays responsive while another thread waits for a slow picture.
-#[test]
-fn saving_a_slow_picture_does_not_hold_the_window() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn saving_a_slow_picture_does_not_hold_the_window() {
     // The coarse picture takes seconds, and the fine one would take minutes.
     let terms = (1..80).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
     let formula = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));

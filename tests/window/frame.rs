@@ -1,19 +1,15 @@
 //! A real window: its size, letters and watched file, and the ways in which window and terminal
 //! close.
 
-use crate::window_support::scene::{CUBE, PROGRAMS, Scene, painted};
-use crate::window_support::{Terminal, have, until};
+use crate::scene::{CUBE, Scene, painted};
+use crate::terminal_support::{Terminal, until};
 
 /// Height of the status line, with letters `scale` times as large.
 const fn status(scale: u32) -> u32 {
     20 * scale
 }
 
-#[test]
-fn shift_drag_moves_as_the_right_button_does() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn shift_drag_moves_as_the_right_button_does() {
     let scene = Scene::start(CUBE);
     let (from, to) = ((200, 160), (240, 140));
     let right = scene.changes("right", || scene.drag("3", from, to));
@@ -26,11 +22,7 @@ fn shift_drag_moves_as_the_right_button_does() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn the_picture_fills_a_window_that_grows_or_shrinks() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn the_picture_fills_a_window_that_grows_or_shrinks() {
     let mut scene = Scene::start(CUBE);
     for (width, height) in [(640, 480), (300, 220), (120, 90)] {
         let (w, h) = (width.to_string(), height.to_string());
@@ -63,11 +55,7 @@ fn the_picture_fills_a_window_that_grows_or_shrinks() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn letters_are_as_large_as_they_are_asked_to_be() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn letters_are_as_large_as_they_are_asked_to_be() {
     let scene = Scene::start(&["x^2+y^2+z^2 = 1", "--size", "700x480", "--ui-scale", "2"]);
     let picture = scene.picture();
     let dark = |y: u32| picture.get_pixel(1, y).0.iter().all(|c| *c < 80);
@@ -79,11 +67,7 @@ fn letters_are_as_large_as_they_are_asked_to_be() {
 }
 
 /// Takes the picture for the README.
-#[test]
-fn the_overlay_is_drawn_around_the_picture() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn the_overlay_is_drawn_around_the_picture() {
     let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
     let axes = scene.rest();
     let plain = scene.changes("no axes", || scene.key("x"));
@@ -100,11 +84,7 @@ fn the_overlay_is_drawn_around_the_picture() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn a_saved_file_is_seen_at_once() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn a_saved_file_is_seen_at_once() {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().join("surface.zset");
     let save = |text: &str| std::fs::write(&path, text).expect("written");
@@ -164,11 +144,7 @@ fn close(scene: &Scene) {
     sent.check().expect("delivered");
 }
 
-#[test]
-fn closing_the_window_ends_the_program_and_keeps_the_document() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn closing_the_window_ends_the_program_and_keeps_the_document() {
     let mut scene = Scene::start(CUBE);
     scene.terminal.type_in("z = x^3\r");
     scene.rest();
@@ -181,28 +157,12 @@ fn closing_the_window_ends_the_program_and_keeps_the_document() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn a_terminal_that_goes_away_ends_the_program_and_keeps_history_and_document() {
-    let check = |mut terminal: Terminal| {
-        terminal.type_in("z = x^3\r");
-        terminal.type_in("x^2 +");
-        let left = terminal.hang_up();
-        let read = |name: &str| {
-            std::fs::read_to_string(left.path().join("data/zeroset").join(name)).expect(name)
-        };
-        assert!(read("history").contains("z = x^3") && read("last.zset").contains("z = x^3"));
-    };
-    // Test a hang-up with a signal, and one without.
-    if have(&["setsid"]) {
-        println!("with a signal");
-        check(Terminal::controlling(&["--preview", "x+y+z"], None));
-    }
-    println!("without one");
-    check(Terminal::start(&["--preview", "x+y+z"], None));
-    println!("beside a window");
-    if have(PROGRAMS) {
-        let Scene { terminal, display, .. } = Scene::start(CUBE);
-        check(terminal);
-        drop(display);
-    }
+pub fn a_terminal_that_goes_away_with_a_signal_ends_the_program() {
+    Terminal::controlling(&["--preview", "x+y+z"], None).hang_up();
+}
+
+pub fn a_terminal_that_goes_away_beside_a_window_ends_the_program() {
+    let Scene { terminal, display, .. } = Scene::start(CUBE);
+    terminal.hang_up();
+    drop(display);
 }

@@ -1,7 +1,7 @@
 //! Sliders, time, undo, cuts and short clicks in a real window.
 
-use crate::window_support::scene::{CUBE, PROGRAMS, Scene};
-use crate::window_support::{Terminal, have, until};
+use crate::scene::{CUBE, Scene};
+use crate::terminal_support::until;
 use std::time::Duration;
 
 const BALL: &[&str] =
@@ -22,11 +22,7 @@ fn wait(milliseconds: u64) {
     std::thread::sleep(Duration::from_millis(milliseconds));
 }
 
-#[test]
-fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
     let mut scene = Scene::start(BALL);
     let start = scene.rest();
     let middle = i32::midpoint(TRACK.0, TRACK.1);
@@ -67,11 +63,7 @@ fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     let mut scene = Scene::start(BALL);
     let middle = i32::midpoint(TRACK.0, TRACK.1);
     scene.point(middle, ROWS[0]);
@@ -95,11 +87,7 @@ fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
 
 /// While a slider is dragged, the surface grows in the view. After its release, the view fits it
 /// again.
-#[test]
-fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     let ball = ["r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", "--size", "400x320"];
     let scene = Scene::start(&ball);
     // Number of columns with orange pixels below the slider.
@@ -130,11 +118,7 @@ fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn time_is_played_paused_and_scrubbed() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn time_is_played_paused_and_scrubbed() {
     let mut scene = Scene::start(BALL);
     let start = scene.rest();
     scene.key("t");
@@ -156,11 +140,7 @@ fn time_is_played_paused_and_scrubbed() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn what_faces_the_eye_is_cut_open_and_the_cut_is_moved() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn what_faces_the_eye_is_cut_open_and_the_cut_is_moved() {
     let scene = Scene::start(CUBE);
     let whole = scene.rest();
     let cut = scene.changes("cut", || scene.key("k"));
@@ -174,11 +154,7 @@ fn what_faces_the_eye_is_cut_open_and_the_cut_is_moved() {
 }
 
 /// A click of `xdotool` lasts some microseconds.
-#[test]
-fn clicks_however_short_are_seen_and_each_once() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn clicks_however_short_are_seen_and_each_once() {
     let scene = Scene::start(CUBE);
     let said = || scene.terminal.shown().matches("| zeroset eval").count();
     for number in 1..=10 {
@@ -196,11 +172,7 @@ fn clicks_however_short_are_seen_and_each_once() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
     let mut scene = Scene::start(CUBE);
     let before = scene.terminal.shown();
     scene.key("slash");
@@ -219,11 +191,7 @@ fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-#[test]
-fn the_title_names_the_document_and_whether_it_was_changed() {
-    if !have(PROGRAMS) {
-        return;
-    }
+pub fn the_title_names_the_document_and_whether_it_was_changed() {
     let mut scene = Scene::start(CUBE);
     let title = |scene: &Scene| scene.display.tool(&["getwindowname", &scene.window]);
     assert_eq!(title(&scene), "formula - zeroset");
@@ -235,22 +203,4 @@ fn the_title_names_the_document_and_whether_it_was_changed() {
     until("it is a file", || title(&scene) == "mine.zset - zeroset");
     scene.key("q");
     assert_eq!(scene.terminal.ends(), 0);
-}
-
-#[test]
-fn the_prompt_tells_how_to_give_a_letter_a_value() {
-    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
-    terminal.shows("undecided");
-    terminal.type_in("x^2+y^2 = q\r");
-    terminal.shows("type `q = 1` to give it a value");
-    terminal.type_in("q = 1\r");
-    terminal.type_in("x^2+y^2 = q\r");
-    terminal.type_in(":list\r");
-    terminal.shows("q = 1\r\nx^2+y^2 = q");
-    let place = terminal.place().join("data/zeroset/tips");
-    for (line, shown) in [(":tips on\r", "0\n"), (":tips off\r", "5\n")] {
-        terminal.type_in(line);
-        until(line, || std::fs::read_to_string(&place).is_ok_and(|text| text == shown));
-    }
-    terminal.leaves();
 }

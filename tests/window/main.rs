@@ -1,0 +1,90 @@
+//! Tests of the program in a real window.
+//!
+//! They run programs that a computer may lack, and `#[test]` cannot ignore a test at run time. This
+//! harness does: it ignores the tests whose programs are missing, and says what to install. Under
+//! CI, and for tests that are asked for by `--ignored` or `--include-ignored`, it fails instead.
+
+#[cfg(unix)]
+mod display;
+#[cfg(unix)]
+mod frame;
+#[cfg(unix)]
+mod gallery;
+#[cfg(unix)]
+mod harness;
+#[cfg(unix)]
+mod lacking;
+#[cfg(unix)]
+mod scene;
+#[cfg(unix)]
+mod session;
+#[cfg(unix)]
+mod sliders;
+#[cfg(unix)]
+mod surfaces;
+#[cfg(unix)]
+#[path = "../terminal_support/mod.rs"]
+#[allow(dead_code, reason = "the prompt's tests use the rest")]
+mod terminal_support;
+
+#[cfg(unix)]
+use harness::{Group, Program};
+
+/// Names tests by their paths.
+#[cfg(unix)]
+macro_rules! tests {
+    ($($test:path,)*) => { &[$((stringify!($test), $test)),*] };
+}
+
+/// All tests, by the programs that they run.
+#[cfg(unix)]
+const TESTS: &[Group] = &[
+    Group {
+        programs: &[],
+        tests: tests![
+            lacking::filters_select_what_libtest_selects,
+            lacking::tests_that_must_run_fail_without_their_programs,
+            lacking::tests_without_their_programs_are_ignored_with_the_reason,
+        ],
+    },
+    Group {
+        programs: &[Program::SETSID],
+        tests: tests![frame::a_terminal_that_goes_away_with_a_signal_ends_the_program,],
+    },
+    Group {
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT],
+        tests: tests![
+            frame::shift_drag_moves_as_the_right_button_does,
+            frame::the_picture_fills_a_window_that_grows_or_shrinks,
+            frame::letters_are_as_large_as_they_are_asked_to_be,
+            frame::the_overlay_is_drawn_around_the_picture,
+            frame::a_saved_file_is_seen_at_once,
+            frame::closing_the_window_ends_the_program_and_keeps_the_document,
+            frame::a_terminal_that_goes_away_beside_a_window_ends_the_program,
+            gallery::a_surface_is_chosen_by_its_picture,
+            gallery::help_is_read_in_the_window,
+            session::the_picture_is_centred_and_follows_mouse_and_keys,
+            session::one_step_of_the_wheel_zooms_as_far_as_a_key,
+            session::a_line_is_typed_corrected_and_entered_in_the_window,
+            session::a_click_and_a_saved_picture_can_be_repeated_from_the_terminal,
+            session::saving_a_slow_picture_does_not_hold_the_window,
+            sliders::a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back,
+            sliders::a_slider_that_is_held_while_the_gallery_opens_is_let_go,
+            sliders::a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go,
+            sliders::time_is_played_paused_and_scrubbed,
+            sliders::what_faces_the_eye_is_cut_open_and_the_cut_is_moved,
+            sliders::clicks_however_short_are_seen_and_each_once,
+            sliders::what_is_typed_in_the_window_prints_nothing_in_the_terminal,
+            sliders::the_title_names_the_document_and_whether_it_was_changed,
+            surfaces::surfaces_are_hidden_seen_through_moved_and_taken_away,
+            surfaces::axes_are_there_unless_somebody_wants_none,
+        ],
+    },
+];
+
+fn main() -> std::process::ExitCode {
+    #[cfg(unix)]
+    return harness::run(TESTS);
+    #[cfg(not(unix))]
+    std::process::ExitCode::SUCCESS
+}
