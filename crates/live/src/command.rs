@@ -356,8 +356,6 @@ mod tests {
             ":domain 1,2",
             ":time",
             ":time inf",
-            ":depth -1",
-            ":depth 1.5",
             ":view up",
             ":explain all",
             ":set",
