@@ -27,7 +27,14 @@ use zeroset_eval::Assumptions;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
-use zeroset_space::{BOX_DEPTH, Cell, CellSearch, DEFAULT_HALF, FINE_DEPTH, places_about};
+use zeroset_space::{Cell, CellSearch, places_about};
+
+/// Half the side of the window on a surface without a scale of its own.
+const DEFAULT_HALF: f64 = 2.0;
+
+/// Depth to which intervals halve a box, and to which affine forms halve it further.
+const BOX_DEPTH: u32 = 6;
+const FINE_DEPTH: u32 = 7;
 
 /// Half the extent of the largest cube that is searched for a surface that cannot be proven bounded
 /// everywhere.

@@ -1,12 +1,10 @@
 //! Search for boxes that may hold a point of a surface, by halving, with a limit on evaluations.
 
+use rayon::prelude::*;
 use std::cell::Cell as Counter;
 use zeroset_eval::{
     Boxes, ContractTiles, FindZeros, Kernel, LANES, Planes, Points, Sample, Tiles, Values, Zeros,
 };
-
-/// Half the side of the window on a surface without a scale of its own.
-pub const DEFAULT_HALF: f64 = 2.0;
 
 /// A box of space. Its ends may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,71 +123,53 @@ impl CellSearch<'_> {
         values
     }
 
-    /// The cells that are not proven empty. If the search is not wanted, the result is empty, so
-    /// that every search ends.
+    /// The cells that are not proven empty, in order. If the search is not wanted, the result is
+    /// empty, so that every search ends.
     pub fn open(&self, cells: &[Cell]) -> Vec<Cell> {
         if !self.is_wanted() {
             return Vec::new();
         }
-        let mut open = Vec::with_capacity(cells.len());
-        for chunk in cells.chunks(LANES) {
-            if !self.spend((chunk.len() * self.surfaces.len()) as u64) {
-                open.extend_from_slice(chunk);
-                continue;
-            }
-            let mut boxes = Boxes::<f64> { count: chunk.len() as u32, ..Boxes::default() };
-            for (lane, cell) in chunk.iter().enumerate() {
-                for axis in 0..3 {
-                    boxes.neg_lo[axis][lane] = -cell.low[axis];
-                    boxes.hi[axis][lane] = cell.high[axis];
-                }
-            }
-            let mut possible = 0;
-            for surface in &self.surfaces {
-                let mut zeros = Zeros::default();
+        let Self { surfaces, forms, .. } = self;
+        let open = self.remaining(cells, surfaces, |cells, surfaces| {
+            let (boxes, mut zeros) = (boxes(cells), Zeros::default());
+            surfaces.iter().fold(0, |all, surface| {
                 surface.eval(&boxes, &mut zeros);
-                possible |= zeros.possible;
-            }
-            let left = chunk.iter().enumerate().filter(|(lane, _)| possible >> lane & 1 == 1);
-            open.extend(left.map(|(_, cell)| *cell));
+                all | zeros.possible
+            })
+        });
+        if forms.is_empty() {
+            return open;
         }
-        if self.forms.is_empty() { open } else { self.open_by_forms(&open) }
+        self.remaining(&open, forms, |cells, forms| {
+            let (tiles, mut planes) = (tiles(cells), Planes::default());
+            forms.iter().fold(0, |all, form| {
+                form.eval(&tiles, &mut planes);
+                all | planes.possible
+            })
+        })
     }
 
-    /// The cells that affine forms do not prove empty.
-    fn open_by_forms(&self, cells: &[Cell]) -> Vec<Cell> {
-        let mut open = Vec::with_capacity(cells.len());
-        for chunk in cells.chunks(LANES) {
-            if !self.spend((chunk.len() * self.forms.len()) as u64) {
-                open.extend_from_slice(chunk);
-                continue;
-            }
-            // A box is a tile of rays along z, with its screen in the plane z = 0.
-            let mut tiles = Tiles::<f64> { count: chunk.len() as u32, ..Tiles::default() };
-            for (lane, cell) in chunk.iter().enumerate() {
-                let centre = cell.centre();
-                for (axis, centre) in centre.into_iter().enumerate().take(2) {
-                    let reach = (cell.high[axis] - centre).max(centre - cell.low[axis]);
-                    tiles.centre[axis][lane] = centre;
-                    tiles.half[axis][lane] = reach.next_up();
-                }
-                (tiles.near[lane], tiles.far[lane]) = (cell.low[2], cell.high[2]);
-            }
-            for lane in 0..LANES {
-                (tiles.origin[3][lane], tiles.origin[7][lane]) = (1.0, 1.0);
-                tiles.direction[2][lane] = 1.0;
-            }
-            tiles.allow_rounding();
-            let mut possible = 0;
-            for surface in &self.forms {
-                let mut planes = Planes::default();
-                surface.eval(&tiles, &mut planes);
-                possible |= planes.possible;
-            }
-            let left = chunk.iter().enumerate().filter(|(lane, _)| possible >> lane & 1 == 1);
-            open.extend(left.map(|(_, cell)| *cell));
+    /// The cells, in order, whose lanes are set in the mask that `possible` returns for up to
+    /// sixteen of them. Cells for which no evaluations are left remain, too.
+    fn remaining<K: Sync>(
+        &self,
+        cells: &[Cell],
+        kernels: &[K],
+        possible: impl Fn(&[Cell], &[K]) -> u16 + Sync,
+    ) -> Vec<Cell> {
+        // Evaluations are paid for in order, so that results do not depend on threads.
+        let paid = |cells: &'_ [Cell]| self.spend((cells.len() * kernels.len()) as u64);
+        let batches: Vec<_> = cells.chunks(LANES).map(|cells| (cells, paid(cells))).collect();
+        let open = |&(cells, is_paid): &(&[Cell], bool)| {
+            let mask = if is_paid { possible(cells, kernels) } else { u16::MAX };
+            let open = cells.iter().enumerate().filter(|(lane, _)| mask >> lane & 1 == 1);
+            open.map(|(_, cell)| *cell).collect::<Vec<_>>()
+        };
+        if batches.len() < PARALLEL {
+            batches.iter().flat_map(open).collect()
+        } else {
+            batches.par_iter().flat_map_iter(open).collect()
         }
-        open
     }
 
     /// Returns whether everything outside a box is proven empty, however far away. The space around
@@ -263,15 +243,45 @@ impl CellSearch<'_> {
     }
 }
 
+/// Up to sixteen cells as boxes of a batch.
+fn boxes(cells: &[Cell]) -> Boxes<f64> {
+    let mut boxes = Boxes { count: cells.len() as u32, ..Boxes::default() };
+    for (lane, cell) in cells.iter().enumerate() {
+        for axis in 0..3 {
+            boxes.neg_lo[axis][lane] = -cell.low[axis];
+            boxes.hi[axis][lane] = cell.high[axis];
+        }
+    }
+    boxes
+}
+
+/// Up to sixteen cells as tiles of rays along z, with their screen in the plane z = 0.
+fn tiles(cells: &[Cell]) -> Tiles<f64> {
+    let mut tiles = Tiles { count: cells.len() as u32, ..Tiles::default() };
+    for (lane, cell) in cells.iter().enumerate() {
+        let centre = cell.centre();
+        for (axis, centre) in centre.into_iter().enumerate().take(2) {
+            let reach = (cell.high[axis] - centre).max(centre - cell.low[axis]);
+            tiles.centre[axis][lane] = centre;
+            tiles.half[axis][lane] = reach.next_up();
+        }
+        (tiles.near[lane], tiles.far[lane]) = (cell.low[2], cell.high[2]);
+    }
+    for lane in 0..LANES {
+        (tiles.origin[3][lane], tiles.origin[7][lane]) = (1.0, 1.0);
+        tiles.direction[2][lane] = 1.0;
+    }
+    tiles.allow_rounding();
+    tiles
+}
+
+/// Least number of batches that are worth several threads.
+const PARALLEL: usize = 16;
+
 /// Number of halvings of cells between two boxes, and number of open cells beyond which they stop.
 /// A surface that passes through would only cost time.
 const SHELL_DEPTH: u32 = 6;
 const SHELL_CELLS: usize = 2048;
-
-/// Halvings of a box that is searched by intervals.
-pub const BOX_DEPTH: u32 = 6;
-/// Halvings of a box that is searched by affine forms too.
-pub const FINE_DEPTH: u32 = 7;
 
 /// A box is searched again if a side became shorter than this share of itself, at most `ROUNDS`
 /// times.

@@ -2,9 +2,9 @@
 //!
 //! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
+use super::DEFAULT_HALF;
 use super::climb::{self, Extremum};
 use super::heights::{Grid, Heights};
-use zeroset_space::DEFAULT_HALF;
 
 /// Ratio of a window's extent to that of the tops in it.
 const MARGIN_OF_GRAPH: f64 = 1.6;

@@ -3,8 +3,9 @@
 //!
 //! All results are sampled, not proven. Knows neither surfaces nor kernels.
 
+use super::DEFAULT_HALF;
 use std::f64::consts::PI;
-use zeroset_space::{DEFAULT_HALF, places_about};
+use zeroset_space::places_about;
 
 /// The argument of a wave, by place.
 pub type Wave<'a> = dyn Fn([f64; 3]) -> f64 + 'a;

@@ -12,8 +12,9 @@ use super::heights::{self, Grid, shown};
 use super::shape::GraphShape;
 use super::tops::around_tops;
 use super::waves::{Wave, resolvable_half};
+use super::{BOX_DEPTH, DEFAULT_HALF};
 use zeroset_eval::{Kernel, Sample};
-use zeroset_space::{BOX_DEPTH, Cell, CellSearch, DEFAULT_HALF};
+use zeroset_space::{Cell, CellSearch};
 
 /// Ratio of a window's extent to that of the features in it, in general and for a plane.
 const MARGIN: f64 = 2.5;
