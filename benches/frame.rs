@@ -1,11 +1,12 @@
 //! Times of whole pictures by every method: tracing, normals and colors of 512×512 pixels, or N×N,
 //! on one thread.
 //!
-//! `cargo bench --bench frame [-- SURFACES… METHODS… FLAGS…]` prints, for each surface and method,
-//! median milliseconds of interleaved rounds, the work of kernels, and the number of decided
-//! pixels. The flags are `--no-contract`, `--no-tiles`, `--no-interval`, `--f32`, `--f64`,
-//! `--rounds=N`, `--size=N`, and `--cold`, which evicts the previous frame from the caches. Under a
-//! profiler, runs with `--rounds=1` and `--rounds=2` differ by the cost of one round.
+//! `cargo bench --bench frame [-- SURFACES… METHODS… FLAGS…]` prints for each surface and method
+//! the median milliseconds of interleaved rounds, the number of kernel calls and lanes, and the
+//! number of decided pixels. The flags are `--no-contract`, `--no-tiles`, `--no-interval`, `--f32`,
+//! `--f64`, `--rounds=N`, `--size=N`, and `--cold`, which evicts the previous frame from the
+//! caches. Under a profiler, runs with `--rounds=1` and `--rounds=2` differ by the cost of one
+//! round.
 
 use glam::DVec3;
 use include_dir::{Dir, include_dir};
@@ -42,7 +43,8 @@ fn main() {
     let size = std::env::args().find_map(|given| given.strip_prefix("--size=")?.parse().ok());
     // Memory larger than the caches, to be written before each picture.
     let mut others = vec![0_u8; if given("--cold") { 64 << 20 } else { 0 }];
-    // A name of both a surface and a method selects the surface, and given twice, both.
+    // If a name belongs to both a surface and a method, it selects the surface. Given twice, it
+    // selects both.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
     let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
     let named = |method: &&Method| times(method.name) > usize::from(is_surface(method.name));

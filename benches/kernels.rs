@@ -20,7 +20,7 @@ const BATCHES: usize = 32;
 const CALLS: usize = 2_000;
 const ROUNDS: usize = 101;
 
-/// Boxes like those of a traverser: 1/16 of the domain wide, all over it.
+/// Boxes like those that a traverser evaluates: at random places of the domain, and 1/16 as wide.
 fn boxes(half: f64) -> Vec<Boxes> {
     let mut state = 1_u64;
     let mut random = || {
@@ -59,7 +59,7 @@ fn eval_often<Q: Query>(kernel: &dyn Kernel<Q>, inputs: &[Q::Input<f32>], times:
 fn time(native: &dyn Kernel<Enclose>, rival: &dyn Kernel<Enclose>, half: f64) -> Comparison {
     let boxes = boxes(half);
     let (ours, theirs) = (native.eval_all(&boxes), rival.eval_all(&boxes));
-    // Both compute the same function, so their enclosures differ by rounding only.
+    // Both kernels compute the same function, so their enclosures differ by rounding only.
     for (a, b) in ours.iter().zip(&theirs) {
         for lane in 0..LANES {
             let size = a.hi[lane].abs() + a.neg_lo[lane].abs() + 100.0;

@@ -3,9 +3,10 @@
 //!
 //! `cargo bench --bench latency` measures kernels of `f32`, then of `f64`. It prints the median and
 //! the worst surface of the gallery against the targets of 2 ms and 8 ms. Then it prints the
-//! slowest surfaces with the time of each stage. `-- gyroid` at the end of the command selects
-//! surfaces whose name contains this. A surface's time is the median over rounds. Each round covers
-//! all surfaces, so that a disturbance affects many surfaces once rather than one always.
+//! slowest surfaces with the time of each stage. `-- gyroid` at the end of the command selects the
+//! surfaces whose names contain `gyroid`. A surface's time is the median over rounds. Each round
+//! covers all surfaces, so that a disturbance affects many surfaces in one round, not one surface
+//! in all rounds.
 
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -43,8 +44,8 @@ fn first<T: KernelFloat>(example: &Example) -> Program {
     program
 }
 
-/// Compiles all kernels of a picture with normals in parallel, as a picture does; returns their
-/// number.
+/// Compiles all kernels of a picture with normals, in parallel, as drawing a picture does. Returns
+/// the number of kernels.
 fn all<T: KernelFloat>(example: &Example) -> usize {
     let document = document(example);
     let program = program(&document);
@@ -58,7 +59,7 @@ fn all<T: KernelFloat>(example: &Example) -> usize {
     program.made().len()
 }
 
-/// The result of `run` and its duration, without the drop of the result.
+/// Returns the result of `run`, and its duration without the time to drop the result.
 fn time<T>(run: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = black_box(run());
@@ -75,7 +76,8 @@ fn round<T: KernelFloat>(example: &Example) -> [Duration; NAMES.len()] {
     let (function, function_tape) = time(|| tape(KernelSource::Function));
     let (kernel, code) = time(|| Compiled::<Enclose, T>::new(function));
     kernel.expect(example.slug);
-    // The zero test compiles the function again, so the difference is the cost of poles.
+    // `zeros` compiles the function a second time. Without that time, the rest is the cost of
+    // poles.
     let zeros = time(|| _ = program.kernels::<T>(0).zeros().expect(example.slug)).1;
     let poles = zeros.saturating_sub(function_tape + code);
     let (derivatives, gradient_tape) = time(|| tape(KernelSource::Gradient));

@@ -4,13 +4,13 @@
 //! text while the gallery's formulas are typed. Each follows the previous one after 100 ms, so work
 //! for the older text must often be cancelled. The output compares the first picture, which may be
 //! coarse, and the full one with targets at the 95th percentile, and lists the slowest keys. A full
-//! picture has all pixels, but a few may be undecided for lack of time. These are then refined, and
-//! the time until then is printed, too.
+//! picture has all pixels, but a few may be undecided for lack of time. They are refined
+//! afterwards, and the time until the end of that is printed, too.
 //!
 //! The second part prints for each surface of the gallery the median times to the first and to the
-//! full picture. It also prints the pictures per second while a slider moves the formula, and by
-//! which factor they have fewer columns than the window. `-- gyroid` at the end of the command
-//! selects surfaces whose name contains this.
+//! full picture. It also prints the pictures per second while a slider moves the surface, and the
+//! factor by which these pictures have fewer columns than the window. `-- gyroid` at the end of the
+//! command selects the surfaces whose names contain `gyroid`.
 
 use std::time::{Duration, Instant};
 use zeroset_live::{DocumentSource, Live, Request};
@@ -24,7 +24,8 @@ const PACE: Duration = Duration::from_millis(100);
 const ROUNDS: usize = 5;
 /// Number of measured steps of a slider.
 const DRAGS: i32 = 40;
-/// Pictures per second that look like motion, if they have at least half of the window's columns.
+/// Least rate, in pictures per second, that looks like motion. The pictures must have at least half
+/// of the window's columns.
 const SMOOTH: f64 = 30.0;
 const LIMIT: Duration = Duration::from_mins(1);
 /// Names of the pictures, with targets for the 95th percentile.
@@ -33,20 +34,20 @@ const FULL: &str = "full picture (target 100 ms)";
 /// Number of slowest full pictures to list.
 const SLOWEST: usize = 12;
 
-/// A key that leaves valid text.
+/// A key, pressed while a formula is typed, that leaves valid text.
 struct Edit {
     example: usize,
     /// The line before and after the key.
     lines: [String; 2],
 }
 
-/// All keys of all formulas that leave valid text.
+/// All keys that leave valid text while the formulas are typed.
 fn edits(examples: &[Example]) -> Vec<Edit> {
     let mut edits = Vec::new();
     for (number, example) in examples.iter().enumerate() {
         let document = read(example.text, &Options::default()).expect(example.slug);
         let line = &document.surfaces[0].echo;
-        // The document already has the formula, and so every name that it needs.
+        // The example's text already defines every name that the line needs.
         let valid = |line: &str| {
             let text = zeroset_live::entered(example.text, line, false);
             read(&text, &Options::default()).is_ok()
@@ -54,7 +55,7 @@ fn edits(examples: &[Example]) -> Vec<Edit> {
         let ends: Vec<usize> = line.char_indices().map(|(at, c)| at + c.len_utf8()).collect();
         let before = std::iter::once(0).chain(ends.iter().copied());
         let keys = before.zip(&ends).map(|(start, &end)| [&line[..start], &line[..end]]);
-        // A space changes nothing.
+        // A space at the end of the line changes nothing.
         let changing = keys.filter(|[before, after]| before.trim() != after.trim());
         edits.extend(
             changing
@@ -155,7 +156,7 @@ fn moved(formula: &str) -> String {
 struct Dragging {
     /// Pictures per second.
     rate: f64,
-    /// Median ratio of the full picture's columns to theirs.
+    /// Median ratio of the full picture's columns to those of the pictures during the drag.
     scale: f64,
     /// Number of steps that compiled code.
     compiled: usize,

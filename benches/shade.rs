@@ -2,10 +2,10 @@
 //!
 //! `cargo bench --bench shade` draws 512×512 pixels on one thread. It prints ns per drawn pixel, or
 //! per pixel of the background; names are `shade/case`. The surfaces are spheres with known
-//! distances, and the gradient kernel copies its points. The first columns time each step over the
-//! whole picture: set-up in new memory, set-up in an empty picture's memory, and the rest. The last
-//! two time a frame in the memory of the previous one, where a few rows at a time go from set-up to
-//! colors.
+//! distances, and the gradient kernel only copies its points. The first columns time each step over
+//! the whole picture: set-up in new memory, set-up in an empty picture's memory, normals, and
+//! colors. The last two columns time a frame in the memory of the previous frame. It goes from
+//! set-up to colors a few rows at a time.
 
 use glam::DVec3;
 use std::hint::black_box;
@@ -50,7 +50,7 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
     buffer
 }
 
-/// A tracer that finds what is in the given buffer, if there is one.
+/// A tracer whose hits are those of the given buffer. Without a buffer, it finds none.
 struct KnownHits<'a>(Option<&'a GBuffer>);
 
 impl Tracer for KnownHits<'_> {
@@ -107,7 +107,7 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         written.reset(SIZE, SIZE, 0);
         written.hand_back();
         lap(&mut || black_box(GBuffer::new(SIZE, SIZE, 0)).hand_back());
-        // Drop the memory that was handed back.
+        // Takes the memory that was handed back, and frees it.
         drop(GBuffer::new(SIZE, SIZE, 0));
         buffer.normal.fill([0.0; 3]);
         lap(&mut || _ = black_box(normals(buffer, rays, gradients, 1e-3)));
@@ -122,7 +122,7 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
             frame(rays, Some(buffer), Some(&shader));
             lap(&mut || frame(rays, known, is_lit.then_some(&shader)));
         }
-        // Drop memory, so that the next round starts without any.
+        // Frees the memory, so that the next round starts without any.
         drop([(); 2].map(|()| GBuffer::new(SIZE, SIZE, 0)));
     }
     let sorted = times.map(|mut times| {
@@ -171,7 +171,8 @@ fn main() {
     for (name, radius) in [("full", 10.0), ("sphere", 1.0)] {
         let mut buffer = paint(&rays, radius);
         let drawn = (0..all).filter(|&pixel| buffer.is_drawn(pixel)).count();
-        // Set-up is shared by all pixels. From the rest, the cost of the background is subtracted.
+        // Set-up costs the same for every pixel. From the other stages, the cost of the background
+        // is subtracted.
         let (share, mut times) = ((all - drawn) as f64 / all as f64, time(&rays, &mut buffer));
         for (stage, time) in times.iter_mut().enumerate() {
             *time = if PER_PIXEL_STAGES.contains(&stage) {

@@ -1,6 +1,7 @@
-//! Hand-written rivals and timing for the benches. Three interval functions use 128-bit intrinsics
-//! and the operations that the simplifier leaves. glam's `Vec4` is `__m128`, and each of its
-//! operations below is one instruction. They round to nearest, so they are not rigorous.
+//! Hand-written rivals of native kernels, and timing for the benches. The rivals are three interval
+//! functions in 128-bit intrinsics. They have the operations that remain after simplification.
+//! glam's `Vec4` is `__m128`, and each of its operations below is one instruction. The operations
+//! round to nearest, so the rivals are not rigorous.
 
 use glam::Vec4;
 use std::time::Instant;

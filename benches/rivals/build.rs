@@ -4,7 +4,7 @@ use std::process::Command;
 
 const SOURCE: &str = "cpp/knoll2007.cpp";
 
-/// The flags that its authors would have used.
+/// The flags that the authors of the paper would have used.
 const FLAGS: [&str; 3] = ["-march=native", "-ffast-math", "-std=c++17"];
 
 fn main() {
@@ -29,10 +29,11 @@ fn main() {
     }
 }
 
-/// The rival on this many lanes.
+/// A build of the rival with this number of lanes.
 fn rival(lanes: &str) -> cc::Build {
     let mut build = cc::Build::new();
-    // In an executable, this model makes the thread-local counter a plain memory operand.
+    // In an executable, this model of thread-local storage makes the counter a plain memory
+    // operand.
     build.cpp(true).opt_level(3).flag("-ftls-model=local-exec");
     build.flags(FLAGS).define("W", lanes).file(SOURCE);
     build

@@ -1,6 +1,6 @@
 //! Random lines like those that a user types: complete, unfinished or wrong.
 
-/// Parts of meaningless lines.
+/// Pieces that are strung together at random, into meaningless lines.
 const PARTS: &[&str] = &[
     "x", "y", "z", "x^2", "y^2", "z^2", "+", "-", "*", "/", "^", "(", ")", "=", "1", "0.5", "sin(",
     "sqrt(", "abs(x)", "r", " ", "<", "and ", "max(x,", "{z>0}", "|", "é", "²", "foo", "2", ",",

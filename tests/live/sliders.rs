@@ -268,7 +268,7 @@ fn a_view_that_was_turned_stays_while_a_surface_outgrows_its_domain() {
     let grown = settled(&live);
     assert!(grown.model.region().half_extent() > 2.0 * before.model.region().half_extent());
     assert_eq!(grown.camera, before.camera);
-    // On request the whole surface is fitted, and the view turns about its middle from then on.
+    // On request the camera shows the whole region. Later drags leave it there.
     live.fit();
     let far = settled(&live).camera;
     assert!((far.eye() - far.target()).length() > 8.0, "{far:?}");

@@ -70,9 +70,10 @@ fn is_simple(truth: &Truth) -> bool {
 
 /// Every claim about a ray that its first root contradicts.
 ///
-/// A miss claims that there is no root, and a distance that there is none before it. Both must hold
-/// for roots of any multiplicity, including crossings. A painted point claims nothing, but must not
-/// lie where the picture proves that there is no root.
+/// A miss claims that the ray has no root. Any other pixel claims that it has none before the
+/// distance of the pixel. Both claims are about roots of any multiplicity: crossings and touches. A
+/// painted point claims nothing, but must not lie where the picture proves that there is no root.
+/// On rays that the reference leaves open, only the painted point is checked.
 fn contradictions(
     truth: &Truth,
     precision: Precision,

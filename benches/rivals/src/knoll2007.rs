@@ -1,6 +1,4 @@
-//! The paper's algorithm in C++.
-//!
-//! The call into it is the only unsafe code here.
+//! The algorithm of the paper, in C++. The call into the C++ code is the only unsafe code here.
 
 use crate::side::{EnclosureCalls, Side};
 use crate::surfaces::EYE;
@@ -99,8 +97,8 @@ impl Knoll2007 {
         Ok(known.then_some(this))
     }
 
-    /// Draws rows into the buffers, from `top` on, as many as they have room for. Returns the
-    /// number of evaluated boxes; `None` if the surface is unknown.
+    /// Draws rows from `top` on, as many as the buffers have room for. Returns the number of
+    /// evaluated boxes; `None` if the surface is unknown.
     #[allow(unsafe_code)] // the only call
     fn band(&self, top: usize, rgb: &mut [u8], distance: &mut [f32]) -> Option<u64> {
         let rows = distance.len() / self.size;

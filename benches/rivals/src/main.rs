@@ -87,7 +87,7 @@ impl Arguments {
             .filter(|m| self.methods.is_empty() || self.methods.iter().any(|n| n == m.name))
     }
 
-    /// All sides that can draw the surface, methods first.
+    /// All renderers that can draw the surface, zeroset's methods first.
     fn sides(&self, surface: &Surface) -> Result<Vec<Box<dyn Side + Send>>> {
         let (size, depth) = (self.size as usize, self.depth);
         let mut sides: Vec<Box<dyn Side + Send>> = Vec::new();
@@ -120,7 +120,7 @@ impl Arguments {
         Ok(sides)
     }
 
-    /// The certified results for each picture size.
+    /// Each picture size with its certified results.
     fn references(
         &self,
         surface: &Surface,
@@ -128,14 +128,15 @@ impl Arguments {
     ) -> Result<BTreeMap<usize, Reference>> {
         let samples = self.samples as usize;
         let sizes = sides.iter().map(|side| side.size()).filter(|_| samples > 0);
-        // Sides of one size share a reference.
+        // Renderers that draw pictures of the same size share a reference.
         let sizes: BTreeSet<usize> = sizes.collect();
         let reference = |size| Ok((size, Reference::new(surface, size, samples)?));
         sizes.into_iter().map(reference).collect()
     }
 }
 
-/// Side of the square of rays that determine which side of the surface the eye is on.
+/// Number of rows and columns of the rays that determine the function's sign where rays enter the
+/// domain.
 const ENTRIES: usize = 64;
 
 fn main() -> Result<()> {
@@ -149,7 +150,7 @@ fn main() -> Result<()> {
         let mut sides = arguments.sides(surface).context(surface.name)?;
         let rounds = arguments.rounds as usize;
         let times = match arguments.scaling {
-            // Each side has its own threads.
+            // Each renderer has threads of its own.
             Some(_) => measure(&mut sides, rounds),
             None => pool.install(|| measure(&mut sides, rounds)),
         };

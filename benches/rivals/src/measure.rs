@@ -7,8 +7,8 @@ use std::time::Instant;
 /// Seconds per picture of a side, round by round.
 pub struct Times(Vec<f64>);
 
-/// Every side draws once without measurement. In each round all sides draw, each time beginning
-/// with the next side.
+/// Times all renderers. Each draws once without measurement. Then all of them draw in each round,
+/// and each round begins with the next renderer.
 ///
 /// # Errors
 /// If a side cannot draw.

@@ -52,7 +52,8 @@ impl Side for ZerosetSide {
     }
 
     fn draw(&mut self) -> Result<()> {
-        // The window reuses memory like this, and the other sides overwrite theirs, too.
+        // Reuses the memory of the last picture, as the window does. The other renderers overwrite
+        // their pictures, too.
         if let Some(shown) = self.picture.take() {
             shown.hand_back();
         }

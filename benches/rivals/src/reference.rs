@@ -83,7 +83,7 @@ impl Reference {
         Ok(Self { half: surface.half, pixels })
     }
 
-    /// Numbers of rays that certainly miss, that certainly hit, and that are open.
+    /// Numbers of rays that certainly miss, that certainly hit, and that are not decided.
     pub fn counts(&self) -> [usize; 3] {
         let mut counts = [0; 3];
         for (_, truth) in &self.pixels {
@@ -96,7 +96,8 @@ impl Reference {
         counts
     }
 
-    /// The errors of a picture with these distances, as returned by [`Side`](crate::side::Side).
+    /// The errors of a picture with these distances, which
+    /// [`Side::distances`](crate::side::Side::distances) returns.
     pub fn errors(&self, distances: &[f64]) -> Errors {
         let (mut rootless, mut missed, mut off) = (0, 0, Vec::new());
         for (pixel, truth) in &self.pixels {
@@ -118,10 +119,9 @@ impl Reference {
 }
 
 impl Entries {
-    /// Evaluates the sign where `samples`² rays enter the domain.
+    /// Evaluates the function's sign where `samples`² rays enter the domain.
     ///
-    /// # Errors
-    /// If the surface has no valid document, domain or camera.
+    /// # Errors If the surface has no valid document, domain or camera.
     pub fn new(surface: &Surface, samples: usize) -> Result<Self> {
         let (function, bounds) = (function(surface)?, surface.bounds());
         let rays = surface.camera()?.rays(samples, samples);
@@ -138,7 +138,8 @@ impl Entries {
         self.below > self.above
     }
 
-    /// Share of rays that enter on the less common side; `None` if there are none.
+    /// Share of rays that enter where the function has the less common sign; `None` if all signs
+    /// agree.
     pub fn minority(self) -> Option<f64> {
         let (less, more) = (self.below.min(self.above), self.below.max(self.above));
         (less > 0).then(|| less as f64 / (less + more) as f64)

@@ -9,15 +9,15 @@ use std::fmt::Write as _;
 pub struct Row {
     /// Name of the side.
     pub side: String,
-    /// Times of its pictures.
+    /// Times of the pictures.
     pub times: Times,
-    /// Errors of its picture, if they are measured.
+    /// Errors of the last picture, if they are measured.
     pub errors: Option<Errors>,
-    /// Its calls of the function's enclosure, if it counts them.
+    /// Calls for bounds of f in the last picture, if they are counted.
     pub enclosure_calls: Option<EnclosureCalls>,
-    /// Its times relative to each method, in the order of the columns.
+    /// Times relative to each method, in the order of the columns.
     pub ratios: Vec<f64>,
-    /// Reason why its picture is not the zero set, if so.
+    /// Reason why the picture is not the zero set, if so.
     pub remark: Option<String>,
 }
 
@@ -59,7 +59,7 @@ impl Report {
         self.rows.push((surface, row));
     }
 
-    /// Prints each side's geometric means and worst cases, and the remarks.
+    /// Prints for each side the geometric means and the worst cases, and then the remarks.
     pub fn summarise(&self) {
         println!(
             "\nGeometric mean and worst (least) ratio to each method over the surfaces that a side can draw:\n"

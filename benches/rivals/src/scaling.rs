@@ -5,8 +5,8 @@ use crate::side::Side;
 use anyhow::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Number of pictures per measurement, drawn in sequence as while a view turns. With a single
-/// picture, the wake-up of threads would dominate.
+/// Number of pictures per measurement, drawn one after another as while a view turns. With a single
+/// picture, the time to wake threads would dominate.
 const IN_A_ROW: usize = 32;
 
 /// Pictures drawn at the same time, each with threads of its own.

@@ -30,13 +30,13 @@ pub trait Side {
         None
     }
 
-    /// A remark, if the picture shows more than the zero set or another one.
+    /// A remark, if the picture does not show exactly the zero set.
     fn remark(&self) -> Option<String> {
         None
     }
 }
 
-/// Calls of a function's enclosure.
+/// Calls for bounds of a function.
 #[derive(Clone, Copy, Debug)]
 pub struct EnclosureCalls {
     /// Number of calls.

@@ -1,6 +1,6 @@
 //! The surfaces and their view.
 //!
-//! The C++ has its own formulas. All other sides use the texts of the charts.
+//! The C++ has its own formulas. All other renderers use the function files of `crates/chart/data`.
 
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
@@ -14,15 +14,16 @@ use zeroset_space::Region;
 pub struct Surface {
     /// Name in the C++.
     pub name: &'static str,
-    /// Half the edge of the domain, a cube around the origin, and unit of reported distances.
+    /// Half the edge of the domain, a cube around the origin. Reported distances are multiples of
+    /// it.
     pub half: f64,
     /// Whether the domain cuts the surface open.
     pub is_cut: bool,
-    /// Document whose domain is that cube.
+    /// Text of a document that has this domain.
     text: &'static str,
 }
 
-/// A surface with a text of the charts.
+/// A surface whose text is a function file of `crates/chart/data`.
 macro_rules! surface {
     ($name:literal, $file:literal, $half:expr, $is_cut:expr) => {
         Surface {

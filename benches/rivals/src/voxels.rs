@@ -1,6 +1,7 @@
 //! fidget's renderer, which prunes voxels from front to back by intervals in native code.
 //!
-//! It draws solids, f < 0, not zero sets, so the side of the solid is chosen for it.
+//! It draws solids, f < 0, not zero sets. So the sign of f is chosen such that most rays start
+//! outside.
 
 use crate::reference::Entries;
 use crate::side::Side;
@@ -132,7 +133,7 @@ impl Side for Voxels {
 
     fn draw(&mut self) -> Result<()> {
         let shape = self.shape.clone().try_into()?;
-        // The global pool is the pool that calls this.
+        // fidget's global pool is the pool in which this function runs.
         let threads = self.is_parallel.then_some(&ThreadPool::Global);
         let evaluation = EvalConfig { tile_sizes: None, threads, cancel: CancelToken::new() };
         let image = render(shape, &self.config, &evaluation);

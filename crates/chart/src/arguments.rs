@@ -107,7 +107,8 @@ pub struct RunArguments {
     #[arg(long, visible_alias = "size", value_delimiter = ',', default_value = "256", value_name = "PIXELS",
         value_parser = number(8..=8192))]
     sizes: Vec<usize>,
-    /// Number of views of each surface: standard, around, close, grazing, inside, and again
+    /// Number of views of each surface, whose kinds alternate: standard, around, close, grazing,
+    /// inside
     #[arg(long, default_value_t = 8, value_parser = number(1..=1000))]
     views: usize,
     /// Seed of views, sampled pixels and the order of measurements
@@ -159,7 +160,7 @@ pub struct RaysArguments {
 /// Arguments of `rigour`.
 #[derive(Args, Debug)]
 pub struct RigourArguments {
-    /// Surfaces without parameters and poles, as for `run`; the ten if not given
+    /// Surfaces without parameters and poles, named as for `run`; the ten of `run` if not given
     pub surfaces: Vec<String>,
     /// Side of the square pictures, in pixels
     #[arg(long, default_value_t = 256, value_name = "PIXELS", value_parser = number(8..=8192))]
@@ -230,7 +231,7 @@ fn precision_name(text: &str) -> Result<String, String> {
 }
 
 impl RunArguments {
-    /// The values of each option.
+    /// The values to measure, for each option.
     pub fn values(&self) -> Values {
         Values {
             depths: distinct(self.max_depth.iter().copied()),

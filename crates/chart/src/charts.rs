@@ -57,7 +57,7 @@ impl<'a> MeasuredRows<'a> {
         distinct(self.0.iter().map(|(row, _)| row.surface.as_str()))
     }
 
-    /// The picture size of most rows; the greatest of several such sizes.
+    /// The picture size of most rows. If several sizes are equally common, the largest of them.
     fn common_size(&self) -> Option<usize> {
         let sizes = distinct(self.0.iter().map(|(row, _)| row.size));
         let number = |size: &usize| self.0.iter().filter(|(row, _)| row.size == *size).count();
@@ -89,7 +89,8 @@ impl<'a> MeasuredRows<'a> {
     }
 }
 
-/// Error in pixels that zero counts as in means, since it is far below what a picture shows.
+/// Value that stands for an error of 0 pixels in geometric means. It is far below what a picture
+/// shows.
 const LEAST: f64 = 1e-6;
 
 /// The geometric mean, with values raised to at least [`LEAST`]; 0 if all values are 0.
@@ -132,14 +133,15 @@ fn series(configuration: &Configuration) -> PlotSeries {
     }
 }
 
-/// Configurations grouped by method and precision: those of a group differ in numbers only.
+/// Configurations grouped by method and precision. Those of a group differ only in depth, tolerance
+/// or steps.
 fn families(rows: &MeasuredRows<'_>) -> Vec<Vec<Configuration>> {
     let configurations = distinct(rows.0.iter().map(|(_, configuration)| *configuration));
     let families = grouped(configurations, |one| (one.method, one.precision));
     families.into_iter().map(|(_, family)| family).collect()
 }
 
-/// Legend of the letters in labels.
+/// Lines of the legend that explain the letters in labels.
 fn letters(rows: &MeasuredRows<'_>) -> Vec<&'static str> {
     let letters = [(TOLERANCE, "t: tolerance in pixels"), (DEPTH, "d: depth"), (STEPS, "s: steps")];
     let has = |option| rows.0.iter().any(|(_, one)| one.number(option).is_some());
@@ -150,7 +152,7 @@ fn letters(rows: &MeasuredRows<'_>) -> Vec<&'static str> {
 fn notes<'a>(rows: &MeasuredRows<'_>, further: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let Some((row, _)) = rows.0.first() else { return Vec::new() };
     let surfaces = rows.surfaces();
-    // Surfaces may have different views, so they are counted surface by surface.
+    // Surfaces may have different views, so views are counted surface by surface.
     let views_of = |surface: &&str| {
         let own = rows.0.iter().filter(|(row, _)| row.surface == **surface);
         distinct(own.map(|(row, _)| row.view.as_str())).len()

@@ -36,7 +36,7 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
     let store = Store::existing(directory)?;
     let machine = Environment::this();
     let mut differences = Differences::default();
-    // Rows are grouped as they were measured.
+    // Rows that were measured together are measured together again.
     let batches = grouped(&store.rows, |row| (&row.surface, &row.view, row.conditions()));
     let bar = progress(batches.len());
     for ((surface, view, conditions), old) in batches {

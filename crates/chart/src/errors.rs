@@ -30,11 +30,13 @@ pub struct PixelErrors {
     pub false_claims: usize,
     /// Pixels drawn at their first root. Distances and normals are measured at these.
     pub painted: usize,
-    /// Distance from the root in footprints of the pixel there: median, 99.9 % and maximum.
+    /// Distance from the root as a multiple of the pixel's footprint there: median, 99.9 % quantile
+    /// and maximum.
     pub off_pixels: Option<[f64; 3]>,
-    /// Distance from the root in world units: median, 99.9 % and maximum.
+    /// Distance from the root in world units: median, 99.9 % quantile and maximum.
     pub off: Option<[f64; 3]>,
-    /// Angle between the drawn normal and that of the root, in degrees: median, 99.9 % and maximum.
+    /// Angle between the drawn normal and that of the root, in degrees: median, 99.9 % quantile and
+    /// maximum.
     pub normal_degrees: Option<[f64; 3]>,
 }
 
@@ -49,7 +51,7 @@ pub enum Mistake {
     WrongRoot,
 }
 
-/// Distance from `drawn` to the nearest piece; 0 inside one.
+/// Distance from `drawn` to the nearest interval; 0 if an interval contains it.
 fn outside(pieces: &[[f64; 2]], drawn: f64) -> f64 {
     let outside = |[near, far]: &[f64; 2]| (near - drawn).max(drawn - far).max(0.0);
     pieces.iter().map(outside).fold(f64::INFINITY, f64::min)

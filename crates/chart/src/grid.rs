@@ -39,8 +39,8 @@ pub fn precision(name: &str) -> Option<Precision> {
     [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
 }
 
-/// The options of a method that are varied. The switches are left to `benches/frame.rs`. If a
-/// method reads depth or steps, the tolerance only ends the refinement of hits and keeps its
+/// The options of a method that are varied. On-off switches are left to `benches/frame.rs`. If a
+/// method reads depth or steps, its tolerance only ends the refinement of hits and keeps its
 /// default.
 fn varied(method: &'static Method) -> impl Iterator<Item = MethodOption> {
     let has_other = method.reads.iter().any(|option| [DEPTH, STEPS].contains(option));
@@ -83,8 +83,10 @@ impl Configuration {
             depths.iter().map(|value| Self { depth: Some(*value), ..self }).collect()
         } else if option == STEPS {
             steps.iter().map(|value| Self { steps: Some(*value), ..self }).collect()
-        } else {
+        } else if option == TOLERANCE {
             tolerances.iter().map(|value| Self { tolerance: Some(*value), ..self }).collect()
+        } else {
+            unreachable!("results have no column for {option:?}, which must have no axis")
         }
     }
 

@@ -37,14 +37,14 @@ pub struct GrowthRow {
     pub nodes: usize,
     /// Time from text to graph.
     pub parse_ms: f64,
-    /// Time from that graph to the simplified one.
+    /// Time from the graph as typed to the simplified graph.
     pub simplify_ms: f64,
-    /// Time from there to all kernels of the method, rational forms included.
+    /// Time from the simplified graph to all kernels of the method, rational forms included.
     pub compile_ms: f64,
     pub kernels: usize,
     /// Size of all kernels' code, in bytes.
     pub code_bytes: usize,
-    /// Whether some kernels compute affine forms. A formula too large for these is drawn by
+    /// Whether some kernels compute affine forms. A formula that is too large for them is drawn by
     /// intervals.
     pub forms: bool,
     pub repeats: usize,
@@ -69,8 +69,8 @@ pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
     let mut order: Vec<usize> = (0..formulas.len()).collect();
     let mut rounds: Vec<Vec<GrowthRow>> = vec![Vec::new(); formulas.len()];
     let mut rows = Vec::new();
-    // The first round warms up. With rounds, a disturbance affects many formulas once rather than
-    // one formula always.
+    // The first round warms up. Rounds make a disturbance affect many formulas once, not one
+    // formula always.
     for round in 0..=repeats {
         random.shuffle(&mut order);
         for &number in &order {
@@ -144,7 +144,7 @@ fn compile(
     })
 }
 
-/// Combines a formula's rounds: each time is the least of its kind.
+/// Combines a formula's rounds: each time is its least value over the rounds.
 fn combine_rounds(rounds: &[GrowthRow]) -> GrowthRow {
     let least = |time: fn(&GrowthRow) -> f64| rounds.iter().map(time).fold(f64::INFINITY, f64::min);
     GrowthRow {

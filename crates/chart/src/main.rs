@@ -1,4 +1,4 @@
-//! The command `zeroset-chart`: the only code that knows arguments and a terminal.
+//! The command `zeroset-chart`: runs a subcommand, and prints its output or its error.
 
 use anyhow::Result;
 use clap::Parser;

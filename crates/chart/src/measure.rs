@@ -38,8 +38,9 @@ pub fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
 }
 
-/// Measures all `configurations` from one view: each draws a cold picture, a warm one, and then
-/// `repeats` measured ones. Calls `advance` after the cold pictures and after each round.
+/// Measures all `configurations` from one view. Each draws a first picture, for which it compiles,
+/// then one to warm up, and then `repeats` measured ones. Calls `advance` after the first pictures
+/// and after each round.
 ///
 /// # Errors
 /// If a kernel cannot be compiled.

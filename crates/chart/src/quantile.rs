@@ -19,8 +19,8 @@ impl Quartiles {
     }
 }
 
-/// The value below which this share of the values lies, rounded to one of them; `None` of no
-/// values.
+/// The value below which this share of the values lies, rounded to one of them; `None` if there are
+/// no values.
 pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -28,7 +28,7 @@ pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     Some(sorted[(last as f64 * share).round() as usize])
 }
 
-/// The geometric mean; `None` of no values.
+/// The geometric mean; `None` if there are no values.
 pub fn geometric_mean(values: &[f64]) -> Option<f64> {
     let logarithms: f64 = values.iter().map(|value| value.ln()).sum();
     (!values.is_empty()).then(|| (logarithms / values.len() as f64).exp())

@@ -117,7 +117,8 @@ fn follow(
     rays: &[Ray],
     within: f64,
 ) -> Result<(Vec<RayResult>, f64), ChartError> {
-    // Segments below give a pixel the width of the tolerance at any distance.
+    // The tolerance is one pixel. The segments below give a pixel the width `within` at any
+    // distance.
     let options = TraceOptions { tolerance: 1.0, depth: 16, ..TraceOptions::default() };
     let tracer = method
         .prepare(program.surface(0), &surface.region, options)
@@ -130,7 +131,7 @@ fn follow(
     let segments: Vec<Segment> = rays.iter().map(segment).collect();
     let mut found = vec![RayResult::MISS; rays.len()];
     let mut time = f64::INFINITY;
-    // The first pass may still compile code, so the shorter of two counts.
+    // The first pass may still compile code, so the shorter time of two passes counts.
     for _ in 0..2 {
         let start = Instant::now();
         tracer.follow(&segments, Start::Anywhere, &mut found, &mut KernelStats::default());

@@ -32,7 +32,7 @@ pub struct RootReference {
     pub pixels: Vec<(usize, Truth)>,
 }
 
-/// Pixels to check: about `samples`, one at a random place in each of equal squares.
+/// Pixels to check: about `samples`, one at a random place in each square of a regular grid.
 fn sampled(Sampling { size, samples, seed, .. }: Sampling) -> Vec<usize> {
     let side = samples.isqrt();
     if side == 0 || side >= size {

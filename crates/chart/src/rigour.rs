@@ -1,6 +1,6 @@
 //! The cost of sound rounding, by comparison of three arithmetics. The unsound one rounds to
 //! nearest. The widened one rounds to nearest and then moves each bound outward by further
-//! operations, for use where the rounding mode cannot be set. The product's own one rounds up.
+//! operations, for use where the rounding mode cannot be set. The product itself rounds up.
 //!
 //! Kernels are timed on the inputs that a picture gives them. Whole pictures are timed in each
 //! arithmetic, too.
@@ -233,7 +233,7 @@ impl Plan<'_> {
         precision: Precision,
         tasks: &[TimedTask<'_>; 3],
     ) -> Vec<RigourRow> {
-        // Interruptions only lengthen a time, so the least of three counts.
+        // Interruptions only lengthen a time, so the least of three times counts.
         let time = |task: &TimedTask<'_>, times: usize| {
             let once = || {
                 let start = Instant::now();

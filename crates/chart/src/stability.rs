@@ -40,7 +40,7 @@ pub struct Verdict {
     pub outcome: Outcome,
     /// Time of the whole picture in milliseconds, compilation included.
     pub ms: f64,
-    /// Errors that the class follows from.
+    /// Errors that determine the class.
     pub errors: PixelErrors,
     /// The difficulty of the case.
     pub hazard: String,
@@ -94,7 +94,8 @@ fn refused(case: &Case, method: &Method, why: String) -> Verdict {
     }
 }
 
-/// The verdict on a method's picture, the picture itself and its errors as a picture.
+/// Draws a case by a method. Returns the verdict, and the picture with a picture of its errors, if
+/// there is one.
 fn judged(
     case: &Case,
     reference: &RootReference,
@@ -125,7 +126,8 @@ fn judged(
     (verdict, Some([shown, wrong]))
 }
 
-/// A line for each case, with a column for each method, and the number of each outcome by method.
+/// A line for each case, with a column for each method. Below them, the number of each outcome by
+/// method.
 fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
     let line = |name: &str, cells: Vec<String>| format!("{name:20}{}\n", cells.concat());
     let names = methods.iter().map(|method| format!("{:32}", method.name)).collect();

@@ -21,8 +21,8 @@ pub struct Surface {
     pub name: String,
     /// Text of the function file.
     pub text: String,
-    /// Document read from the text. It has one surface, or perhaps several if [`Surface::read`]
-    /// read it.
+    /// Document read from the text. It has one surface, unless [`Surface::read`] read it, which
+    /// allows several.
     pub document: Document,
     /// The domain: given, or the document's, or one found by intervals.
     pub region: Region,
@@ -33,7 +33,8 @@ pub fn names() -> Vec<&'static str> {
     FILES.files().filter_map(|file| file.path().file_stem()?.to_str()).collect()
 }
 
-/// The distinct surfaces of these names; the ten if there are no names.
+/// The distinct surfaces of these names; if there are no names, the ten that are measured by
+/// default.
 ///
 /// # Errors
 /// If a name is unknown, or its document has several surfaces.
@@ -44,10 +45,9 @@ pub fn chosen(given: &[String]) -> Result<Vec<Surface>, ChartError> {
 }
 
 impl Surface {
-    /// The surface called `name`: one of the ten, or else of the gallery.
+    /// The surface called `name`: one of the ten of this crate, or else of the gallery.
     ///
-    /// # Errors
-    /// If the name is unknown, or its document has several surfaces.
+    /// # Errors If the name is unknown, or its document has several surfaces.
     pub fn named(name: &str) -> Result<Self, ChartError> {
         let own = FILES.get_file(format!("{name}.zset")).and_then(|file| file.contents_utf8());
         let unknown =

@@ -1,7 +1,7 @@
 //! The truth about rays, proven by the certified tracer.
 //!
 //! It is independent of the methods: the tracer shares no code with kernels or traversers. Only
-//! normals come from a kernel, of 64 bits, which evaluates exact derivatives at the certified root.
+//! normals come from a kernel. It evaluates the derivatives at the certified root in `f64`.
 
 use crate::error::ChartError;
 use crate::surfaces::Surface;
@@ -115,8 +115,8 @@ impl<'a> Certifier<'a> {
         Truth::Root(Root { pieces, next: self.next(ray, &crossing), normal })
     }
 
-    /// The crossing after the first. It is found on a ray that starts behind the first crossing,
-    /// which equals the given ray up to rounding.
+    /// The crossing after the first. To find it, a ray is traced that starts behind the first
+    /// crossing. That ray equals the given one up to rounding.
     fn next(&self, ray: &Ray, first: &Crossing) -> Option<[f64; 2]> {
         let behind = Ray { origin: ray.at(first.far), direction: ray.direction };
         let next = self.trace(&behind).crossing?;

@@ -99,7 +99,7 @@ fn difficult_formulas_are_named_after_what_becomes_of_them() {
     // Multiple roots are made simple before any method traces them.
     assert_eq!(outcomes("seventh-power"), ["sound", "sound"]);
     assert_eq!(outcomes("double-sphere"), ["sound", "sound"]);
-    // Scales where slabs and thresholds chosen for a unit cube would miss everything. These two
+    // At these sizes, slabs and thresholds chosen for a unit cube would miss everything. The two
     // radii have no stored roots, so the certified tracer alone judges them.
     assert_eq!(outcomes("radius-1e-6"), ["sound", "sound"]);
     assert_eq!(outcomes("radius-1000"), ["sound", "sound"]);
@@ -137,8 +137,8 @@ fn rigour_has_a_price() {
             _ => assert!(row.width.is_none_or(|width| width >= 1.0), "{row:?}"),
         }
     }
-    // At points the width comes from rounding alone. The unsound arithmetic leaves it out, and the
-    // widened one has more of it than rounding up.
+    // At points, all width comes from rounding. The unsound arithmetic has less of it than rounding
+    // up, and the widened one has more.
     let of = |arithmetic: &'static str| rows.iter().filter(move |row| row.arithmetic == arithmetic);
     for ((unsound, widened), upward) in of("unsound").zip(of("widened")).zip(of("upward")) {
         if unsound.asked == Workload::Boxes {

@@ -10,7 +10,7 @@ use std::path::Path;
 pub enum AnimationFormat {
     /// Animated PNG: sRGB, lossless.
     Png,
-    /// GIF: 256 colors a frame.
+    /// GIF: 256 colors per frame.
     Gif,
     /// Rows of red, green and blue bytes, from the top, frame after frame.
     Raw,
@@ -23,7 +23,7 @@ const GIF_SIDE: usize = u16::MAX as usize;
 /// viewers replace a delay of 1 by 10.
 const GIF_FPS: u16 = 50;
 
-/// How thoroughly the colors of a GIF frame are chosen, from 1 (best) to 30 (fastest).
+/// How carefully the palette of a GIF frame is chosen, from 1 (best) to 30 (fastest).
 const GIF_SPEED: i32 = 10;
 
 impl AnimationFormat {
@@ -97,7 +97,7 @@ impl<W: Write> Animation<W> {
         Ok(Self { sink, size, fps: fps.into(), frame: 0 })
     }
 
-    /// Adds a frame of rows of red, green and blue bytes.
+    /// Adds a frame, given as rows of red, green and blue bytes.
     ///
     /// # Errors
     /// If the sink fails.
@@ -107,7 +107,8 @@ impl<W: Write> Animation<W> {
             FrameSink::Gif(encoder) => {
                 let [width, height] = self.size.map(|side| side as u16);
                 let mut frame = gif::Frame::from_rgb_speed(width, height, rgb, GIF_SPEED);
-                // The end time is rounded, not the delay, so that rounding errors do not add up.
+                // Round the end times of frames, not their delays, so that rounding errors do not
+                // add up.
                 let hundredths = |frame: u32| (100 * u64::from(frame)).div_ceil(self.fps.into());
                 frame.delay = (hundredths(self.frame + 1) - hundredths(self.frame)) as u16;
                 encoder.write_frame(&frame).map_err(io::Error::other)?;

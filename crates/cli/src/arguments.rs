@@ -15,7 +15,7 @@ use zeroset_shade::UndecidedStyle;
 use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
 use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOptions};
 
-/// Default number of rays in a pixel on an edge.
+/// Default number of rays traced in a pixel that lies on an edge.
 pub const DEFAULT_AA: usize = 16;
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
@@ -266,7 +266,7 @@ pub struct KernelArgs {
 }
 
 impl KernelArgs {
-    /// Returns the method's options. Options that were not typed have their defaults.
+    /// Returns the method's options, with defaults for those that were not typed.
     ///
     /// # Errors
     /// If a value is invalid.
@@ -280,7 +280,7 @@ impl KernelArgs {
     }
 }
 
-/// Flags: `--method`, and one for each row of [`OPTIONS`].
+/// The flags are `--method`, and one for each row of [`OPTIONS`].
 impl Args for KernelArgs {
     fn augment_args(command: clap::Command) -> clap::Command {
         let method = Arg::new("method").long("method").value_parser(methods());
@@ -313,7 +313,7 @@ impl FromArgMatches for KernelArgs {
     }
 }
 
-/// Returns the flag that sets an option of methods.
+/// Returns the flag that sets a method option.
 fn flag(option: &'static MethodOption) -> Arg {
     let arg = Arg::new(option.name).long(option.name).help(option.help);
     if option.is_switch() {
@@ -437,7 +437,7 @@ fn side() -> impl TypedValueParser<Value = &'static StandardView> {
     names.try_map(|name| StandardView::named(&name).ok_or("no such view"))
 }
 
-/// The format of the lines, shown below the options by `eval --help-all`.
+/// Description of the JSON lines, shown below the options by `eval --help-all`.
 const EVAL_FORMAT: &str = r#"One line in, one line out; both are JSON objects.
 
 At a point:

@@ -1,4 +1,5 @@
-//! Pixel data as arrays in numpy's `.npy` format: a table of their flags, help and files.
+//! Pixel data as arrays in numpy's `.npy` format: a table with the flag, help and writer of each
+//! array.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use npyz::{AutoSerialize, NpyWriter, WriterBuilder};
@@ -10,18 +11,18 @@ use zeroset_trace::GBuffer;
 /// A kind of array that can be written.
 #[derive(Debug)]
 pub struct ArrayRow {
-    /// Its flag, without the dashes.
+    /// Name of the flag, without the dashes.
     pub flag: &'static str,
     help: &'static str,
-    /// Whether it needs normals.
+    /// Whether the array needs normals.
     pub needs_normals: bool,
-    /// Whether it needs the brackets of hits.
+    /// Whether the array needs the brackets of hits.
     pub needs_brackets: bool,
     /// Starts a file with this many rows and columns, for a picture computed in this precision.
     pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> NewRowWriter,
 }
 
-/// The writer of a file, or the error of starting one.
+/// A file's row writer, or the error if the file could not be started.
 pub type NewRowWriter = io::Result<Box<dyn RowWriter>>;
 
 /// A file that is written row by row.
@@ -44,7 +45,7 @@ fn distances(buffer: &GBuffer) -> impl Iterator<Item = f64> {
 }
 
 fn normals(buffer: &GBuffer) -> impl Iterator<Item = f32> {
-    // Where the background is visible, a buffer may still hold normals of an earlier picture.
+    // Buffers are reused: a background pixel may still hold the normal of an earlier picture.
     let normal =
         |pixel: usize| if buffer.is_drawn(pixel) { buffer.normal[pixel] } else { [0.0; 3] };
     (0..buffer.normal.len()).flat_map(normal)
@@ -58,7 +59,8 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: false,
         needs_brackets: false,
         begin: |out, [rows, columns], precision| match precision {
-            // This loses nothing, since these kernels compute in `f32`.
+            // Kernels of this precision compute in `f32`, so an `f32` is precise enough for the
+            // distance.
             Precision::F32 => array(out, &[rows, columns], |picture, array| {
                 array.extend(distances(&picture.buffer).map(|distance| distance as f32))
             }),
@@ -107,7 +109,7 @@ pub const ARRAYS: &[ArrayRow] = &[
             array(out, &[rows, columns], |picture, array| {
                 let buffer = &picture.buffer;
                 let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
-                // A text has at most a thousand surfaces.
+                // The number fits an `i16`, since a text has at most a thousand surfaces.
                 let number = |pixel| drawn(pixel).map_or(-1, |surface| surface as i16);
                 array.extend((0..buffer.status.len()).map(number))
             })
@@ -115,7 +117,7 @@ pub const ARRAYS: &[ArrayRow] = &[
     },
 ];
 
-/// The requested arrays, and the files for them.
+/// The requested arrays, with the paths of their files.
 #[derive(Debug)]
 pub struct Arrays(pub Vec<(&'static ArrayRow, PathBuf)>);
 
@@ -148,7 +150,8 @@ impl Args for Arrays {
 
 type Writer<T> = NpyWriter<T, Box<dyn Write>>;
 
-/// Starts an array of this shape in C order; `add` appends the values of some rows.
+/// Starts an array of this shape in C order. For each strip of the picture, `add` appends the
+/// values.
 fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> NewRowWriter
 where
     T: AutoSerialize + Copy + 'static,

@@ -11,7 +11,7 @@ fn word_start(line: &str, pos: usize) -> usize {
     line[..pos].char_indices().rev().take_while(|(_, c)| part(*c)).last().map_or(pos, |(at, _)| at)
 }
 
-/// Returns the start of the word that ends at `pos`, and its possible completions.
+/// Returns the start of the word that ends at `pos`, with the possible completions of that word.
 pub fn candidates(line: &str, pos: usize) -> (usize, Vec<String>) {
     let head = &line[..pos];
     if let Some(rest) = head.trim_start().strip_prefix(':') {
@@ -45,7 +45,7 @@ pub fn candidates(line: &str, pos: usize) -> (usize, Vec<String>) {
 #[derive(Clone, Copy)]
 struct WordPosition {
     begins: bool,
-    /// Whether the statement begins with a word that sets something of the picture.
+    /// Whether the word follows a setting, such as `view` or `color`, in the same statement.
     in_setting: bool,
 }
 
@@ -55,7 +55,7 @@ impl WordPosition {
         let statement = head[head.rfind(['\n', ';']).map_or(0, |at| at + 1)..].trim_start();
         let first = statement.split(|c: char| !c.is_alphabetic()).next().unwrap_or("");
         let behind = statement[first.len()..].trim_start();
-        // `light = 3` is an ordinary definition.
+        // A setting's name may also be defined as a value: `light = 3` is an ordinary definition.
         let sets = behind.starts_with(['=', '*', '/', '^', '<', '>']) && !behind.is_empty();
         let begins = statement.is_empty();
         let in_setting = !begins && !sets && words().any(|word| word == (first, WordKind::Setting));
@@ -98,7 +98,7 @@ pub fn token_classes(line: &str) -> Vec<(Range<usize>, TokenClass)> {
                 .filter(|(name, kind)| *name == &rest[..length] && place.takes(*kind))
                 .map(|(_, kind)| kind)
                 .collect();
-            // A setting's meaning wins: in `view top`, `top` names a side.
+            // The meaning inside a setting has priority: in `view top`, `top` names a side.
             let within = kinds.contains(&WordKind::InSetting).then_some(WordKind::InSetting);
             (length, within.or(kinds.first().copied()).map(TokenClass::Word))
         } else {
@@ -124,8 +124,8 @@ pub fn is_open(text: &str) -> bool {
     depth > 0 && !text.trim_start().starts_with(':') && abandoned_formula(text).is_none()
 }
 
-/// Returns an unfinished formula and the command in the line after it, if there is one. A command
-/// there means that the formula was abandoned.
+/// Splits a text whose last line is a command after an unfinished formula into formula and command.
+/// The command shows that the formula was abandoned. Returns `None` for any other text.
 pub fn abandoned_formula(text: &str) -> Option<(&str, &str)> {
     let (above, last) = text.trim_end().rsplit_once('\n')?;
     let name = last.trim_start().strip_prefix(':')?.split_whitespace().next()?;
@@ -214,7 +214,7 @@ mod tests {
             told("view top"),
             [word("view", WordKind::Setting), word("top", WordKind::InSetting)]
         );
-        // A word that only settings know is a plain name elsewhere.
+        // `top` and `looks` have a meaning only in settings; elsewhere they are plain names.
         assert_eq!(told("top + looks"), []);
     }
 

@@ -1,9 +1,9 @@
-//! The directory of data that outlives the program: history, last document, tips shown.
+//! The directory of data that is kept after the program ends: history, last document, tips shown.
 
 use super::output::Output;
 use std::path::PathBuf;
 
-/// Returns the data directory, which is created if missing; `None` if there is no place for it.
+/// Returns the data directory, created if missing. `None` if it cannot be created.
 pub fn data_directory() -> Option<PathBuf> {
     let from = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let base = from("XDG_DATA_HOME")
@@ -14,10 +14,10 @@ pub fn data_directory() -> Option<PathBuf> {
     Some(directory)
 }
 
-/// Stores a text in the data directory, so that it survives however the program ends.
+/// Stores a text in the data directory at once, so that it is not lost if the program crashes.
 pub fn store_text(name: &str, text: &str) {
     let Some(directory) = data_directory() else { return };
-    // Failing to store it is no reason to stop.
+    // Failing to store the text is no reason to stop.
     if let Ok(output) = Output::create(&directory.join(name)) {
         let _ = output.finish(|out| writeln!(out, "{text}"));
     }

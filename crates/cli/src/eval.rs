@@ -20,10 +20,11 @@ use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
 use zeroset_syntax::Options;
 
-/// Longest line that is accepted, in bytes; the parser's own limit on a formula is lower.
+/// Longest line that is accepted, in bytes. The parser limits a formula to fewer.
 const LONGEST_LINE: u64 = 4 << 20;
 
-/// Most formulas that are kept compiled; beyond that, all are dropped.
+/// Largest number of compiled formulas in the cache. A full cache is cleared before the next
+/// formula.
 const MAX_CACHED: usize = 256;
 
 pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
@@ -59,7 +60,7 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
             functions.answer(&line)
         };
         let answer = answer.unwrap_or_else(|message| json!({ "error": message }));
-        // A client on the other end of a pipe waits for each answer.
+        // Flush each answer, since a client at the other end of a pipe may be waiting for it.
         let written = writeln!(out, "{answer}").and_then(|()| out.flush());
         match written {
             Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => break,
@@ -69,9 +70,9 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Formulas by their text, with the kernels compiled so far.
+/// Compiled formulas by their text.
 struct FormulaCache {
-    /// Precision of lines that do not name one.
+    /// Precision for lines that do not name one.
     precision: Precision,
     reference: bool,
     compiled: HashMap<String, Program>,
@@ -178,9 +179,9 @@ fn sample<T: KernelFloat>(
     point: [f64; 3],
 ) -> Value {
     let out = gradient.eval_all(&Points::near(&[point]));
-    // Rounding can give a number where the function has no value, such as for atan(1/x) at 0. An
-    // enclosure proves that there is no value, at the exact point and not at its nearest neighbor
-    // in `T`.
+    // Rounding can give a number where the function has no value, such as for atan(1/x) at 0. The
+    // kernel rounds the point to `T`, but an enclosure around the exact point can prove that there
+    // is no value.
     let facts = if point.iter().all(|c| c.is_finite()) {
         bounds_and_facts(bounds, point.map(|c| Interval { lo: c, hi: c })).1
     } else {

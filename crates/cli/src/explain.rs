@@ -67,7 +67,7 @@ fn explain_in<T: KernelFloat>(
         writeln!(text, "no surface  {error}")?;
     }
     let domain = region.as_ref().map_or([Interval::ENTIRE; 3], view::bounds);
-    // Kernels depend on the region only through its domain.
+    // Any region serves if there is none: kernels depend only on the domain.
     let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
     let [x, y, z] = domain.map(|ends| [ends.lo, ends.hi].map(coordinate).join(", "));
     writeln!(text, "domain      x in [{x}], y in [{y}], z in [{z}]")?;
@@ -87,7 +87,7 @@ fn explain_in<T: KernelFloat>(
             let show = |node: &NodeId| display(graph, *node, &names);
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
-        // Make the kernels that a picture needs, since these are listed below.
+        // Compile the kernels that a picture needs, so that they can be listed below.
         let settings = Settings {
             options: TraceOptions { precision, ..TraceOptions::default() },
             method,
@@ -114,8 +114,8 @@ fn explain_in<T: KernelFloat>(
     Ok(text + &code)
 }
 
-/// Formats the bounds of a parameter. Adjacent floats are shown as one number, the one with fewer
-/// digits.
+/// Formats the bounds of a parameter. Bounds that are equal or adjacent floats become one number,
+/// the one with fewer digits.
 fn range(bounds: Interval) -> String {
     let [low, high] = [bounds.lo, bounds.hi].map(|bound| bound.to_string());
     if bounds.lo.next_up() < bounds.hi {

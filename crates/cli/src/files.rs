@@ -30,7 +30,7 @@ impl OutputArgs {
     }
 }
 
-/// The requested files, opened before rendering. The picture has `None` in place of an array's row.
+/// The requested files, opened before rendering. The row is `None` for the picture itself.
 pub struct Files(Vec<(Option<&'static ArrayRow>, Output)>);
 
 impl Files {
@@ -97,7 +97,7 @@ impl Files {
     }
 }
 
-/// Open files with the writers of their rows. The files appear at the end.
+/// Open files, each with its row writer. They appear under their names in [`OpenFiles::finish`].
 pub struct OpenFiles(Vec<(SharedOutput, Box<dyn RowWriter>)>);
 
 impl OpenFiles {
@@ -112,21 +112,21 @@ impl OpenFiles {
         Ok(())
     }
 
-    /// Makes the files appear, the picture last: if it exists, all others do.
+    /// Makes the files appear under their names, the picture last: if it exists, so do all others.
     ///
     /// # Errors
-    /// If one cannot be written.
+    /// If a file cannot be written.
     pub fn finish(self) -> Result<()> {
         self.0.into_iter().rev().try_for_each(|(file, rows)| {
             rows.end().map_err(|error| file.failed(error))?;
-            // `end` has dropped the writer of the rows, which was the only other owner.
+            // `end` dropped the row writer, which was the only other owner of the file.
             let file = Rc::into_inner(file.0).context("a file is still being written")?;
             file.into_inner().end()
         })
     }
 }
 
-/// An output that is shared with the writer of its rows.
+/// An output file, shared with its row writer.
 #[derive(Clone)]
 struct SharedOutput(Rc<RefCell<Output>>);
 

@@ -1,9 +1,9 @@
-//! Pictures in terminals that can show them: by the protocols of kitty and iTerm2, or as sixels.
+//! Pictures in a terminal, by the protocols of kitty and iTerm2, or as sixels.
 //!
-//! Sixels are encoded by `icy_sixel`, since they need a palette. The other two protocols take a
-//! base64 PNG between a few keys, which needs less code than the crates for them bring. Of these,
-//! `viuer` queries the terminal without a time limit and writes to standard output itself, and
-//! `ratatui-image` needs `ratatui`.
+//! The crate `icy_sixel` encodes sixels, since these need a palette. The other protocols send a
+//! base64 PNG with a few parameters, which takes little code. The crates for them do more than is
+//! needed: `viuer` queries the terminal without a time limit and writes to standard output itself,
+//! and `ratatui-image` depends on `ratatui`.
 
 use super::png_file::{PictureOrigin, write_png};
 use base64::Engine as _;
@@ -13,38 +13,38 @@ use std::fmt::Write as _;
 /// A protocol that sends pixels to a terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Protocol {
-    /// <https://sw.kovidgoyal.net/kitty/graphics-protocol/>, adopted by other terminals.
+    /// The kitty graphics protocol: <https://sw.kovidgoyal.net/kitty/graphics-protocol/>.
     Kitty,
-    /// <https://iterm2.com/documentation-images.html>, adopted by other terminals.
+    /// Inline images of iTerm2: <https://iterm2.com/documentation-images.html>.
     Iterm,
-    /// <https://vt100.net/docs/vt3xx-gp/chapter14.html>, with up to 256 colors.
+    /// Sixels, with up to 256 colors: <https://vt100.net/docs/vt3xx-gp/chapter14.html>.
     Sixel,
 }
 
-/// Longest part of the base64 data that kitty accepts at once, in bytes.
+/// Largest chunk of base64 data that kitty accepts in one escape sequence, in bytes.
 const CHUNK: usize = 4096;
 
-/// The device attribute of terminals that show sixels.
+/// Device attribute that a terminal reports if it supports sixels.
 const SIXEL: &str = "4";
 
-/// Graphics support of a terminal, as far as its environment reveals it.
+/// What the environment variables reveal about a terminal's support for graphics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraphicsSupport {
-    /// It supports this protocol.
+    /// The terminal supports this protocol.
     Supports(Protocol),
-    /// It has to be queried; [`Protocol::from_answer`] reads the answer.
+    /// The terminal has to be queried; [`Protocol::from_answer`] reads the answer.
     Unknown,
-    /// It answers no queries.
+    /// The terminal does not answer queries.
     Mute,
 }
 
 impl GraphicsSupport {
-    /// Detects the terminal from environment variables, which `variable` reads.
+    /// Detects the terminal from environment variables, which `variable` looks up.
     pub fn detect(variable: impl Fn(&str) -> Option<String>) -> Self {
         let is_set = |name: &str| variable(name).is_some_and(|value| !value.is_empty());
         let term = variable("TERM").unwrap_or_default();
-        // Multiplexers show a screen of their own, whatever the terminal supports. Some show
-        // sixels.
+        // A multiplexer draws a screen of its own, so the outer terminal's protocol does not
+        // matter. Some multiplexers support sixels.
         if is_set("TMUX") || is_set("STY") || term.starts_with("screen") || term.starts_with("tmux")
         {
             return Self::Unknown;
@@ -64,16 +64,16 @@ impl GraphicsSupport {
 
 impl Protocol {
     /// Returns the protocol of a terminal, from its answer to the query for primary device
-    /// attributes; `None` if it shows only characters.
+    /// attributes. `None` if the terminal shows only characters.
     pub fn from_answer(answer: &str) -> Option<Self> {
         let attributes = answer.strip_prefix("\x1b[?")?.strip_suffix('c')?;
-        // The first number is the kind of terminal.
+        // The first number identifies the kind of terminal.
         attributes.split(';').skip(1).any(|one| one == SIXEL).then_some(Self::Sixel)
     }
 
-    /// Returns the text that shows a picture, three bytes per pixel, at the cursor. The picture
-    /// covers the given columns and rows of characters; sixels keep their own size. `None` if
-    /// encoding fails.
+    /// Returns the text that shows a picture (three bytes per pixel) at the cursor. The picture is
+    /// scaled to these columns and rows of characters, except for sixels, which are not scaled.
+    /// `None` if encoding fails.
     pub fn encode(
         self,
         rgb: &[u8],
@@ -101,7 +101,7 @@ impl Protocol {
         }
         let mut text = String::new();
         let mut left = data.as_str();
-        // The key `q=2` suppresses answers, which nobody would read.
+        // The key `q=2` suppresses the terminal's answers, which nothing would read.
         let mut keys = format!("a=T,f=100,q=2,c={columns},r={rows},");
         loop {
             let (part, rest) = left.split_at(left.len().min(CHUNK));
@@ -120,13 +120,13 @@ impl Protocol {
 #[cfg(feature = "sixel")]
 fn sixels(rgb: &[u8], width: usize, height: usize) -> Option<String> {
     let opaque: Vec<u8> = rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-    // 256 colors shade a surface or two smoothly. Dithering would only add grain, and 50 % more
-    // bytes.
+    // 256 colors are enough to shade one or two surfaces smoothly. Dithering would only add grain
+    // and 50 % more bytes.
     let options = icy_sixel::EncodeOptions { diffusion: 0.0, ..Default::default() };
     icy_sixel::sixel_encode(&opaque, width, height, &options).ok()
 }
 
-/// Without the feature, no terminal is queried for sixels.
+/// Never called, since a build without this feature does not detect sixels.
 #[cfg(not(feature = "sixel"))]
 fn sixels(_: &[u8], _: usize, _: usize) -> Option<String> {
     None

@@ -1,4 +1,4 @@
-//! The window's help: its keys and what they do, laid out to fit.
+//! The window's help: its keys and their actions, laid out to fit the window.
 
 use super::theme::{GROUND, INK};
 use std::fmt::Write as _;
@@ -33,7 +33,7 @@ const ROWS: &[(&str, &str)] = &[
     ("Q", "quit"),
 ];
 
-/// Returns the rows in this many aligned columns.
+/// Lays out all rows of the table in this many aligned columns.
 fn layout(columns: usize) -> Vec<String> {
     let height = ROWS.len().div_ceil(columns);
     let mut lines = vec![String::new(); height];
@@ -49,7 +49,7 @@ fn layout(columns: usize) -> Vec<String> {
     lines
 }
 
-/// Returns the rows one after another, wrapped at this many letters.
+/// Lays out all rows of the table like words of a text, wrapped at this many letters.
 fn flow(letters: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for (key, action) in ROWS {
@@ -69,11 +69,11 @@ fn flow(letters: usize) -> Vec<String> {
 
 /// Padding around the help, in font pixels.
 const PAD: usize = 10;
-/// Padding where there is little room, in font pixels.
+/// Padding in a small window, in font pixels.
 const LITTLE_PAD: usize = 3;
 
-/// Draws the help in the middle. Two columns are preferred to one, and large letters to small ones.
-/// If nothing fits, the rows are wrapped like text and may be cut off.
+/// Draws the help in the middle. Large letters are preferred to small ones, and then two columns to
+/// one. If nothing fits, the rows are wrapped like text and may be cut off.
 pub fn draw(canvas: &mut Canvas) {
     let size = |lines: &[String], canvas: &Canvas| {
         let pad = PAD * canvas.scale;

@@ -1,8 +1,8 @@
-//! The latest lines entered in prompt and window. Knows no files.
+//! The latest lines entered in prompt and window. Reads and writes no files.
 
 use std::collections::VecDeque;
 
-/// Number of entered lines that are kept here, in the prompt and in the history file.
+/// Number of entered lines that are kept, here as well as in the prompt and in the history file.
 pub const KEPT_LINES: usize = 1000;
 
 /// The latest lines entered.
@@ -22,8 +22,8 @@ impl History {
         self.lines.push_back(line);
     }
 
-    /// Returns the lines after the first `known` ones that are still kept, oldest first. Sets
-    /// `known` to the number of all lines.
+    /// Returns the lines entered after the first `known` ones, oldest first, as far as they are
+    /// kept. Sets `known` to the number of all lines entered so far.
     pub fn since(&self, known: &mut usize) -> Vec<String> {
         let kept = known.saturating_sub(self.dropped);
         *known = self.dropped + self.lines.len();

@@ -20,10 +20,10 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
             let thread = std::thread::spawn(move || prompt::run(&prompt, false));
             window.run()?;
             if thread.is_finished() {
-                // A panic was reported where it happened.
+                // The thread's panic has already been reported on standard error.
                 thread.join().unwrap_or(Ok(()))?;
             }
-            // The prompt may still be waiting for a key, with the terminal set up for that.
+            // The prompt may still be waiting for a key, with the terminal in the prompt's mode.
             restore_terminal();
         }
         #[cfg(not(feature = "window"))]

@@ -101,8 +101,8 @@ fn dispatch() -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Splits `-Dname=value` and `-ofile.png` into flag and value. A formula may begin with `-`, so a
-/// flag with its value attached would be taken for a formula.
+/// Splits `-Dname=value` and `-ofile.png` into flag and value. Formulas may begin with `-`, so such
+/// an argument would otherwise be taken for a formula.
 fn split_attached_value(argument: OsString) -> Vec<OsString> {
     if let Some(text) = argument.to_str() {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());

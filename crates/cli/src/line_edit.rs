@@ -1,4 +1,4 @@
-//! The line that is edited in the window: text, cursor, history, completion. Knows no keys.
+//! The line that is typed in the window: text, cursor, history, completion. Knows no keys.
 
 use super::completion::candidates;
 
@@ -7,7 +7,7 @@ use super::completion::candidates;
 pub struct LineEdit {
     text: String,
     cursor: usize,
-    /// Number of steps back from the end of the history; 0 is the line itself.
+    /// Number of history lines stepped back, counted from the newest. 0 if none is shown.
     back: usize,
 }
 
@@ -61,7 +61,8 @@ impl LineEdit {
         }
     }
 
-    /// Replaces the text by the next older line of the history, or by the next newer one.
+    /// Replaces the text by the next older or next newer line of the history. After the newest
+    /// line, the text is empty.
     pub fn recall(&mut self, history: &[String], older: bool) {
         self.back =
             if older { (self.back + 1).min(history.len()) } else { self.back.saturating_sub(1) };
@@ -72,8 +73,8 @@ impl LineEdit {
         self.end();
     }
 
-    /// Completes the word at the cursor as far as all candidates agree. Returns the candidates if
-    /// there are several.
+    /// Completes the word at the cursor up to the first letter in which the candidates differ.
+    /// Returns the candidates if there are several.
     pub fn complete(&mut self) -> Vec<String> {
         let (start, names) = candidates(&self.text, self.cursor);
         let Some(first) = names.first() else { return names };

@@ -2,12 +2,12 @@
 
 use std::io::{IsTerminal, Write};
 
-/// An error that is already laid out, with carets and a suggestion.
+/// An error message that is already formatted, with carets and a suggestion.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Diagnostic(pub String);
 
-/// Reports an error and its causes on one line, or a [`Diagnostic`] as it is.
+/// Reports an error and its causes on one line. A [`Diagnostic`] is printed as it is.
 pub fn error(error: &anyhow::Error) {
     if let Some(diagnostic) = error.downcast_ref::<Diagnostic>() {
         return say(&diagnostic.0);
@@ -15,7 +15,7 @@ pub fn error(error: &anyhow::Error) {
     say(&format!("{}: {error:#}", label("error", "31")));
 }
 
-/// Reports something worth knowing that is no error.
+/// Reports a note, which is not an error.
 pub fn note(text: &str) {
     say(&format!("{}: {text}", label("note", "36")));
 }
@@ -31,7 +31,7 @@ pub fn colored() -> bool {
     std::io::stderr().is_terminal() && colors_are_wanted()
 }
 
-/// Whether standard output takes colors, by the same rule.
+/// Whether standard output takes colors, by the rule of [`colored`].
 pub fn colored_output() -> bool {
     std::io::stdout().is_terminal() && colors_are_wanted()
 }

@@ -39,7 +39,7 @@ fn hexadecimal(text: &str) -> Option<f64> {
         Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
         None => (text, 0),
     };
-    // These limits are far beyond the range of `f64`, and no sum below can overflow.
+    // Reject numbers far beyond the range of `f64`, so that no sum below can overflow.
     if exponent.abs() > 10_000 || mantissa.len() > 1000 {
         return None;
     }
@@ -61,13 +61,15 @@ fn hexadecimal(text: &str) -> Option<f64> {
     exponent += odd.trailing_zeros() as i32;
     let odd = odd >> odd.trailing_zeros();
     let bits = 64 - odd.leading_zeros() as i32;
-    // The leading bit's exponent decides how many bits there is room for: fewer for subnormals.
+    // The leading bit's exponent determines the lowest bit that an `f64` can hold. Subnormals hold
+    // fewer bits.
     let top = exponent + bits - 1;
     let lowest = (top - 52).max(-1074);
     if !(-1074..=1023).contains(&top) || exponent < lowest {
         return None;
     }
-    // Both products are exact: the power of two is split so that neither half leaves the range.
+    // The power of two is split so that neither factor leaves the range of `f64`. Both products are
+    // exact.
     let half = exponent / 2;
     Some(odd as f64 * power_of_two(half) * power_of_two(exponent - half))
 }

@@ -1,8 +1,8 @@
-//! Files that appear whole or not at all.
+//! Output files that appear whole or not at all.
 //!
-//! Content goes to an unnamed file, which at the end is copied next to the target and renamed over
-//! it. [`Output::create`] checks beforehand that this is possible, so an unwritable target is an
-//! error before the rendering and not after it. An interrupted run leaves nothing behind.
+//! Content is written to an unnamed file. At the end it is copied next to the target and renamed
+//! over it. [`Output::create`] checks beforehand that this is possible, so an unwritable target is
+//! reported before rendering. An interrupted run leaves no files behind.
 
 use anyhow::{Context, Result, bail, ensure};
 use std::fs::File;
@@ -10,7 +10,7 @@ use std::io::{BufWriter, ErrorKind, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Longest chain of symbolic links, as in Linux.
+/// Longest chain of symbolic links that is followed, as in Linux.
 const MOST_LINKS: usize = 40;
 
 /// A file being written, which appears under its name at the end.
@@ -21,11 +21,11 @@ pub struct Output {
 }
 
 enum Sink {
-    /// A file without a name, so that an interrupted run leaves nothing, and its final path.
+    /// An unnamed file and its final path. An interrupted run leaves nothing behind.
     Renamed(BufWriter<File>, PathBuf),
-    /// A device or a pipe, which a rename would replace.
+    /// A device or a pipe. It is written directly, since a rename would replace it.
     Direct(BufWriter<File>),
-    /// The path `-`: printed at the end.
+    /// Standard output. Its content is collected here and printed at the end.
     Standard(Vec<u8>),
 }
 
@@ -63,8 +63,8 @@ impl Output {
         self.end()
     }
 
-    /// Like [`Output::finish`], but writes to standard output as content comes. A closed pipe ends
-    /// this without an error.
+    /// Like [`Output::finish`], but writes to standard output immediately. A closed pipe ends the
+    /// output without an error.
     ///
     /// # Errors
     /// If writing or renaming fails; a file is then unchanged.
@@ -120,7 +120,8 @@ fn sink(path: &Path) -> Result<Sink> {
         Ok(found) if !found.is_file() => {
             return Ok(Sink::Direct(BufWriter::new(File::options().write(true).open(&path)?)));
         }
-        // A rename would replace even a read-only file; opening it for writing fails.
+        // A rename would replace even a read-only file, so check that the file can be opened for
+        // writing.
         Ok(_) => drop(File::options().write(true).open(&path)?),
         Err(_) => {}
     }
@@ -143,7 +144,7 @@ fn copy_and_rename(mut written: File, target: &Path) -> std::io::Result<()> {
         #[cfg(unix)]
         {
             use std::os::unix::fs::{MetadataExt, fchown};
-            // Only a superuser can change the owner; for others this fails, which is accepted.
+            // Only a superuser can change the owner. For others this fails, which does no harm.
             let _ = fchown(file.as_file(), Some(replaced.uid()), Some(replaced.gid()));
         }
         // A private file stays private.
@@ -153,8 +154,8 @@ fn copy_and_rename(mut written: File, target: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Returns the path that symbolic links lead to, since a rename would replace a link. The last link
-/// may lead to a file that does not exist yet.
+/// Follows symbolic links to their target, since a rename would replace a link. The target need not
+/// exist.
 fn resolve_links(mut path: PathBuf) -> std::io::Result<PathBuf> {
     for _ in 0..MOST_LINKS {
         if !path.is_symlink() {
@@ -177,7 +178,7 @@ fn temporary(directory: &Path) -> std::io::Result<NamedTempFile> {
         // The process's umask still applies.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    // The full error would name the temporary file.
+    // The full error would mention the temporary file's path.
     builder.tempfile_in(directory).map_err(|error| error.kind().into())
 }
 

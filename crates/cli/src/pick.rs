@@ -115,12 +115,13 @@ impl<'a> Pick<'a> {
     }
 }
 
-/// Number of decimals of a coordinate with this error: down to the error's first digit.
+/// Number of decimals for a coordinate with this error, so that the last one is the error's first
+/// digit.
 fn digits(reach: f64) -> usize {
     (-reach.log10().floor()).clamp(0.0, 17.0) as usize
 }
 
-/// Returns the definitions of a document and one of its surfaces, as a text.
+/// Returns a document's definitions and the formula of one surface, as a text.
 fn formula(request: &Request, surface: usize) -> String {
     let text = &request.text;
     let statements = parse(text, &Limits::default()).unwrap_or_default();
@@ -128,7 +129,7 @@ fn formula(request: &Request, surface: usize) -> String {
     let mut drawings = 0;
     let part = |start: usize| {
         let end = text[start..].find(['\n', ';']).map_or(text.len(), |end| start + end);
-        // A statement continues while a bracket is open, and then includes the rest of the line
+        // A statement with an open bracket continues on the next lines, through the end of the line
         // that closes the bracket.
         let mut end = end;
         while super::completion::is_open(&text[start..end]) && end < text.len() {

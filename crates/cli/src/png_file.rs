@@ -8,17 +8,18 @@ use zeroset_live::quote;
 /// The origin of a picture, as stored in its file.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct PictureOrigin {
-    /// Text chunks by keyword: the command that renders the picture, and the text it draws.
+    /// Keyword and text of each chunk. The texts are the command that renders the picture, and the
+    /// text of the document.
     pub chunks: Vec<(&'static str, String)>,
 }
 
-/// Flags that do not change the pictures, and whether a value follows each.
+/// Flags that do not affect the pictures, and whether a value follows each flag.
 const IRRELEVANT_FLAGS: [(&str, bool); 3] =
     [("--shard", true), ("--resume", false), ("--threads", true)];
 
 impl PictureOrigin {
-    /// Returns the origin of a picture of `text`: the command line, ready to be typed again, and
-    /// the text.
+    /// Returns the origin of a picture of `text`: the command line of this process, quoted for a
+    /// shell, and the text.
     pub fn typed(text: &str) -> Self {
         let mut words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
         let mut kept = vec!["zeroset".to_owned()];
@@ -33,7 +34,7 @@ impl PictureOrigin {
         Self { chunks: vec![("Comment", kept.join(" ")), ("Description", text.to_owned())] }
     }
 
-    /// Returns an origin with this command alone.
+    /// Returns an origin that consists of this command only.
     pub fn command(command: &str) -> Self {
         Self { chunks: vec![("Comment", command.to_owned())] }
     }

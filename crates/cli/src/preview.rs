@@ -10,20 +10,22 @@ use std::sync::OnceLock;
 use std::time::Duration;
 use zeroset_render::picture::Picture;
 
-/// Columns and rows that are assumed if the terminal does not report them.
+/// Columns and rows of the terminal, if it does not report them.
 const COLUMNS: usize = 80;
 const ROWS: usize = 24;
-/// Most columns; a larger picture scrolls out of view.
+/// Largest number of columns of a picture. A larger one would scroll out of view.
 const MOST_COLUMNS: usize = 120;
 /// Lines left for the prompt and the messages above it.
 const RESERVED_ROWS: usize = 4;
-/// Greatest width and height of a character in pixels; the limit keeps the data small. Also the
-/// default if the terminal does not report them.
+/// Width and height of a character in pixels, if the terminal does not report them. Also the
+/// largest ones used, which keeps the data small.
 const CHARACTER: (usize, usize) = (8, 16);
-/// Default width and height for sixels, which are not scaled: those of a small font.
+/// Width and height of a character for sixels, if the terminal does not report them. Sixels are not
+/// scaled, so these are the sizes of a small font.
 const SMALL_CHARACTER: (usize, usize) = (6, 12);
 
-/// Longest wait for an answer. Terminals that answer need a round trip; others cost this wait once.
+/// Longest wait for the terminal's answer to a query. A terminal that never answers costs this time
+/// once.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Returns the columns and rows of characters that a picture may take.
@@ -35,8 +37,8 @@ fn characters() -> (usize, usize) {
     (columns.clamp(16, MOST_COLUMNS), rows.saturating_sub(RESERVED_ROWS).clamp(8, MOST_COLUMNS / 2))
 }
 
-/// Returns the protocol for pixels, if there is one, and whether a late answer may still come. The
-/// first call queries the terminal, and must come before any other read from it.
+/// Returns the protocol for sending pixels, if there is one, and whether a late answer may still
+/// come. The first call queries the terminal, and must come before anything else reads from it.
 fn protocol() -> (Option<Protocol>, bool) {
     static FOUND: OnceLock<(Option<Protocol>, bool)> = OnceLock::new();
     *FOUND.get_or_init(|| {
@@ -46,7 +48,7 @@ fn protocol() -> (Option<Protocol>, bool) {
         match GraphicsSupport::detect(|name| std::env::var(name).ok()) {
             GraphicsSupport::Supports(protocol) => (Some(protocol), false),
             GraphicsSupport::Mute => (None, false),
-            // An answer can only reveal sixels, which this build cannot send.
+            // An answer can only reveal support for sixels, which this build cannot send.
             GraphicsSupport::Unknown if !cfg!(feature = "sixel") => (None, false),
             GraphicsSupport::Unknown => match terminal::ask(PATIENCE) {
                 QueryAnswer::Given(answer) => (Protocol::from_answer(&answer), false),
@@ -65,7 +67,7 @@ pub fn drop_late_answer() {
     }
 }
 
-/// Returns the columns and rows of pixels that fit.
+/// Returns the width and height in pixels of a picture that fits the terminal.
 pub fn pixel_size() -> (usize, usize) {
     let (columns, rows) = characters();
     let Some(protocol) = protocol().0 else {
@@ -83,7 +85,7 @@ pub fn pixel_size() -> (usize, usize) {
 /// Returns the text that shows a picture of the size of [`pixel_size`], with a line below it.
 pub fn text(picture: &Picture, below: &str) -> String {
     let size = (picture.buffer.width, picture.buffer.height);
-    // Pixels are preferred, if they can be encoded.
+    // Prefer pixels to characters.
     let sent = protocol().0.and_then(|one| one.encode(&picture.rgb, size, characters()));
     let text = match sent {
         Some(text) => text + "\n",
@@ -93,7 +95,7 @@ pub fn text(picture: &Picture, below: &str) -> String {
     text + below
 }
 
-/// Returns the picture's rows in pairs. An odd last row is left out.
+/// Returns pairs of consecutive rows of the picture. An odd last row is left out.
 fn pairs(picture: &Picture) -> impl Iterator<Item = (&[[u8; 3]], &[[u8; 3]])> {
     let width = picture.buffer.width;
     picture.rgb.as_chunks().0.chunks_exact(2 * width).map(move |pair| pair.split_at(width))
@@ -110,7 +112,7 @@ fn blocks(picture: &Picture) -> String {
     text
 }
 
-/// Returns letters that stand for brightness, and spaces where nothing is painted.
+/// Draws the picture in letters that stand for brightness, with spaces where nothing is painted.
 fn letters(picture: &Picture) -> String {
     const RAMP: &[u8] = b"@%#*+=-:";
     let mut text = String::new();

@@ -23,7 +23,7 @@ impl Progress {
         Self { bar, started: Instant::now() }
     }
 
-    /// Shows that this many steps are done. The bar never goes back.
+    /// Shows that this many steps are done. A smaller number than before is ignored.
     pub fn reach(&self, steps: u64) {
         if steps > self.bar.position() {
             self.bar.set_position(steps);

@@ -26,7 +26,8 @@ const PAUSE: Duration = Duration::from_millis(300);
 /// Interval at which the pause is checked.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Reads and enters lines until the input or the session ends, and with `preview` shows pictures.
+/// Reads and executes lines until the input or the session ends. With `preview`, shows pictures in
+/// the terminal.
 ///
 /// # Errors
 /// If lines cannot be read, for example because the input is not UTF-8 text.
@@ -66,7 +67,8 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         let _ = editor.load_history(history);
         session.recall(editor.history().iter().cloned());
     }
-    // Number of lines, entered here or in the window, that the editor's history has.
+    // Number of the session's lines, entered here or in the window, that the editor's history
+    // contains.
     let mut known = 0;
     session.history_since(&mut known);
     let mut last = preview.then(|| session.live.request());
@@ -85,13 +87,14 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                 forget_line(&typing);
                 line
             }
-            // As in a shell, Ctrl-C drops the line that was begun, not the session.
+            // As in a shell, Ctrl-C drops the line that is being typed. It ends the session only if
+            // the line is empty.
             Err(ReadlineError::Interrupted) if forget_line(&typing) => {
                 session.live.type_line("");
                 continue;
             }
             Err(ReadlineError::Eof | ReadlineError::Interrupted) => {
-                // When piped input ends, a window stays open.
+                // A window stays open when piped input ends.
                 if interactive || preview {
                     session.end();
                 }
@@ -119,14 +122,15 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         // The window may have entered other lines while this one was typed.
         learn(session, &mut editor, &mut known)?;
         if let Some(history) = &history {
-            // Append at once, so that nothing is lost however the program ends.
+            // Append at once, so that no line is lost if the program crashes.
             let _ = editor.append_history(history);
         }
         let parts =
             abandoned_formula(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
-                // A command's output must not scroll away behind a picture that was shown before.
+                // Show the picture only if it has changed, so that a command's output stays in
+                // view.
                 Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
                     session.fit_terminal();
                     let shown = session.live.request();
@@ -212,7 +216,7 @@ impl Completer for PromptHelper {
 impl Hinter for PromptHelper {
     type Hint = String;
 
-    /// Called at every key, so that the picture follows the line.
+    /// Called at every key; also updates the picture from the line.
     fn hint(&self, line: &str, pos: usize, _: &Context<'_>) -> Option<String> {
         {
             let mut typing = lock(&self.typing);

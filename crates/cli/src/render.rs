@@ -194,7 +194,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     })
 }
 
-/// Reports what the picture does not show: why nothing is visible, and how much is undecided.
+/// Reports why nothing is visible, and how many pixels are undecided and why.
 fn remark(
     subject: &Subject,
     region: &Region,
@@ -238,7 +238,7 @@ fn remark(
             zeroset_trace::MOST_STEPS,
         ));
     } else if passed_over > 0 {
-        // At the finest precision there is nothing to advise.
+        // Advise only options that can still help.
         let advice = match (deepens, settings.options.precision) {
             (true, Precision::F64) => "; a larger --max-depth may decide more of them",
             (true, _) => "; a larger --max-depth or --precision f64 may decide more of them",

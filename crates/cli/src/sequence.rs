@@ -22,7 +22,7 @@ use zeroset_scene::view;
 use zeroset_syntax::{ErrorKind, Errors, Options};
 use zeroset_trace::Camera;
 
-/// Greatest number of frames; an hour at 60 per second is less than a quarter of it.
+/// Largest number of frames. An hour at 60 frames per second has less than a quarter as many.
 const MOST_FRAMES: usize = 1_000_000;
 
 /// A whole turn, in degrees.
@@ -31,7 +31,7 @@ const WHOLE_TURN: f64 = 360.0;
 /// A requested sequence, and the part of it that is rendered here.
 pub struct SequenceRequest {
     sequence: Sequence,
-    /// Number of this shard, from 0, and the number of all shards.
+    /// Number of this shard, counted from 0, and the number of all shards.
     shard: (usize, usize),
 }
 
@@ -146,7 +146,7 @@ pub fn run(
     Ok(if undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
 
-/// Returns the format of a single file for all frames; `None` if each frame has files of its own.
+/// Returns the format of a single file for all frames; `None` if each frame has its own files.
 fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<AnimationFormat>> {
     if let Some(path) = &wanted.output
         && numbered(path, 0)?.is_none()
@@ -229,7 +229,7 @@ impl FrameCounts {
     }
 }
 
-/// Returns the swept name that does not occur in the text, if there is one.
+/// Returns a swept parameter that does not occur in the text, if there is one.
 fn unknown_sweep(errors: &Errors, sequence: &Sequence) -> Option<String> {
     errors.iter().find_map(|error| match &error.kind {
         ErrorKind::UnknownOverride { name } => {
@@ -289,7 +289,8 @@ impl<'a> FrameRenderer<'a> {
         Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
     }
 
-    /// Renders a frame. Reuses the kernels of the last frame if possible.
+    /// Renders a frame, with the kernels of the model `last` if possible. Stores the frame's model
+    /// there.
     fn render_frame(
         &mut self,
         frame: usize,
@@ -340,8 +341,8 @@ impl<'a> FrameRenderer<'a> {
             let is_there = |picture: &PathBuf| {
                 let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
                 let last = written(picture);
-                // Arrays do not record their origin. The arrays of another sequence are newer than
-                // this sequence's picture.
+                // An array does not record its origin. If another sequence has replaced it, it is
+                // newer than the picture.
                 let is_of_it = |(_, array): &(_, PathBuf)| {
                     array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
                 };

@@ -70,7 +70,7 @@ pub struct Session {
     history: Mutex<History>,
     /// Held while a picture is saved, so that no two saves choose the same name.
     saving: Mutex<()>,
-    /// A note about the file that the window has not shown yet.
+    /// A note that the file cannot be read, not yet shown in the window.
     notice: Mutex<Option<String>>,
     /// An existing file that `:save` refused to overwrite; entering the line again overwrites it.
     refused_overwrite: Mutex<Option<PathBuf>>,
@@ -79,7 +79,7 @@ pub struct Session {
     /// Whether the gallery was requested since the window last checked.
     gallery: AtomicBool,
     ended: AtomicBool,
-    /// Faults of requests up to this revision are shown in the window, not in the terminal.
+    /// Faults in requests up to this revision are shown in the window only.
     reported_in_window: AtomicU64,
     /// The first message that is shown.
     pub welcome: String,
@@ -156,8 +156,8 @@ impl Session {
         }
     }
 
-    /// Starts to watch the file that the document came from, if there is one. Changes are relative
-    /// to the text `read`, or else to the current content of the file.
+    /// Starts to watch the file that the document came from, if there is one. Only texts that
+    /// differ from `read` are reported. Without `read`, the file's current content takes its place.
     pub fn watch(self: &Arc<Self>, read: Option<&str>) {
         let path = self.path();
         let mut file = lock(&self.file);
@@ -168,7 +168,8 @@ impl Session {
         let watched = DocumentSource::File(path.clone());
         let report = move |change| {
             let Some(session) = session.upgrade() else { return };
-            // The document may have another source by then, for example after an undo.
+            // The document may have another source by the time of the change, for example after an
+            // undo.
             if session.live.request().source != watched {
                 return;
             }
@@ -241,8 +242,8 @@ impl Session {
         lines.into_iter().for_each(|line| history.add(line));
     }
 
-    /// Returns the lines after the first `known` ones that the history still has, oldest first.
-    /// Sets `known` to the number of all lines.
+    /// Returns the lines entered after the first `known` ones, oldest first, as far as they are
+    /// kept. Sets `known` to the number of all lines entered so far.
     pub fn history_since(&self, known: &mut usize) -> Vec<String> {
         lock(&self.history).since(known)
     }
@@ -253,7 +254,7 @@ impl Session {
         if let Some(seen) = self.live.finished(revision, PATIENCE) {
             let text = preview::text(&seen.picture, &seen.summary());
             if !lock(&self.printer).as_mut().is_some_and(|print| print(&text)) {
-                // If this fails, nobody reads the output.
+                // If printing fails, nobody reads the output.
                 let _ = print(&format!("{text}\n"));
             }
         }
@@ -365,11 +366,12 @@ impl Session {
         Ok(())
     }
 
-    /// Waits for the fine picture of the request with this number, saves it, and shows the command
-    /// that reproduces it.
+    /// Waits for the fine picture of the request with this revision, saves it, and shows the
+    /// command that reproduces it.
     ///
     /// # Errors
-    /// If that picture never comes, or cannot be written.
+    /// If the picture is not finished in time or is replaced by a newer request, or if it cannot be
+    /// written.
     pub fn png(&self, to: Option<&str>, mut revision: u64) -> Result<()> {
         let _one_at_a_time = lock(&self.saving);
         let path = match to {

@@ -23,8 +23,8 @@ impl From<Example> for Source {
     }
 }
 
-/// Finds the text that `argument` names. It is standard input (`-`), or an existing file, or a
-/// gallery surface, or else a formula.
+/// Finds the text that `argument` stands for: standard input (`-`), an existing file, a gallery
+/// surface, or else a formula.
 ///
 /// # Errors
 /// If a file cannot be read, the text is not UTF-8, or the argument seems to name a missing file.
@@ -35,14 +35,14 @@ pub fn find(argument: &OsStr) -> Result<Source> {
     }
     let path = Path::new(argument);
     let shown = argument.to_string_lossy();
-    // This look-up fails for an empty argument or one with a NUL byte, which are no paths. It finds
-    // a link even if the link leads nowhere.
+    // Unlike `exists`, this also finds a link that leads nowhere. It fails for an empty argument or
+    // one with a NUL byte, neither of which is a path.
     if path.symlink_metadata().is_ok() {
         if !path.is_dir() {
             return open(path);
         }
-        // A directory cannot be drawn. It may have a gallery surface's name because it contains
-        // pictures of that surface.
+        // A directory cannot be drawn. But if it has a gallery surface's name, for example because
+        // pictures of the surface are in it, the surface is meant.
         let Some(example) = argument.to_str().and_then(example) else {
             bail!("'{shown}' is a directory, not a function file");
         };

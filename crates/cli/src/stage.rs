@@ -9,8 +9,8 @@ use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::Options;
 use zeroset_trace::Camera;
 
-/// Returns the model and the camera for pictures of the settings' size; `None` once `wanted`
-/// returns false.
+/// Returns a model of the example and a camera for pictures with these settings. Returns `None`
+/// once `wanted` returns false.
 ///
 /// # Errors
 /// If the example cannot be read, compiled or framed.

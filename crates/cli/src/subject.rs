@@ -1,4 +1,4 @@
-//! A document, and what the command line says about it.
+//! A document with its source, and what the command line reports about it.
 
 use super::arguments::DocumentArgs;
 use super::notes;
@@ -59,7 +59,8 @@ impl Subject {
         }
     }
 
-    /// Reports the document's notes, about text that was read in a way that may surprise.
+    /// Reports the document's notes, about parts of the text that were read in a possibly
+    /// surprising way.
     pub fn show_notes(&self) {
         for note in &self.document.notes {
             let Source { from, text } = &self.source;
@@ -68,7 +69,8 @@ impl Subject {
     }
 }
 
-/// Reports that a given time has no effect, if the document does not depend on it.
+/// Reports that the flag `--time` has no effect, if it is given but the document does not depend on
+/// time.
 pub fn note_time(time: Option<f64>, document: &Document) {
     if time.is_some() && !view::depends_on_time(document) {
         notes::note("--time changes nothing: `t` occurs nowhere in the formula");

@@ -1,5 +1,5 @@
-//! The terminal's size, answers and modes. The modes are restored when a window ends while a line
-//! is being typed. Only Unix is supported.
+//! The size and the modes of the terminal, and queries to it. The modes are restored when a window
+//! ends while a line is being typed. Only Unix is supported.
 
 #[cfg(unix)]
 use rustix::termios::{LocalModes, OptionalActions, SpecialCodeIndex};
@@ -27,12 +27,12 @@ pub fn size() -> Option<(TerminalSize, Option<TerminalSize>)> {
 
 /// The answer to a query for the primary device attributes.
 pub enum QueryAnswer {
-    /// The full answer, from the escape to the `c`.
+    /// The full answer, from the escape character to the final `c`.
     Given(String),
     /// There was no answer in time; it may still come.
     Late,
-    /// No query was sent. Either there is no terminal, or it already has input, which would mix
-    /// with the answer.
+    /// No query was sent: there is no terminal, or input that would mix with the answer is already
+    /// waiting.
     NotAsked,
 }
 
@@ -65,12 +65,12 @@ pub fn ask(limit: Duration) -> QueryAnswer {
     } else {
         read_answer(&input, limit).map_or(QueryAnswer::Late, QueryAnswer::Given)
     };
-    // The modes were read just now. If setting them fails, the terminal is gone.
+    // The modes were read just before. If they cannot be restored, the terminal is gone.
     let _ = rustix::termios::tcsetattr(&input, OptionalActions::Now, &before);
     answer
 }
 
-/// Sends no query: it is not supported here.
+/// Sends no query, since queries are supported only on Unix.
 #[cfg(not(unix))]
 pub fn ask(_: Duration) -> QueryAnswer {
     QueryAnswer::NotAsked
@@ -84,8 +84,8 @@ fn is_ready(input: &std::io::Stdin, limit: Duration) -> bool {
     matches!(poll(&mut [PollFd::new(input, PollFlags::IN)], Some(&limit)), Ok(1..))
 }
 
-/// Reads an answer byte by byte, so that nothing after it is consumed. The prompt does not know the
-/// buffer of standard input, so this bypasses it.
+/// Reads an answer byte by byte, so that nothing after it is consumed. Bypasses the buffer of
+/// standard input, since the prompt would miss bytes left in it.
 #[cfg(unix)]
 fn read_answer(input: &std::io::Stdin, limit: Duration) -> Option<String> {
     let end = std::time::Instant::now() + limit;
@@ -108,7 +108,7 @@ fn read_answer(input: &std::io::Stdin, limit: Duration) -> Option<String> {
     None
 }
 
-/// Drops keys and answers that were not read yet.
+/// Drops keys and answers that have not been read yet.
 pub fn drop_input() {
     #[cfg(unix)]
     let _ = rustix::termios::tcflush(std::io::stdin(), rustix::termios::QueueSelector::IFlush);

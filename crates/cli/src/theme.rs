@@ -8,7 +8,7 @@ pub const GROUND: Rgb = 0x0020_2028;
 pub const INK: Rgb = 0x00f0_f0f4;
 /// Less important text.
 pub const DIM: Rgb = 0x00a0_a0ac;
-/// The part of a slider's track beyond its value.
+/// A slider's track beyond its value.
 pub const TRACK: Rgb = 0x0060_6070;
-/// The chosen item, and the part of a slider's track up to its value.
+/// The chosen item, and a slider's track up to its value.
 pub const CHOSEN: Rgb = 0x0070_a8e8;

@@ -4,7 +4,7 @@
 use super::data::data_directory;
 use super::data::store_text;
 
-/// One line each, the most useful first.
+/// The tips, one line each, the most useful first.
 pub const TIPS: &[&str] = &[
     "Tip: type / and a formula such as x^2+y^2 = z; the picture follows every key (:tips off ends tips)",
     "Tip: `r = 1 in [0, 5]` makes a slider: drag it, with Shift for fine steps; a double click puts it back",
@@ -19,7 +19,7 @@ const COUNT_FILE: &str = "tips";
 #[cfg(feature = "window")]
 /// Returns the next tip that was not shown yet, and counts it as shown.
 pub fn next() -> Option<&'static str> {
-    // Without a place for the count, the first tip would come every time.
+    // Without a data directory to store the count in, the first tip would be shown every time.
     let shown = match std::fs::read_to_string(data_directory()?.join(COUNT_FILE)) {
         Ok(text) => text.trim().parse().unwrap_or(TIPS.len()),
         Err(_) => 0,
@@ -29,7 +29,7 @@ pub fn next() -> Option<&'static str> {
     Some(tip)
 }
 
-/// Turns tips off, or shows all of them again.
+/// Turns tips off, or on again from the first.
 pub fn switch(wanted: bool) {
     store_text(COUNT_FILE, &(if wanted { 0 } else { TIPS.len() }).to_string());
 }

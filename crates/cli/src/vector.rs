@@ -23,10 +23,11 @@ pub struct Size {
     pub height: usize,
 }
 
-/// Most pixels of a picture. It is rendered strip by strip, but few programs can show more pixels.
+/// Largest number of pixels of a picture. Pictures are rendered in strips, so memory is no limit,
+/// but few programs can show larger ones.
 const MOST_PIXELS: usize = 1 << 28;
 
-/// Most pixels of a picture that is held whole, at about a hundred bytes per pixel.
+/// Largest number of pixels of a picture that is held whole, at about a hundred bytes per pixel.
 const MOST_PIXELS_HELD: usize = 1 << 26;
 
 impl Size {

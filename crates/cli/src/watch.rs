@@ -1,7 +1,7 @@
-//! Watches a file while an editor saves it, in whatever style.
+//! Watches a file for changes, however an editor saves it.
 //!
-//! The directory is watched, not the file, so that a replaced, deleted or renamed file is found
-//! again. This module does not interpret the text.
+//! The directory is watched instead of the file, so that a replaced, deleted or renamed file is
+//! found again. This module does not interpret the text.
 
 use super::source::{self, Source};
 use anyhow::{Context, Result, anyhow};
@@ -11,19 +11,19 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
-/// A file is read after this long without an event, since editors save in several steps.
+/// The file is read when there was no event for this long, since editors save in several steps.
 const QUIET: Duration = Duration::from_millis(25);
-/// A file with a steady stream of events is read this often.
+/// During a steady stream of events, the file is read at this interval.
 const RESTLESS: Duration = Duration::from_millis(200);
-/// Interval of checks without events, since some file systems report none.
+/// Interval at which the file is checked without events, since some file systems report none.
 const POLL: Duration = Duration::from_secs(1);
 
 /// A change of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// Its new text, which may be incomplete.
+    /// The new text, which may be incomplete.
     Text(String),
-    /// The reason why it can no longer be read.
+    /// The file can no longer be read, for this reason.
     Lost(String),
 }
 
@@ -41,9 +41,9 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Calls `report` on a new thread whenever the file's text differs from the last one, which is
-    /// `text` at first. An empty file is ignored, since some editors empty a file before writing
-    /// it.
+    /// Calls `report` on a new thread whenever the file's text has changed. The first text is
+    /// compared with `text`. An empty file is ignored, since some editors empty a file before
+    /// writing it.
     ///
     /// # Errors
     /// If the file's directory cannot be named.
@@ -62,7 +62,7 @@ impl Watch {
                 let _ = events.send(Message::Event);
             }
         });
-        // Without events, the regular checks remain.
+        // If events are not available, the regular checks remain.
         let watcher = watcher.ok().and_then(|mut watcher| {
             watcher.watch(&directory, RecursiveMode::NonRecursive).ok()?;
             Some(watcher)
@@ -99,7 +99,7 @@ struct WatchedFile<R> {
 
 impl<R: FnMut(Change)> WatchedFile<R> {
     fn run(&mut self, messages: &Receiver<Message>) {
-        // The file may have changed after it was read.
+        // The file may have changed between reading it and the start of the watch.
         self.check_file();
         loop {
             match messages.recv_timeout(POLL) {
@@ -146,7 +146,7 @@ impl<R: FnMut(Change)> WatchedFile<R> {
                     (self.report)(Change::Text(text));
                 }
             }
-            // A lost file is reported only once.
+            // A file that cannot be read is reported only once.
             Err(_) if self.lost => {}
             Err(error) => {
                 self.lost = true;

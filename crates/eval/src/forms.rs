@@ -25,10 +25,10 @@ pub(crate) trait Path<const N: usize> {
     ) -> Form<M::V, N>;
 }
 
-/// Segments of rays, from a batch of [`Segments`](crate::Segments).
+/// Path along segments of rays; its quantities are those of [`Segments`](crate::Segments).
 pub(crate) struct SegmentPath;
 
-/// Tiles of rays, from a batch of [`Tiles`](crate::Tiles).
+/// Path through tiles of rays; its quantities are those of [`Tiles`](crate::Tiles).
 pub(crate) struct TilePath;
 
 /// The domain of affine forms of points on a path.

@@ -1,6 +1,7 @@
-//! Branches over a box: where a function that jumps has one value, or stays on one side of a pole.
+//! Branches over a box: parts in which a function that jumps has one value, or stays on one side of
+//! a pole.
 //!
-//! This module splits by one function only; it does not combine the branches of several.
+//! This module splits a box by one function only; it does not combine the branches of several.
 
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
@@ -29,13 +30,13 @@ pub enum Branch {
 /// The way in which an operation splits a box into branches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// Not at all.
+    /// The box is not split.
     Whole,
-    /// Into two, where the divisor changes sign.
+    /// Two branches, split where the divisor changes sign.
     AtPole,
-    /// Into two, at a jump.
+    /// Two branches, split at a jump.
     AtJump,
-    /// Into three, at two jumps.
+    /// Three branches, split at two jumps.
     AtBothJumps,
 }
 

@@ -41,8 +41,9 @@ impl<V: Copy> Claims<V> {
     pub(crate) const TOTAL: Self =
         Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
 
-    /// The claims of an operation that is continuous where it is defined: `nowhere` has the lanes
-    /// where it is defined at no point, `throughout` those where it is defined at every point.
+    /// The claims of an operation that is continuous where it is defined. `nowhere` has the lanes
+    /// where it is defined at no point of the box, `throughout` the lanes where it is defined at
+    /// every point.
     pub(crate) fn of_domain(nowhere: Fact<V>, throughout: Fact<V>) -> Self {
         Self { nowhere, defined: throughout, continuous: throughout }
     }
@@ -122,7 +123,7 @@ pub struct Term<W> {
     pub value: W,
     /// Interval that contains every lane's bounds whenever the code runs.
     pub range: Interval,
-    /// Kind of the value as an exponent; used for exponents only.
+    /// What kind of exponent the value is. Matters only if the value is an exponent.
     pub exponent: Exponent,
 }
 

@@ -10,7 +10,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the value for this format.
+    /// Returns `f32` or `f64`, the argument that belongs to this format.
     pub(crate) fn pick<T>(self, f32: T, f64: T) -> T {
         match self {
             Self::F32 => f32,
@@ -19,8 +19,9 @@ impl Format {
     }
 }
 
-/// Whether this processor has an instruction that rounds a·b + c once. Compiled code then uses it,
-/// and every [`Machine`] rounds in the same way, so that all agree.
+/// Whether this processor has an instruction that computes a·b + c with one rounding. If so,
+/// compiled code uses it, and [`Software::new`](crate::Software::new) returns a machine that rounds
+/// the same way.
 #[must_use]
 pub fn has_fma() -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -114,9 +115,10 @@ pub trait Machine {
     /// The inverse of [`Machine::widen`], rounded up.
     fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;
 
-    /// Applies `routine` to each row of inputs, all `F64`. Native code does so in a loop, so that
-    /// it is emitted once (a kernel with nine cosines compiles in half the time, and runs a sixth
-    /// faster). Values computed inside `routine` may be used only through its results.
+    /// Applies `routine` to each row of inputs, all `F64`. Native code does so in a loop, which
+    /// contains the code of `routine` only once: a kernel with nine cosines compiles in half the
+    /// time and runs a sixth faster. Values computed inside `routine` may be used only through its
+    /// results.
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         inputs: [[Self::V; IN]; ROWS],
@@ -128,25 +130,24 @@ pub trait Machine {
         inputs.map(|row| routine(self, row))
     }
 
-    // The methods below have no effect on a machine that rounds up. A machine that rounds to
-    // nearest and then widens each result learns from them which results it need not or must not
-    // widen.
+    // The methods below have no effect on a machine that rounds up. They serve a machine that
+    // rounds to nearest and then widens each result: they tell it which results to widen.
 
-    /// Runs `routine`, whose results need not be bounds: they are exact, or their rounding is counted
-    /// elsewhere.
+    /// Runs `routine`, whose results need not be bounds: they are exact, or the caller accounts for
+    /// their rounding.
     fn unrounded<R>(&mut self, routine: impl FnOnce(&mut Self) -> R) -> R
     where
         Self: Sized,
     {
         routine(self)
     }
-    /// Returns a bound that [`Machine::unrounded`] computed and whose last rounding is not counted
-    /// elsewhere.
+    /// Rounds a bound outward that [`Machine::unrounded`] computed, if nothing else accounts for
+    /// its last rounding.
     fn outward(&mut self, bound: Self::V) -> Self::V {
         bound
     }
-    /// Clamps `bound` to `most`, as rules rely on. Rounding up never exceeds `most`, so only other
-    /// machines do anything. `most` is exact in `format`.
+    /// Clamps `bound` to `most`, a limit that rules rely on. Rounding up never exceeds `most`, so
+    /// only other machines need to clamp. `most` is exact in `format`.
     fn clamp_to(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
         bound
     }

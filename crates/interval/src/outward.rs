@@ -74,7 +74,8 @@ impl Interval {
         Self { lo: exact(lo, wide.lo), hi: exact(hi, wide.hi) }
     }
 
-    /// Returns whether a bound 0 of the product comes from a factor that is 0, not from underflow.
+    /// Returns whether a bound of 0 in the product comes from a factor that is 0, not from
+    /// underflow.
     fn is_zero_by(self, other: Self) -> bool {
         let ends = [self.lo, self.hi, other.lo, other.hi];
         ends.contains(&0.0) && ends.into_iter().all(|end| end == 0.0 || end.abs() > LEAST_FACTOR)
@@ -119,8 +120,8 @@ impl Interval {
                     let point = Self { lo: bound, hi: bound };
                     point.times(point.power(n - 1))
                 };
-                // Each end has one chain of products. Otherwise each odd exponent on the way would
-                // double the work.
+                // A single number needs only one power. Otherwise each odd exponent of the
+                // recursion would double the work.
                 let lo = end(self.lo);
                 let hi = if self.lo == self.hi { lo } else { end(self.hi) };
                 Self { lo: lo.lo, hi: hi.hi }
@@ -167,7 +168,7 @@ mod tests {
         assert!(one.lo < 1.0 && 1.0 < one.hi);
         assert_eq!(bounds(-2.0, 1.0).power(2).lo, 0.0);
         assert!(bounds(-2.0, 1.0).power(3).lo <= -8.0);
-        // Fast even if many binary digits of the exponent are 1.
+        // This power takes few products, even though many binary digits of the exponent are 1.
         let power = bounds(1.0, 1.0 + f64::EPSILON).power(u32::MAX);
         assert!(power.lo <= 1.0 && 1.0 + 9e-7 < power.hi && power.hi < 1.00001);
         assert_eq!(bounds(0.0, 1.0).times(bounds(2.0, 3.0)).lo, 0.0);

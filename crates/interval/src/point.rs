@@ -119,8 +119,8 @@ pub fn evaluate<M: Machine>(
     }
 }
 
-/// Evaluates `op` and its twin over lanes of their operand, which lies in `range`. Returns `None`
-/// if they share no work there.
+/// Evaluates `op` and its [twin](zeroset_ops::OpRow::twin) over lanes of their operand, which lies
+/// in `range`. Returns `None` if the two share no work in that range.
 pub fn evaluate_sincos<M: Machine>(
     m: &mut M,
     format: Format,
@@ -204,7 +204,8 @@ impl<M: Machine> Rule<'_, M> {
     /// The angle of the point (b, a); NaN at the origin and where a or b is NaN.
     fn angle_of(&mut self, a: M::V, b: M::V) -> M::V {
         let zero = self.zero();
-        // Turns −0 into +0: a zero counts as above and to the right, whatever its sign.
+        // Adding 0 turns −0 into +0. A zero of either sign then counts as above the x-axis and
+        // right of the y-axis.
         let (a, b) = (self.m.add(a, zero), self.m.add(b, zero));
         let [value] = by_halves(self.m, self.format, [a, b], |approx, [a, b]| {
             let near = approx.angle(a, b);

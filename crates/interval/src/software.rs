@@ -70,10 +70,10 @@ pub struct Software {
 }
 
 impl Software {
-    /// The machines of processors with an instruction for a·b + c and of those without one.
+    /// Machines with and without an instruction for a·b + c.
     pub const BOTH: [Self; 2] = [Self { fuses: true }, Self { fuses: false }];
 
-    /// The machine that agrees with this processor.
+    /// The machine that rounds a·b + c as this processor does.
     #[must_use]
     pub fn new() -> Self {
         Self { fuses: has_fma() }

@@ -1,5 +1,5 @@
-//! The tightest products and quotients of intervals, for infinite ends and divisors that contain 0,
-//! too.
+//! The tightest products and quotients of intervals, even for infinite ends and divisors that
+//! contain 0.
 //!
 //! Kernels are this tight only on finite operands, since they guard against 0·∞ with few
 //! instructions.
@@ -45,7 +45,8 @@ mod tests {
 
     const ENDS: [f64; 9] =
         [f64::NEG_INFINITY, -3.0, -1.0, -0.25, 0.0, 0.5, 1.0, 7.0, f64::INFINITY];
-    /// Stands for an infinite end; its reciprocal stands for the numbers next to 0.
+    /// Finite substitute for an infinite end; its reciprocal is a substitute for the numbers next
+    /// to 0.
     const HUGE: f64 = 1e100;
 
     fn intervals() -> Vec<Interval> {

@@ -10,9 +10,9 @@ use crate::graph::{Graph, Node, NodeId};
 use crate::variability::{Variability, variabilities};
 use zeroset_ops::Class;
 
-/// Returns the expressions after replacing parameters by `values` in all exponents that depend on
-/// no coordinate. The index of a value is the parameter's number. The values of other parameters
-/// have no effect, not even on the order of nodes.
+/// Returns the expressions with parameters replaced by `values` in each exponent that depends on no
+/// coordinate. The index of a value is the parameter's number. Values of parameters in no such
+/// exponent have no effect, not even on the order of nodes.
 ///
 /// # Panics
 /// If a root does not belong to `graph`, or a parameter to be replaced has no value.

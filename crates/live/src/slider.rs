@@ -53,8 +53,8 @@ impl Slider {
         value.max(self.low).min(self.high)
     }
 
-    /// `value` clamped to the range, and rounded to the fewest digits that tell values `step`
-    /// apart.
+    /// `value` clamped to the range, and rounded to the fewest digits at which values that differ
+    /// by `step` look different.
     pub fn rounded(&self, value: f64, step: f64) -> f64 {
         let value = self.within(value);
         let digits = self.digits(step);
@@ -68,8 +68,8 @@ impl Slider {
         self.within(text.parse().unwrap_or(value))
     }
 
-    /// Number of decimal places that tell values `step` apart. A negative number means powers of
-    /// ten before the point.
+    /// Number of decimal places at which values that differ by `step` look different. -1 stands for
+    /// tens, -2 for hundreds, and so on.
     fn digits(&self, step: f64) -> i32 {
         let step = step.max((self.high - self.low) * 1e-12).max(f64::MIN_POSITIVE);
         (-step.log10().floor()).clamp(-300.0, 17.0) as i32

@@ -1,7 +1,7 @@
-//! Kinds of operation, by the laws of algebra that rewriting, clearing and printing of formulas
-//! use.
+//! Kinds of operation, by the laws of algebra that they obey. Simplification, conversion to
+//! rational form and printing use these laws.
 //!
-//! Most functions obey no law, so a new function needs no new kind.
+//! Most functions obey no law, so adding one seldom needs a new kind.
 
 use crate::Op;
 
@@ -67,12 +67,13 @@ pub enum Law {
     SquareRoot,
     /// ∛(a³) = a
     CubeRoot,
-    /// f(g(a)) = a wherever g(a) is defined, for this operation g. The simplifier uses the law only
-    /// if the domain of g is [`All`](crate::Domain::All) or [`Positive`](crate::Domain::Positive).
+    /// f(g(a)) = a wherever g(a) is defined, where g is this operation. The simplifier uses the law
+    /// only if the domain of g is [`All`](crate::Domain::All) or
+    /// [`Positive`](crate::Domain::Positive).
     Undoes(Op),
 }
 
-/// The integer to which a number is rounded.
+/// How a function rounds a number to an integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
     /// The largest integer that is not above the number.
@@ -92,6 +93,6 @@ pub enum Parity {
     Even,
     /// f(−a) = −f(a)
     Odd,
-    /// Neither, or not a function of one operand.
+    /// Neither law holds, or the function has several operands.
     Neither,
 }

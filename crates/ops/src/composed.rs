@@ -49,8 +49,8 @@ pub static COMPOSED: &[Composed] = &[
     row("asech", &["arsech", "arcsech"], &["a"], "acosh(1/a)", "inverse hyperbolic secant; defined for 0 < a <= 1"),
     row("acsch", &["arcsch", "arccsch"], &["a"], "asinh(1/a)", "inverse hyperbolic cosecant; undefined at 0"),
     row("acoth", &["arcoth", "arccoth"], &["a"], "atanh(1/a)", "inverse hyperbolic cotangent; defined for |a| > 1"),
-    // The Taylor polynomials bound sin(a)/a for all a, so they change no value. They keep
-    // enclosures narrow near 0, where those of the quotient alone are infinite.
+    // The Taylor polynomials are valid bounds of sin(a)/a for all a, so they change no value. They
+    // keep enclosures narrow near 0, where the enclosure of the quotient is infinite.
     row("sinc", &[], &["a"], "otherwise(min(max(sin(a)/a, 1-a^2/6), 1-a^2/6+a^4/120), where_defined(1, a))", "sin(a)/a, and 1 at 0"),
     row("exp2", &[], &["a"], "2^a", "2 to the power a"),
     row("expm1", &[], &["a"], "exp(a)-1", "exp(a) - 1"),

@@ -20,8 +20,9 @@ pub use table::TABLE;
 
 /// Returns the native operation that a user may call by `name` (exact spelling, aliases included).
 ///
-/// Infix and internal operations have names for printing but cannot be called. If operations of
-/// several arities have this name, the first is returned; see [`natives`].
+/// Infix and internal operations have names for printing but cannot be called. If several
+/// operations of different arity have this name, the first one in the table is returned; see
+/// [`natives`].
 pub fn native(name: &str) -> Option<&'static OpRow> {
     natives(name).next()
 }

@@ -89,17 +89,17 @@ pub struct OpRow {
     pub class: Class,
     /// Effect of the operand's sign on its value.
     pub parity: Parity,
-    /// Rational values of a function of one operand that follow from no law: pairs of integers,
-    /// argument and value.
+    /// Pairs of argument and value, both integers, of a function of one operand. They follow from
+    /// no law.
     pub values: &'static [(i32, i32)],
-    /// Two functions without poles whose quotient it is, if it has poles.
+    /// Numerator and denominator of an operation that has poles: two functions without poles.
     pub quotient: Option<[Op; 2]>,
     /// A function of the same operand that shares most of the work, so that both are computed
     /// together.
     pub twin: Option<Op>,
-    /// If its bounds come from an approximation: the largest number of floats by which the
-    /// enclosure at a point may be wider than the tightest one, in `f32` and in `f64`. Such bounds
-    /// are not exactly monotone in those of the operands. `None` if they come from correctly
+    /// Largest number of floats, in `f32` and in `f64`, by which the enclosure at a point may be
+    /// wider than the tightest one. It applies to bounds that come from an approximation, which are
+    /// not exactly monotone in the operands' bounds. `None` if the bounds come from correctly
     /// rounded arithmetic alone; claiming `None` otherwise is unsound.
     pub excess: Option<[u64; 2]>,
     /// Its derivative with respect to some variable: a formula over the operands `a`, `b`, `c`,
@@ -121,7 +121,7 @@ pub enum Notation {
         /// Whether `name(…)` is accepted as well.
         callable: bool,
     },
-    /// Not at all: it arises from other notation or from simplification.
+    /// No notation: the operation arises from other notation or from simplification.
     Internal,
 }
 
@@ -150,8 +150,8 @@ pub enum Domain {
     CosineNonzero,
     /// Not all operands are 0.
     AnyNonzero,
-    /// The domain of a power: all bases for an integer exponent ≥ 0, base ≠ 0 for a negative
-    /// integer. Otherwise base > 0, or base = 0 with exponent > 0.
+    /// The domain of a power. An integer exponent ≥ 0 allows all bases, a negative one all bases ≠
+    /// 0. Any other exponent needs a base > 0, or a base = 0 with an exponent > 0.
     Power,
 }
 

@@ -206,7 +206,8 @@ impl Picture {
         self.statistics.open.reasons[UndecidedReason::Budget as usize]
     }
 
-    /// For each pixel, row by row, whether it is open only because of the preview or the budget.
+    /// For each pixel, row by row, whether it is undecided only because a preview or the budget
+    /// allowed no closer look.
     pub(crate) fn open_mask(&self) -> impl Iterator<Item = bool> + '_ {
         (0..self.buffer.status.len())
             .map(|pixel| self.buffer.reason(pixel) == UndecidedReason::Budget)

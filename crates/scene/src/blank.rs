@@ -1,6 +1,7 @@
 //! Why a picture shows nothing, and where there is something to see.
 //!
-//! Knows neither flags nor commands: the caller supplies the text that sets a domain.
+//! This module depends neither on flags nor on commands: the caller supplies the text that sets a
+//! domain.
 
 use crate::coordinate::coordinate;
 use crate::domain::{AutoDomain, REACH};
@@ -49,8 +50,8 @@ impl Blank {
         }
     }
 
-    /// One phrase, with advice if there is any. `domain` turns bounds of x, y and z into the text
-    /// that sets them.
+    /// Describes the reason in one phrase, with advice if there is any. `domain` turns bounds of x,
+    /// y and z into the text that sets them.
     pub fn describe(&self, domain: &dyn Fn(&str) -> String) -> String {
         match self {
             Self::Hidden => "nothing is seen: every surface is hidden".to_owned(),

@@ -8,7 +8,7 @@ pub fn coordinate(value: f64) -> String {
     let times = value / FRAC_PI_4;
     let is_near = times.abs() < 1e6 && (times - times.round()).abs() < 1e-9;
     let text = multiple_of_pi(times / 4.0);
-    // A float next to the nearest one is not a multiple.
+    // The float next to the one nearest to a multiple of π/4 must not be shown as that multiple.
     if is_near && number(&text) == Some(value) { text } else { value.to_string() }
 }
 
@@ -16,7 +16,6 @@ pub fn coordinate(value: f64) -> String {
 pub fn multiple_of_pi(times: f64) -> String {
     let quarters = (4.0 * times).round() as i64;
     let (sign, quarters) = (if quarters < 0 { "-" } else { "" }, quarters.unsigned_abs());
-    // Whole multiples have no divisor.
     let divisor = [1, 2].into_iter().find(|d| quarters % (4 / d) == 0).unwrap_or(4);
     let factor = match quarters / (4 / divisor) {
         0 => return "0".to_owned(),

@@ -1,9 +1,10 @@
-//! Automatic domains: where to look if neither the caller nor the document says (`--domain auto`).
+//! Automatic domains: where to look if neither the caller nor the document gives a domain
+//! (`--domain auto`).
 //!
-//! If a surface is proven to lie in some box, of whatever size, that box is tightened by halving
-//! it. Otherwise a window is chosen that shows the surface's features. The effort is limited in
-//! evaluations, so the same document has the same domain on every machine. Knows neither cameras
-//! nor pictures.
+//! If a surface is proven to lie in some box, however large, halving tightens that box. Otherwise a
+//! window is chosen that shows the surface's features. The effort is limited in evaluations, so the
+//! same document has the same domain on every machine. This module depends neither on cameras nor
+//! on pictures.
 
 mod centre;
 mod climb;
@@ -32,7 +33,7 @@ use zeroset_space::{Cell, CellSearch, places_about};
 /// Half the side of the window on a surface without a scale of its own.
 const DEFAULT_HALF: f64 = 2.0;
 
-/// Depth to which intervals halve a box, and to which affine forms halve it further.
+/// Number of times that a box is halved by intervals, and then by affine forms too.
 const BOX_DEPTH: u32 = 6;
 const FINE_DEPTH: u32 = 7;
 
@@ -64,8 +65,8 @@ pub struct AutoDomain {
     pub work: u64,
 }
 
-/// The place of a surface, as far as it is known. Several surfaces have the greatest of their
-/// findings.
+/// The place of a surface, as far as it is known. The finding for several surfaces is the greatest
+/// of their findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Finding {
     /// The surface has no point: proven.
@@ -140,11 +141,12 @@ pub fn find_while(
     };
     let work = WORK - search.work.get() + WORK_AT_INFINITY - at_infinity;
     let Cell { low, high } = valid_box(found);
-    // A search that was cut short knows too little.
+    // The result of a cancelled search is not reliable.
     Ok(wanted().then_some(AutoDomain { low, high, finding, work }))
 }
 
-/// A box around all surfaces in `whole`: first by intervals, then by affine forms too.
+/// The part of `whole` that may hold a surface, as one box. Found by intervals, then by affine
+/// forms too.
 fn tighten<'a>(
     program: &'a Program,
     search: &mut CellSearch<'a>,
@@ -166,8 +168,8 @@ const POINT: f64 = 1.0;
 const FLOATS: f64 = 16.0;
 const TINY: f64 = 1e-6;
 
-/// The domain around a bounded surface in `hull`: with space around it, and thicker where it is a
-/// curve.
+/// The domain around a bounded surface that lies in `hull`: `hull` with some space around it. A
+/// hull that is thin, as of a curve, is thickened.
 fn around(program: &Program, hull: &Cell) -> Cell {
     if is_point(program, hull) {
         let place = hull.centre().map(|along| rounded(along, POINT / 100.0));
@@ -176,11 +178,10 @@ fn around(program: &Program, hull: &Cell) -> Cell {
     thickened(with_margin(hull), THIN)
 }
 
-/// Returns whether the box is this small only because floats resolve no less: the surface is a
-/// point, or cannot be told from one. Either the box is a few ulps wide, or no value in it can be
-/// told from 0. The latter happens near the origin, where the values of x²+y²+z² underflow. A
-/// surface with an inside has other values there, however small it is and whatever factor its
-/// function has.
+/// Returns whether the surface is a point, or floats cannot distinguish it from one. Either the box
+/// is a few ulps wide, or it is tiny and the function may be 0 at each of 27 places in it. The
+/// latter happens near the origin, where the values of x²+y²+z² underflow. A surface that encloses
+/// a volume has other values there, however small it is and whatever factor its function has.
 fn is_point(program: &Program, hull: &Cell) -> bool {
     let (graph, parameters) = (program.graph(), program.values().to_vec());
     let may_vanish = |place: [f64; 3]| {
@@ -194,10 +195,11 @@ fn is_point(program: &Program, hull: &Cell) -> bool {
         || hull.largest() < TINY && places_about(hull.centre(), eighths).all(may_vanish)
 }
 
-/// Exponents of two of the cubes that are tried as boxes around a whole surface.
+/// Exponents, to base 2, of the half sides of the cubes that are tried as boxes around a whole
+/// surface.
 const LADDER: [u32; 6] = [4, 12, 20, 40, 60, 100];
 
-/// A box that all surfaces are proven to lie in, if there is a proof.
+/// A box in which all surfaces are proven to lie, if there is a proof.
 fn everything(program: &Program, search: &CellSearch<'_>, work: &mut u64) -> Option<Cell> {
     let cubes = LADDER.map(|exponent| Cell::cube(f64::from(exponent).exp2()));
     if let Some(cube) = cubes.into_iter().find(|cube| search.nothing_outside(cube)) {
@@ -227,7 +229,7 @@ fn everything(program: &Program, search: &CellSearch<'_>, work: &mut u64) -> Opt
     whole.filter(|whole| whole.high.iter().all(|half| half.is_finite()))
 }
 
-/// A box that all surfaces within ±[`REACH`] are proven to lie in, if there is a proof.
+/// A box in which all surfaces within ±[`REACH`] are proven to lie, if there is a proof.
 fn everything_near(search: &CellSearch<'_>) -> Option<Cell> {
     let cube = |exponent: i32| Cell::cube(f64::from(exponent).exp2());
     let is_clear = |exponent: &i32| search.nothing_between(&cube(*exponent), &cube(exponent + 1));
@@ -273,7 +275,8 @@ fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// A box around the windows on all surfaces, and whether all of them look better in a ball.
+/// A box around the windows on all surfaces, and whether each window looks better clipped to a
+/// ball.
 fn windows(program: &Program, search: &CellSearch<'_>) -> Result<(Cell, bool), ProgramError> {
     let (graph, parameters) = (program.graph(), program.values());
     let (mut whole, mut all_round) = (None::<Cell>, true);
@@ -309,8 +312,8 @@ fn windows(program: &Program, search: &CellSearch<'_>) -> Result<(Cell, bool), P
     Ok((whole.unwrap_or(Cell::cube(DEFAULT_HALF)), all_round))
 }
 
-/// A side of a window shorter than this share of the longest is too thin. `THIN` is the share for
-/// bounded surfaces, such as curves.
+/// A side shorter than this share of the longest is too thin: `FLAT` for a window, `THIN` for a
+/// bounded surface, which may be a curve.
 const FLAT: f64 = 0.01;
 const THIN: f64 = 1e-4;
 /// A side that is too thin gets this share of the longest.
@@ -329,8 +332,7 @@ fn thickened(mut cell: Cell, share: f64) -> Cell {
     cell
 }
 
-/// A valid box: axes without finite, increasing bounds are replaced by a range around the same
-/// place.
+/// The box made valid. An axis without finite, increasing bounds gets a range around its middle.
 fn valid_box(mut cell: Cell) -> Cell {
     let largest = cell.largest();
     for axis in 0..3 {
@@ -347,14 +349,14 @@ fn valid_box(mut cell: Cell) -> Cell {
     cell
 }
 
-/// A coordinate rounded to the digits of `grain`.
+/// A coordinate rounded to a multiple of the largest power of ten up to `grain`.
 fn rounded(place: f64, grain: f64) -> f64 {
     let near = in_grains(place, grain, f64::round);
     if near.is_finite() { near } else { place }
 }
 
-/// A coordinate rounded by `whole` to a multiple of the largest power of ten up to `grain`. Not
-/// finite where floats have no such digits.
+/// A coordinate as a multiple of the largest power of ten up to `grain`; `whole` rounds it. The
+/// result is not finite if the power or the multiple overflows.
 fn in_grains(place: f64, grain: f64, whole: impl Fn(f64) -> f64) -> f64 {
     let power = grain.log10().floor();
     // Division by the reciprocal of the power of ten gives the nearest decimal.
@@ -382,14 +384,14 @@ fn with_margin(cell: &Cell) -> Cell {
         let neat = |bound: f64, outward: fn(f64) -> f64| {
             in_grains(bound, extent / 100.0, |grains| {
                 // A bound that is a whole number of grains up to rounding is not moved outward by
-                // another grain; the space absorbs the difference.
+                // another grain. The space around the surface absorbs the rounding error.
                 let near = grains.round();
                 if (grains - near).abs() < 1e-6 { near } else { outward(grains) }
             })
         };
         let low = neat(cell.low[axis] - space, f64::floor);
         let high = neat(cell.high[axis] + space, f64::ceil);
-        // Far from the origin, floats may not have such digits.
+        // Far from the origin, rounding to grains may overflow.
         with_margin.low[axis] =
             if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
         with_margin.high[axis] =

@@ -1,8 +1,8 @@
 //! The kernels of surfaces. A kernel is compiled when it is first requested, once for all values of
 //! the parameters, and its code size is counted.
 //!
-//! Simplification and parameter values come from other modules. Nothing here knows what kernels
-//! compute.
+//! Simplification and parameter values come from other modules. This module does not depend on what
+//! kernels compute.
 
 use crate::simplified::{KernelSource, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
@@ -123,7 +123,7 @@ fn within_limit(made: &[CompiledKernel]) -> Result<(), ProgramError> {
     Ok(())
 }
 
-/// Code before values are bound, and the uniforms that it reads.
+/// The steps of a kernel before parameter values are bound, and the uniforms that they read.
 struct Code<Q: Query, T: Real> {
     steps: Steps<Q, T>,
     uniforms: Uniforms,
@@ -134,8 +134,8 @@ enum Steps<Q: Query, T: Real> {
     Reference(Tape<T>),
 }
 
-/// Code that is compiled at most once, or the reason why it is not available; `None` where a
-/// surface has no such form.
+/// Code that is compiled at most once, or the error if that failed; `None` if the surface has no
+/// such form.
 ///
 /// Slot 0 has code whose uniforms are computed beforehand. Slot 1 has code without uniforms, for
 /// parameter values at which a uniform is undefined.
@@ -164,12 +164,12 @@ struct SurfaceCodes {
     double: Arc<SurfaceCode<f64>>,
 }
 
-/// The code of all surfaces of a program, compiled on request, and its source.
+/// The simplified surfaces of a program, and their code, which is compiled on request.
 pub(crate) struct CodeStore {
     pub simplified: Arc<Simplified>,
     pub ledger: KernelList,
     evaluator: Evaluator,
-    /// By surface.
+    /// The code of each surface.
     codes: Vec<SurfaceCodes>,
 }
 
@@ -186,7 +186,7 @@ impl CodeStore {
         steps: Result<Option<(Tape<T>, Uniforms)>, ProgramError>,
     ) -> Result<Option<Code<Q, T>>, ProgramError> {
         let Some((tape, uniforms)) = steps? else { return Ok(None) };
-        // Other kernels may have used up the limit.
+        // The kernels compiled so far may have used up the limit.
         self.ledger.is_open()?;
         let (question, format) = (Q::NAME, T::FORMAT);
         let mut made =
@@ -204,10 +204,10 @@ impl CodeStore {
     }
 }
 
-/// A kernel with values bound.
+/// A kernel to which parameter values are bound.
 type Bound<Q, T> = Box<dyn Kernel<Q, T>>;
 
-/// A value that is created at most once, or the reason why it is not available.
+/// A value that is created at most once, or the error if that failed.
 type Once<K> = OnceLock<Result<K, KernelError>>;
 
 /// The kernels of one surface in one precision, bound to the present parameter values.
@@ -224,7 +224,7 @@ struct BoundKernels<T: Real> {
     gradients: Once<Bound<SampleGradient, T>>,
 }
 
-/// The data that binds the kernels of one surface in one precision.
+/// The kernels of one surface in one precision, and what is needed to bind them.
 struct Bindings<T: Real> {
     store: Arc<CodeStore>,
     surface: usize,
@@ -278,8 +278,8 @@ impl<T: Real> Bindings<T> {
     ) -> Result<Option<Bound<Q, T>>, KernelError> {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
-                // Checked before compiling, so that no code is compiled that is not valid for the
-                // present values.
+                // This is checked before compiling, so that no code is compiled that is not valid
+                // for the present values.
                 let steps = self.store.simplified.steps(self.surface, form, hoisted);
                 if let Ok(Some((_, uniforms))) = &steps
                     && uniforms.values(&self.values).is_none()
@@ -301,7 +301,7 @@ impl<T: Real> Bindings<T> {
         unreachable!("a program's values are within what it assumes")
     }
 
-    /// As [`Bindings::bind`], for forms that the surface has.
+    /// As [`Bindings::bind`], for forms that every surface has, or that this one is known to have.
     fn bind_always<Q: Query>(
         &self,
         slot: &Slot<Q, T>,

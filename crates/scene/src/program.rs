@@ -19,11 +19,11 @@ pub struct Program {
     /// The parameters' values, within their assumed ranges.
     values: Arc<[Interval]>,
     surfaces: Vec<BoundSurface>,
-    /// Bounds and facts of its function, per surface.
+    /// Bounds and facts of each surface's function.
     enclosures: Vec<(Interval, Facts)>,
 }
 
-/// Time without a range is assumed to stay within ± this. Beyond it, code is compiled again.
+/// Time without a range is assumed to stay within ± this. Beyond that, code is compiled again.
 const TIME: f64 = 16.0;
 
 impl Program {
@@ -63,7 +63,8 @@ impl Program {
         let parameters: Vec<Interval> = document.parameters.iter().map(assumed).collect();
         let solid = solid(document);
         let (mut symbolic, rewritten) = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
-        // Only the zeros of an equation are drawn, and they can be proven where they are simple.
+        // Only the zeros of an equation are drawn, so multiple zeros may be replaced by simple
+        // ones, which can be proven.
         let drawn = |(root, is_solid): (&NodeId, &bool)| {
             if is_drawn && !is_solid { radical(&mut symbolic, *root) } else { *root }
         };
@@ -88,7 +89,8 @@ impl Program {
         Ok(Self::of(Arc::new(store), values(document)))
     }
 
-    /// The same program, evaluated by `evaluator`, with its kernels counted anew.
+    /// The same program, run by `evaluator`. It shares no kernels with this one, and counts its own
+    /// from 0.
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
         let store = CodeStore::new(Arc::clone(&self.store.simplified), evaluator);
@@ -120,8 +122,7 @@ impl Program {
             && typed(document) == *before
     }
 
-    /// The same program for the whole loop of the document's time at once. Its proofs hold at each
-    /// time.
+    /// The same program with the time ranging over its whole loop. Its proofs hold at each time.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
         let assumed = &self.store.simplified.assumptions.parameters;
@@ -150,8 +151,8 @@ impl Program {
         Self { store, values, surfaces, enclosures }
     }
 
-    /// Refuses a function that is constant or undefined in all of space. One that is so in this
-    /// domain only is left to [`Program::remarks`].
+    /// Refuses a function that is constant or undefined in all of space. [`Program::remarks`]
+    /// reports a function that is so in this domain only.
     fn check(&self, document: &Document) -> Result<(), ProgramError> {
         let surfaces = 0..document.surfaces.len();
         if surfaces.clone().all(|k| !self.is_undefined(k) && self.constant(k).is_none()) {
@@ -314,8 +315,8 @@ fn formula(surface: &zeroset_syntax::Surface) -> (String, bool) {
     }
 }
 
-/// A phrase about a constant function. `plain`: whether it was typed as one expression, not as two
-/// sides that are compared.
+/// A phrase about a constant function. `plain`: whether it was typed as one expression rather than
+/// as two sides of an equation.
 fn describe(bounds: Interval, plain: bool) -> String {
     let it = if plain { "it is" } else { "its two sides differ by" };
     let value = match bounds.singleton() {
@@ -353,8 +354,8 @@ mod tests {
         assert_eq!((tape.operations(), tape.parameters()), (4, 3));
     }
 
-    /// Where a uniform is undefined, code without uniforms is compiled. It is reused for the next
-    /// such value.
+    /// Where a uniform is undefined, code without uniforms is compiled. The next value at which it
+    /// is undefined reuses that code.
     #[test]
     fn code_is_made_once_for_values_that_exist_and_once_for_others() {
         let document = |r: f64| {

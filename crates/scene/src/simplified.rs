@@ -1,6 +1,6 @@
 //! Simplified surfaces, valid for any parameter values, and the tapes that are built from them.
 //!
-//! Does not know which tapes are requested, or what they are used for.
+//! This module depends neither on which tapes are requested nor on what they are used for.
 
 use crate::uniforms::Uniforms;
 use std::fmt;
@@ -9,24 +9,24 @@ use thiserror::Error;
 use zeroset_eval::{Assumptions, KernelError, Real, Tape};
 use zeroset_ir::{Graph, IrError, NodeId, clear, compact, gradient, simplify};
 
-/// The part of a program that does not depend on the parameters' values while they are within the
-/// assumptions.
+/// The part of a program that does not depend on the parameters' values while they are within their
+/// assumed bounds.
 pub(crate) struct Simplified {
     pub graph: Graph,
     pub roots: Vec<NodeId>,
     /// Graph and roots before constants are folded to bounds, so that derivatives simplify as well
     /// as the functions.
     pub symbolic: (Graph, Vec<NodeId>),
-    /// Graph and roots as typed, with exponents fixed. All of the above was built from them.
+    /// Graph and roots as typed, with exponents fixed. The graphs above were built from them.
     pub typed: (Graph, Vec<NodeId>),
     pub assumptions: Assumptions,
     /// Number of nodes as typed.
     pub nodes_before: usize,
-    /// Whether it bounds a solid, per surface.
+    /// Whether each surface bounds a solid.
     pub solid: Vec<bool>,
-    /// Whether its function was replaced by another with the same zeros, per surface.
+    /// Whether the function of each surface was replaced by another with the same zeros.
     pub reduced: Vec<bool>,
-    /// The rational form, per surface.
+    /// The rational form of each surface's function, if it has one.
     pub cleared: Vec<OnceLock<Result<Option<ClearedGraph>, IrError>>>,
 }
 

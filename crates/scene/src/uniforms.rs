@@ -3,7 +3,8 @@
 //!
 //! Code reads the parameters, and uniforms computed from them. It is valid for parameters within
 //! assumed ranges. This module computes the inputs of the code for the present parameters, and
-//! reports when the code is not valid for them. Knows neither documents nor what the code computes.
+//! reports when the code is not valid for them. It depends neither on documents nor on what the
+//! code computes.
 
 use zeroset_eval::Assumptions;
 use zeroset_interval::{Facts, Interval};
@@ -51,8 +52,8 @@ impl Uniforms {
     }
 
     /// The inputs for these values of the parameters. `None` if the tape is not valid for them: an
-    /// input is outside its assumed bounds, or a uniform may be undefined. An untaken branch may
-    /// never use that uniform, so code without uniforms is needed then.
+    /// input is outside its assumed bounds, or a uniform may be undefined. Code without uniforms
+    /// serves in the latter case, since the uniform may belong to a branch that is not taken.
     ///
     /// # Panics
     /// If a parameter has no value.

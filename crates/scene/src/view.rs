@@ -58,7 +58,7 @@ pub enum ClipChoice {
 }
 
 impl ClipChoice {
-    /// The clipping plane, for a document whose own one is `own`.
+    /// The clipping plane, given the document's own plane `own`.
     pub fn or(self, own: Option<HalfSpace>) -> Option<HalfSpace> {
         match self {
             Self::Document => own,
@@ -126,9 +126,9 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(one).collect()
 }
 
-/// A choice of camera. A field that is `None` is taken from the document. If the document leaves it
-/// open too, it is chosen to show the whole domain from [`VIEWS[0]`](zeroset_style::VIEWS); the
-/// `framing` of the render crate then moves as near as what is visible allows.
+/// A choice of camera. A field that is `None` is taken from the document. If the document does not
+/// set it either, it is chosen to show the whole domain from [`VIEWS[0]`](zeroset_style::VIEWS).
+/// The `framing` of the render crate then moves the camera as near as the visible part allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
     /// A standard view. It replaces the document's eye and upward direction.
@@ -175,9 +175,10 @@ pub fn region(
 }
 
 /// As [`region`], but can be cancelled: returns `None` once `wanted` is false, which is queried
-/// during the search. Once false, it must stay false. `search` is the program of the previous
-/// search. It is reused without compiling if the documents differ in values only. The program that
-/// was used is left there.
+/// during the search. Once false, it must stay false.
+///
+/// `search` holds the program of the previous search, and is set to that of this one. The program
+/// is reused without compiling if the documents differ in values only.
 ///
 /// # Errors
 /// As [`region`].
@@ -326,7 +327,8 @@ pub fn camera(
     let given_eye = choice.eye.or(typed_eye);
     let eye = given_eye.unwrap_or(target + offset * region.half_extent());
     let up = choice.up.or(typed_up).unwrap_or_else(|| {
-        // A given eye may look straight down. Then y points upward, as in the view from the top.
+        // A given eye may look straight down. Then y is the upward direction, as in the view from
+        // the top.
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
         if vertical { DVec3::Y } else { view_up }
     });
@@ -381,8 +383,8 @@ pub fn depends_on_time(document: &Document) -> bool {
     times.any(|time| !is_idle(document, time))
 }
 
-/// The `f64` nearest to a typed number. Cameras and domains consist of floats, so that a file and a
-/// flag with the same digits mean the same.
+/// The `f64` nearest to a typed number. Cameras and domains consist of floats, so the same digits
+/// mean the same in a file and in a flag.
 pub fn nearest(constant: &Constant) -> f64 {
     let bounds = constant.bounds();
     let exact = constant.exact().and_then(ToPrimitive::to_f64);

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use zeroset_trace::GBuffer;
 use zeroset_trace::RayGrid;
 
-/// Largest distance in depth, in widths of a pixel of the smaller picture, at which its point
-/// counts as on the same part of a surface. It is multiplied by the slope.
+/// Largest difference in depth at which a point of the smaller picture counts as on the same part
+/// of a surface. In widths of a pixel of that picture, and multiplied by the slope.
 const FAR: f64 = 4.0;
 
 /// Sets each painted point's occlusion to that around the same place in `small`: the mean of the
@@ -32,7 +32,7 @@ pub fn borrow_occlusion(
             }
             let [across, upward] = rays.screen(2 * column, 2 * row);
             let [across, upward] = [across, upward].map(|place| place / small_rays.unit);
-            // Column and row in the smaller picture, with fractions.
+            // Fractional column and row in the smaller picture.
             let x = 0.5 * (across + width as f64 - 1.0);
             let y = 0.5 * (height as f64 - 1.0 - upward);
             let [right, below] = [x, y].map(|place| place - place.floor());

@@ -11,9 +11,10 @@ pub struct LinearRgb(pub [f32; 3]);
 /// A table that converts an amount of light exactly to the nearest sRGB byte, by one lookup and one
 /// addition.
 ///
-/// Floats with the same upper 16 bits belong to at most two adjacent bytes. The entry for these
-/// bits has the lower byte, above 16 bits that carry into it when the lower half of the float is
-/// added and reaches the next byte.
+/// Floats with the same upper 16 bits have at most two different bytes, which are adjacent. The
+/// table entry for these upper bits has the lower of the two bytes in its own upper half. Its lower
+/// half is chosen so that adding the lower 16 bits of the float carries into the byte where the
+/// higher byte begins.
 pub(crate) struct SrgbTable([u32; ENTRIES]);
 
 /// Number of bits in the lower half of a float.
@@ -22,8 +23,8 @@ const LOWER: u32 = 16;
 /// Largest amount that is black: byte 1 begins at 1.5e-4.
 pub(crate) const BLACK: f32 = 1.0 / 8192.0;
 
-/// Number of entries. The upper halves from black to full light differ only in their last 11 bits,
-/// so an index is cut off and needs no check.
+/// Number of entries. The upper halves from black to full light differ only in their last 11 bits.
+/// So an index is reduced to these bits, and needs no bounds check.
 const ENTRIES: usize = 2048;
 
 impl SrgbTable {
@@ -129,7 +130,7 @@ mod tests {
         let codes = SrgbTable::get();
         let least = BLACK.to_bits();
         let most = 1.0_f32.to_bits();
-        // No multiple of 2, so that lower halves differ.
+        // Floats lie an odd number apart, so that their lower halves differ.
         let step = 48 * 1021;
         for level in levels() {
             for first in (least..=most - step).step_by(step as usize) {
@@ -153,7 +154,7 @@ mod tests {
         for byte in 0..=255 {
             assert_eq!(LinearRgb::from_srgb([byte; 3]).to_srgb(), [byte; 3]);
         }
-        // Half of the light has a much larger byte than half of 255.
+        // Half of the light is encoded as a much larger byte than half of 255.
         assert_eq!(LinearRgb([0.5; 3]).to_srgb(), [188; 3]);
         assert_eq!(LinearRgb([f32::NAN, -1.0, 2.0]).to_srgb(), [0, 0, 255]);
     }

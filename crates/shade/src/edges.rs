@@ -9,13 +9,13 @@ use zeroset_trace::GBuffer;
 use zeroset_trace::painted::SHADED_ROWS;
 use zeroset_trace::{RayGrid, SIDE};
 
-/// Least cosine of the angle between two normals, about 20 degrees, that makes no edge.
+/// Least cosine of the angle between two normals, about 20 degrees, that is not yet an edge.
 const LEAST_COSINE: f32 = 0.94;
-/// A step in depth makes an edge if it is more than this many times a pixel's width, and more than
-/// this many times what the slope explains.
+/// A step in depth is an edge if it is more than this many times a pixel's width, and more than
+/// this many times the step that the slope causes.
 const STEEPER: f64 = 3.0;
 
-/// For each pixel, row by row, whether it differs from one of the four beside it: in surface, side,
+/// For each pixel, row by row, whether it differs from one of its four neighbors in surface, side,
 /// depth or orientation. Features thinner than a pixel that no ray meets are not found.
 pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
     let (width, height) = (rays.width(), rays.height());
@@ -82,8 +82,8 @@ impl<'a> PixelRun<'a> {
 const ALL: u32 = (1 << LANES) - 1;
 
 /// The pairs that may have an edge between them, as bits, among the sixteen pairs from the `k`th
-/// on. These few comparisons decide most pairs. `even` is the largest step in depth that makes no
-/// edge: at the eye, and its growth with depth.
+/// on. These few comparisons decide most pairs. A step in depth is no edge up to `at_eye` plus
+/// `growth` times the depth.
 #[inline(always)]
 fn differing<S: Simd>(
     simd: S,
@@ -100,14 +100,14 @@ fn differing<S: Simd>(
         let b = f64x8::from_slice(simd, &other.drawn[part]);
         let step = a - b;
         bits |= (!step.abs().simd_le(at_eye + growth * a.min(b))).to_bitmask() << half;
-        // Two infinite depths have no difference.
+        // The difference of two infinite depths is NaN: both pixels are empty, so there is no edge.
         empty |= step.is_nan().to_bitmask() << half;
     }
     if let (Some(a), Some(b)) = (one.surface.get(here.clone()), other.surface.get(here.clone())) {
         let (a, b) = (u16x16::from_slice(simd, a), u16x16::from_slice(simd, b));
         bits |= a.simd_ne(b).to_bitmask();
     }
-    // Both are empty if nothing is cut.
+    // If the picture has no caps, both are `None`.
     if one.cap.get(here.clone()) != other.cap.get(here.clone()) {
         return ALL & !empty as u32;
     }
@@ -127,9 +127,9 @@ fn differing<S: Simd>(
 }
 
 impl EdgeDetector<'_> {
-    /// The columns of a row that may have an edge to the right. They reach from the one before the
-    /// first painted pixel to the last painted one, or the last but one of the row. Empty if none
-    /// is painted.
+    /// The columns of a row that may have an edge to the right: from the one before the first
+    /// painted pixel to the last painted one, but not the last column. Empty if no pixel is
+    /// painted.
     fn painted(&self, row: usize) -> Range<usize> {
         let width = self.rays.width();
         let drawn = &self.buffer.drawn[row * width..][..width];
@@ -139,9 +139,9 @@ impl EdgeDetector<'_> {
         first.saturating_sub(1)..(last + 1).min(width - 1)
     }
 
-    /// Calls `edge` with each column in which there is an edge between two pixels. The first pixel
-    /// has the index `pair.start` plus the column; the other, to the right or below, has `pair.end`
-    /// plus the column.
+    /// Calls `edge` with each column in which there is an edge between two pixels. In column k, the
+    /// pixels have the indices `pair.start` + k and `pair.end` + k; the second is to the right of
+    /// the first, or below it.
     #[inline]
     fn each(
         &self,
@@ -164,7 +164,7 @@ impl EdgeDetector<'_> {
             return;
         }
         for k in (0..count).step_by(LANES) {
-            // The last sixteen are all in the row, so some may be compared twice.
+            // The last sixteen pairs must lie in the row, so some may be compared twice.
             let k = k.min(count - LANES);
             let mut left = dispatch!(self.level, simd => differing(simd, &one, &other, k, even));
             while left != 0 {
@@ -180,18 +180,19 @@ impl EdgeDetector<'_> {
         let [a, b] = pixels.map(|pixel| buffer.drawn[pixel]);
         let step = (a - b).abs();
         if !step.is_finite() {
-            // Two infinite depths have no difference.
+            // The difference of two infinite depths is NaN: both pixels are empty.
             return !step.is_nan();
         }
         let [n, m] = pixels.map(|pixel| buffer.normal[pixel]);
         let [one, other] = pixels.map(|pixel| (buffer.surface[pixel], buffer.is_cap(pixel)));
-        // Normals point toward f > 0, so they also differ if the pixels show different sides.
+        // Normals point toward f > 0, so those of different sides of a surface differ, too.
         let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= LEAST_COSINE;
         let footprint = self.rays.footprint(a.min(b));
         one != other || !is_even || step > STEEPER * footprint * self.slope(pixels, is_row).max(1.0)
     }
 
-    /// The change of depth from pixel to pixel at the steeper of two pixels, in widths of a pixel.
+    /// The change of depth from pixel to pixel, in widths of a pixel, at the steeper of these two
+    /// pixels.
     fn slope(&self, pixels: [usize; 2], is_row: bool) -> f64 {
         let axis = if is_row { self.rays.right() } else { self.rays.up() };
         let slope = |pixel: usize| slope_along(self.buffer.normal[pixel], self.rays, pixel, axis);
@@ -206,8 +207,8 @@ fn slope_along(normal: [f32; 3], rays: &RayGrid, pixel: usize, axis: DVec3) -> f
     (normal.dot(axis) / normal.dot(along)).abs()
 }
 
-/// The largest change of depth across the picture for this normal, in widths of a pixel, seen along
-/// the unit vector `along`.
+/// The largest change of depth from pixel to pixel in the picture, in widths of a pixel, for this
+/// normal and a unit vector `along` the ray.
 pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
     // The tangent of the angle between normal and view.
     let cosine = Vec3::from_array(normal).dot(along);
@@ -227,8 +228,8 @@ pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
 }
 
 /// Returns whether a whole patch shows one smooth part of one surface, so that it needs no shading
-/// of its own. `normal` is that of the coarser pixel which the patch refines. `row` is the patch's
-/// row in `buffer` and `rays`.
+/// of its own. The patch refines a coarser pixel with this `normal`. `row` is the patch's row in
+/// `buffer` and `rays`.
 ///
 /// # Panics
 /// If there is no such row.
@@ -358,8 +359,8 @@ mod tests {
         assert_eq!(is_smooth(&|buffer| buffer.drawn[3] = f64::INFINITY), [false, true]);
         assert_eq!(is_smooth(&|buffer| buffer.drawn[31] = 3.0), [true, false]);
         assert_eq!(is_smooth(&|buffer| buffer.cap[20] = true), [true, false]);
-        // Depth may change from row to row of a patch as it does along a row. Patches are not
-        // neighbors of each other.
+        // Within a patch, depth may change from row to row as much as from column to column.
+        // Adjacent patches are not compared.
         assert_eq!(is_smooth(&|buffer| buffer.drawn[16..].fill(1.0)), [true; 2]);
     }
 

@@ -33,7 +33,7 @@ impl Light {
         let (way, distance) = self.towards(centre);
         let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
         std::array::from_fn(|turn| {
-            // Vogel's spiral spreads places evenly over the disc. Successive turns lie far apart.
+            // Vogel's spiral spreads places evenly over the disc. Consecutive places lie far apart.
             let place = (7 * turn % TURNS) as f64;
             let (radius, angle) = (((place + 0.5) / TURNS as f64).sqrt(), place * 2.399_963_23);
             let aside = WIDTH * radius * (angle.cos() * across + angle.sin() * upward);

@@ -2,10 +2,10 @@
 //!
 //! For an undecided pixel, the gradient is taken half a pixel before the painted point: where f
 //! only touches 0, the gradient at the point is 0. A gradient may not exist (NaN, infinite or zero)
-//! at a crease, a cusp or the edge of the domain of definition. Then several substitutes are tried:
-//! the gradient in `f64`, if the picture's precision allows it; gradients a little farther along
-//! the ray; central differences over growing steps; at last the direction to the eye. So a normal
-//! is never NaN.
+//! at a crease, a cusp or the edge of the domain of definition. Then several substitutes are tried,
+//! in this order: the gradient in `f64`, if the picture's precision allows it; gradients a little
+//! farther along the ray; central differences over growing steps; the direction to the eye. So a
+//! normal is never NaN.
 
 mod gradients;
 
@@ -24,7 +24,7 @@ use zeroset_trace::painted::SHADED_ROWS;
 pub enum NormalSource<'a, T: Real = f32> {
     /// The exact derivative, rounded.
     Gradient(&'a (dyn Kernel<SampleGradient, T> + 'a)),
-    /// The exact derivative, in `f64` for points at which `T` gives none.
+    /// The exact derivative, computed in `f64` for points at which `T` gives none.
     Refined {
         /// The kernel that is evaluated first.
         kernel: &'a (dyn Kernel<SampleGradient, T> + 'a),
@@ -62,7 +62,7 @@ pub fn normals<T: Real>(
     buffer.each_rows(SHADED_ROWS, |mut rows| source.compute_normals(&mut rows, rays, step, None))
 }
 
-/// The part of a ray behind its painted point, and the t that makes one step.
+/// The part of a ray behind its painted point, and the step along it, in units of t.
 struct Rest {
     ray: Ray,
     step: f64,
@@ -72,7 +72,7 @@ struct Rest {
 struct BandNormals<'a> {
     /// The picture's normals; empty if it does not keep them.
     kept: &'a mut [[f32; 3]],
-    /// Otherwise, normals until colors are computed; empty until one is stored.
+    /// Normals that are not kept, until colors are computed; empty until one is stored.
     own: Vec<[f32; 3]>,
     pixels: usize,
 }
@@ -162,8 +162,8 @@ impl<T: Real> NormalSource<'_, T> {
             .collect()
     }
 
-    /// Differences of values: twice the step times the gradient. One-sided where the function is
-    /// undefined on one side, and 0 where it is undefined on both.
+    /// Differences of values, which are twice the step times the gradient. They are one-sided where
+    /// the function is undefined on one side, and 0 where they do not exist.
     fn differences(
         &self,
         points: impl Iterator<Item = DVec3>,
@@ -217,8 +217,8 @@ impl<T: Real> NormalSource<'_, T> {
     }
 }
 
-/// Fills in missing normals. `vectors` gets the indices of points without one, and returns their
-/// directions.
+/// Fills in missing normals. `vectors` gets the indices of points without a normal, and returns
+/// vectors in the direction of their normals.
 fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<DVec3>) {
     let open: Vec<usize> = (0..normals.len()).filter(|&k| normals[k].is_none()).collect();
     if !open.is_empty() {
@@ -247,7 +247,7 @@ fn gradients<T: Real>(
         .collect()
 }
 
-/// The vector at length 1, or `None` if it has no direction.
+/// The vector scaled to length 1, or `None` if it has no direction.
 fn unit(vector: DVec3) -> Option<[f32; 3]> {
     // Gradients of steep functions overflow when squared, even in f64. Scaling first keeps the
     // direction.
@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn a_gradient_just_behind_the_painted_point_serves() {
-        // Defined from half a step behind the point on: y > −0.9995.
+        // Defined only from half a step behind the point on: y > −0.9995.
         let edge = |[_, y, _]: [f32; 3]| {
             if y > -0.9996 { [1.0, 0.0, 0.0] } else { [f32::NAN; 3] }
         };

@@ -10,30 +10,32 @@ use zeroset_trace::GBuffer;
 use zeroset_trace::RayGrid;
 use zeroset_trace::SurfaceIds;
 
-/// Number of neighboring pixels, in a square, that take turns. Each samples other directions, and
-/// the mean over a square covers all of them.
+/// Number of sampling patterns, one for each pixel of a small square. Each pattern samples other
+/// directions, and the mean over the square covers all of them.
 pub const TURNS: usize = 16;
-/// Number of pixels on the side of such a square.
+/// Number of pixels on the side of that square.
 const SIDE: usize = TURNS.isqrt();
 
-/// The turn of a pixel, by its column and row. Turns of neighbors are far apart (Bayer 1973).
+/// The number of a pixel's sampling pattern, by its column and row. Patterns of neighbors are far
+/// apart in number (Bayer 1973).
 pub fn turn([column, row]: [usize; 2]) -> usize {
     const TURN: [[usize; SIDE]; SIDE] =
         [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
     TURN[row % SIDE][column % SIDE]
 }
 
-/// Number of places sampled around each point. The mean is over sixteen times as many.
+/// Number of places sampled around each point. A mean over the square of [`TURNS`] pixels has
+/// sixteen times as many samples.
 const LOOKS: usize = 6;
 /// The golden angle, in radians. Places at its multiples are spread evenly.
 const GOLDEN: f32 = 2.399_963_2;
 /// Largest distance of sampled places in the picture, as a share of its height, however near they
 /// are in space.
 const WIDEST: f64 = 0.125;
-/// Sine of the elevation above the tangent plane below which a point hides nothing: pixels resolve
-/// no less.
+/// Sine of the elevation above the tangent plane below which a point hides nothing. Pixels do not
+/// resolve lower elevations.
 const FLAT: f32 = 0.08;
-/// Factor from the mean contribution of a sample to the share that is hidden.
+/// Factor by which the mean contribution of the samples is multiplied to give the hidden share.
 const STRENGTH: f32 = 2.6;
 
 /// A painted point, with its normal and surface.
@@ -46,14 +48,15 @@ struct ShadedPoint {
     surface: u16,
 }
 
-/// Ambient occlusion in screen space: the painted points of a picture, one array per quantity. A
-/// single large allocation would be given back to the system later.
+/// Ambient occlusion in screen space: the painted points of a picture, one array per quantity. The
+/// allocator would return a single large array to the system.
 pub struct AmbientOcclusion<'a> {
     rays: &'a RayGrid,
     at: Vec<Vec3>,
     normal: Vec<Vec3>,
     surface: SurfaceIds,
-    /// For each turn, the places to sample, in a circle of radius 1.
+    /// For each [`turn`], the offsets from a pixel to the places sampled around it. They are within
+    /// a circle of radius 1, and scaled when used.
     looks: [[Vec2; LOOKS]; TURNS],
 }
 
@@ -120,7 +123,8 @@ impl<'a> AmbientOcclusion<'a> {
     }
 
     /// The share of a point's surroundings that is hidden by points within `pixels` of it in the
-    /// picture (Mara, `McGuire`, Bukowski, Luebke, "Scalable Ambient Obscurance", 2012).
+    /// picture and within `reach` of it in space (Mara, `McGuire`, Bukowski, Luebke, "Scalable
+    /// Ambient Obscurance", 2012).
     fn hidden(&self, [column, row]: [usize; 2], pixels: f32, reach: f32) -> f32 {
         let Some(here) = self.pixel(column as isize, row as isize) else { return 0.0 };
         let mut sum = 0.0;
@@ -135,7 +139,7 @@ impl<'a> AmbientOcclusion<'a> {
             }
             let way = there.at - here.at;
             let (rise, square) = (way.dot(here.normal), way.length_squared());
-            // Most points nearby lie in the tangent plane or behind it.
+            // Most points nearby lie in the tangent plane or behind it, and hide nothing.
             if rise > 0.0 && square < reach * reach {
                 let near = 1.0 - square / (reach * reach);
                 sum += (rise / square.sqrt() - FLAT).max(0.0) * near;
@@ -144,8 +148,8 @@ impl<'a> AmbientOcclusion<'a> {
         (STRENGTH * sum / LOOKS as f32).min(1.0)
     }
 
-    /// Replaces each value by the mean over the square of [`TURNS`] pixels around it, of those on
-    /// the same part of the same surface.
+    /// Replaces each value by a mean over the square of [`TURNS`] pixels around it. The mean is
+    /// over the pixels on the same part of the same surface.
     pub fn mean(&self, hidden: &mut [u8]) {
         let width = self.rays.width();
         let before = hidden.to_vec();
@@ -165,7 +169,7 @@ impl<'a> AmbientOcclusion<'a> {
                         count += 1;
                     }
                 }
-                // The pixel itself is among them.
+                // The pixel itself is counted, so `count` is not 0.
                 *hidden = ((sum + count / 2) / count.max(1)) as u8;
             }
         };
@@ -248,7 +252,7 @@ mod tests {
         let before = buffer.shadow.clone();
         near.mean(&mut buffer.shadow);
         assert_eq!(buffer.shadow, before);
-        // All pixels have the same mean over all turns.
+        // Each of these pixels has the mean over all patterns.
         let shadow = |pixel: usize| (16 * turn([pixel % 64, pixel / 64])) as u8;
         buffer.shadow = (0..64 * 64).map(shadow).collect();
         near.mean(&mut buffer.shadow);

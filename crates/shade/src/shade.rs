@@ -40,7 +40,7 @@ pub enum UndecidedStyle {
     Miss,
 }
 
-/// The color of one point, where it differs from that of its surface.
+/// The color of one point, if it differs from that of its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paint {
     /// Color of the point on either side; NaN for the surface's color.
@@ -88,7 +88,7 @@ impl SurfaceColors {
         Self { positive: outer, negative, cut: cut(outer) }
     }
 
-    /// The same with the sides exchanged.
+    /// The same colors with the two sides exchanged.
     #[must_use]
     pub fn turned(self) -> Self {
         Self { positive: self.negative, negative: self.positive, ..self }
@@ -101,7 +101,7 @@ fn cut(outer: LinearRgb) -> LinearRgb {
 }
 
 impl Appearance {
-    /// A look under this light.
+    /// The appearance of a look under this light.
     pub fn new(look: &Look, light: Light) -> Self {
         Self {
             surfaces: Vec::new(),
@@ -133,12 +133,14 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
 /// The picture as sRGB bytes: red, green, blue, row by row from the top left.
 ///
 /// A surface is lit on both sides: the normal is turned to the eye. The color is that of the
-/// visible side, f > 0 or f < 0. In shadow only the ambient share is left.
+/// visible side, f > 0 or f < 0. In shadow the key light is missing.
 ///
 /// `paint` gives points other colors than their surface has. It has one entry per pixel, or is
 /// empty.
 ///
-/// # Panics If `paint` is not empty and its length differs from the number of pixels, or if the rays are those of a picture of another width.
+/// # Panics
+/// If `paint` is not empty and its length differs from the number of pixels, or if the rays are
+/// those of a picture of another width.
 pub fn shade(
     buffer: &GBuffer,
     rays: &RayGrid,

@@ -88,13 +88,13 @@ pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f
 pub struct CellSearch<'a> {
     /// The surfaces' kernels, in interval arithmetic.
     pub surfaces: Vec<&'a dyn Kernel<FindZeros, f64>>,
-    /// The surfaces' kernels in affine arithmetic, evaluated where intervals leave a cell open.
-    /// Empty until they are worth compiling.
+    /// The surfaces' kernels in affine arithmetic, evaluated for cells that intervals do not prove
+    /// empty. This list is empty until the kernels are worth compiling.
     pub forms: Vec<&'a dyn Kernel<ContractTiles, f64>>,
     /// Returns whether the search is still wanted. Queried between evaluations; once false, it must
     /// stay false.
     pub wanted: &'a dyn Fn() -> bool,
-    /// Number of evaluations left. At 0, every cell may hold a point.
+    /// Number of evaluations left. At 0, no further cell is proven empty.
     pub work: Counter<u64>,
 }
 
@@ -123,8 +123,8 @@ impl CellSearch<'_> {
         values
     }
 
-    /// The cells that are not proven empty, in order. If the search is not wanted, the result is
-    /// empty, so that every search ends.
+    /// The cells that are not proven empty, in order. If the search is no longer wanted, the result
+    /// is empty, so that every search ends.
     pub fn open(&self, cells: &[Cell]) -> Vec<Cell> {
         if !self.is_wanted() {
             return Vec::new();
@@ -149,8 +149,8 @@ impl CellSearch<'_> {
         })
     }
 
-    /// The cells, in order, whose lanes are set in the mask that `possible` returns for up to
-    /// sixteen of them. Cells for which no evaluations are left remain, too.
+    /// The cells that may hold a point, in order. `possible` returns these as a mask for up to
+    /// sixteen cells. Once the evaluations are used up, all cells remain.
     fn remaining<K: Sync>(
         &self,
         cells: &[Cell],
@@ -205,8 +205,8 @@ impl CellSearch<'_> {
     }
 
     /// A box around the cells of `whole` that are not proven empty. The smallest cells have 2 to
-    /// minus `depth` of its sides. Repeats with the resulting box while that shrinks. `None` if
-    /// everything is proven empty.
+    /// minus `depth` of its sides. The search is repeated on the resulting box as long as that
+    /// shrinks. `None` if everything is proven empty.
     pub fn tight(&self, mut whole: Cell, depth: u32) -> Option<Cell> {
         for _ in 0..ROUNDS {
             let hull = self.hull(&whole, depth)?;
@@ -255,7 +255,7 @@ fn boxes(cells: &[Cell]) -> Boxes<f64> {
     boxes
 }
 
-/// Up to sixteen cells as tiles of rays along z, with their screen in the plane z = 0.
+/// Up to sixteen cells as tiles of rays parallel to z, whose screen coordinates are x and y.
 fn tiles(cells: &[Cell]) -> Tiles<f64> {
     let mut tiles = Tiles { count: cells.len() as u32, ..Tiles::default() };
     for (lane, cell) in cells.iter().enumerate() {
@@ -278,12 +278,12 @@ fn tiles(cells: &[Cell]) -> Tiles<f64> {
 /// Least number of batches that are worth several threads.
 const PARALLEL: usize = 16;
 
-/// Number of halvings of cells between two boxes, and number of open cells beyond which they stop.
-/// A surface that passes through would only cost time.
+/// Largest number of halvings of the space between two boxes, and number of undecided cells beyond
+/// which halving stops. If a surface passes through that space, more halvings only cost time.
 const SHELL_DEPTH: u32 = 6;
 const SHELL_CELLS: usize = 2048;
 
-/// A box is searched again if a side became shorter than this share of itself, at most `ROUNDS`
+/// A box is searched again if a side shrinks below this share of its length, at most `ROUNDS`
 /// times.
 const SNUG: f64 = 0.75;
 const ROUNDS: u32 = 400;

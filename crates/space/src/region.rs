@@ -162,8 +162,8 @@ impl Region {
         self.ends::<false>(ray).unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
     }
 
-    /// The t ≥ 0 between which points lie inside, rounded outward or inward. `None` or not in order
-    /// if no point does.
+    /// The ends of the range of t ≥ 0 in which points lie inside, rounded outward or inward. `None`
+    /// or not in order if no point does.
     #[inline]
     fn ends<const OUTWARD: bool>(&self, ray: &Ray) -> Option<[f64; 2]> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
@@ -174,9 +174,9 @@ impl Region {
         }
         if let Some(clip) = &self.clip {
             let (room, slope) = clip.relation(ray);
-            // Kept are the t with t·slope ≤ room, for slope and room within their bounds. As t ≥ 0,
-            // the smallest slope with the largest room keeps the most; the opposite keeps the
-            // least.
+            // The half-space holds the t with t·slope ≤ room, where slope and room are known within
+            // bounds. As t ≥ 0, the smallest slope and the largest room give the widest range. The
+            // largest slope and the smallest room give the narrowest.
             let (slope, room) = if OUTWARD { (slope.0, room.1) } else { (slope.1, room.0) };
             let end = room / slope;
             if slope > 0.0 {
@@ -200,7 +200,7 @@ impl Region {
     pub fn entry(&self, ray: &Ray) -> Option<Entry> {
         let (mut near, mut far) = ((0.0_f64, 0.0_f64), f64::INFINITY);
         let mut normal = None;
-        // Crosses a face from outside. The last face that is crossed gives the normal.
+        // Records that the ray crosses a face from outside. The last such face gives the normal.
         let mut cross = |crossing: (f64, f64), face: DVec3| {
             if crossing.0 > near.0 {
                 normal = Some(face);
@@ -236,7 +236,7 @@ impl Region {
     }
 
     /// Bounds of the t at which the ray enters and leaves the slab of one axis. `None` if the ray
-    /// runs outside.
+    /// runs parallel to the slab, outside of it.
     fn slab(&self, ray: &Ray, axis: usize) -> Option<((f64, f64), (f64, f64))> {
         let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
         let (low, high) = (self.low[axis], self.high[axis]);
@@ -259,7 +259,8 @@ impl HalfSpace {
     fn relation(&self, ray: &Ray) -> ((f64, f64), (f64, f64)) {
         let bounds = |value: f64, magnitude: f64| {
             // Six operations have an error of at most half an ulp each, on terms below `magnitude`.
-            // 16 leaves room for the rounding of `magnitude`; the last term covers underflow.
+            // The factor 16 also covers the rounding of `magnitude`; the last term covers
+            // underflow.
             let error = 16.0 * (f64::EPSILON / 2.0) * magnitude + f64::MIN_POSITIVE;
             ((value - error).next_down(), (value + error).next_up())
         };
@@ -271,7 +272,7 @@ impl HalfSpace {
     }
 }
 
-/// A lower bound of a quotient of a difference, whose two operations were rounded to nearest: at
+/// A lower bound of (a − b) / c, given the result of these two operations rounded to nearest: at
 /// most two ulps away.
 fn down(value: f64) -> f64 {
     value.next_down().next_down().next_down()

@@ -1,4 +1,5 @@
-//! Limits on the size of a text. A text beyond one of them is an error, which states the limit.
+//! Limits on the size of a text. A text that exceeds a limit causes an error, which states the
+//! limit.
 
 /// Limits on a text and on what is built from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! The table of settings: lines about the picture, by the word that they begin with.
+//! The table of settings. Each is a line about the picture that begins with the setting's word.
 
 /// A word that begins a line about the picture.
 pub(crate) struct SettingRow {
@@ -27,7 +27,7 @@ pub(crate) enum SettingKind {
     Contours,
 }
 
-/// A row of the table, from its fields.
+/// Creates a row of the table.
 const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> SettingRow {
     SettingRow { word, kind, hint }
 }
@@ -88,7 +88,7 @@ pub(crate) fn setting(word: &str) -> Option<&'static SettingRow> {
     SETTINGS.iter().find(|setting| setting.word == word)
 }
 
-/// The first spelling of a setting's word, such as `color` for `colour`. Returns `None` if no line
+/// The main spelling of a setting's word, such as `color` for `colour`. Returns `None` if no line
 /// about the picture begins with `word`.
 pub fn setting_word(word: &str) -> Option<&'static str> {
     let found = setting(word)?;

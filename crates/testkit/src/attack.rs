@@ -8,7 +8,8 @@ use proptest::test_runner::{Config, RngSeed, TestCaseError, TestRunner};
 use std::cell::RefCell;
 use std::path::Path;
 
-/// Length of an input in bytes. More would change nothing: generators have drawn all they need.
+/// Length of an input in bytes. Longer inputs would change nothing, since generators do not draw
+/// more.
 const LENGTH: std::ops::Range<usize> = 4..256;
 /// Number of simpler inputs tried after a failure.
 const SHRINKING: u32 = 500;
@@ -17,7 +18,7 @@ const SHRINKING: u32 = 500;
 /// of the property's counts.
 ///
 /// # Panics
-/// If the property fails: on the first such file, or on bytes that were made as simple as possible.
+/// If the property fails on a file, or on random bytes; these are made as simple as possible first.
 /// If the directory cannot be read.
 pub fn attack(
     property: &dyn Fn(&[u8]) -> Result<Tally, Failure>,
@@ -64,7 +65,7 @@ mod tests {
     #[test]
     fn a_failure_is_made_simple_and_says_how_to_repeat_it() {
         let failure = catch_unwind(|| {
-            // No text has such bytes.
+            // No source file contains these bytes.
             let few = |data: &[u8]| match data.iter().position(|byte| *byte > 250) {
                 Some(at) => Err(Failure::new(format!("{} at {at}", data[at]))),
                 None => Ok(Tally { compared: 1, defined: 1 }),

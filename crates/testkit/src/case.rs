@@ -1,6 +1,6 @@
 //! A function with the domain and parameters that its kernels are compiled for and run with.
 //!
-//! Which kernel it is, and how it is compiled, is not known here.
+//! The kind of kernel, and how it is compiled, is up to the caller.
 
 use crate::random::{
     Adversarial, Ends, GraphOptions, Rng, point_in_box, random_box, random_domain, random_graph,
@@ -27,8 +27,8 @@ pub struct Case {
 
 impl Case {
     /// Returns a graph drawn by `options` over a random domain: all of space, or a box whose ends
-    /// need not be `f32`. Each parameter is assumed to have its value, to be in a wider range, or
-    /// to be any real.
+    /// need not be `f32`. The code may assume that a parameter has its value, is in a wider range,
+    /// or is any real.
     pub fn random(rng: &mut Rng, options: &GraphOptions) -> Self {
         let (graph, root) = random_graph(rng, options);
         let domain = random_domain(rng);
@@ -64,7 +64,8 @@ impl Case {
         point
     }
 
-    /// Returns a value of each parameter as two equal bounds. The value is mostly one of its ends.
+    /// Returns a value of each parameter as two equal bounds. The value is mostly an end of the
+    /// parameter's range.
     pub fn random_values(&self, rng: &mut Rng) -> Vec<(f64, f64)> {
         let drawn = self.parameters.iter().map(|bounds| {
             let value = match rng.u32(0..3) {
@@ -77,12 +78,13 @@ impl Case {
         drawn.collect()
     }
 
-    /// Number of nodes that the function needs.
+    /// Number of nodes on which the function depends.
     pub fn size(&self) -> usize {
         self.graph.reachable(&[self.root]).into_iter().filter(|needed| *needed).count()
     }
 
-    /// Returns a line for `zeroset eval` about this case and a kernel of `T`, and its assumptions.
+    /// Returns a line for `zeroset eval` that repeats this case with a kernel of `T`, and the
+    /// assumptions.
     pub fn describe<T: Real>(&self, place: &Place) -> String {
         let values: Vec<(f64, f64)> = self.parameters.iter().map(|v| (v.lo, v.hi)).collect();
         let line = reproduce_in::<T>(&self.graph, self.root, &values, place);

@@ -1,8 +1,8 @@
 //! The certified tracer: the first zero of a function on a ray, proven by the oracle's arithmetic.
 //!
 //! It exists to contradict the project's tracers, so it shares no code with them, with kernels or
-//! with software intervals. It is slow. It knows no pictures and no cameras: a ray is a real line,
-//! given by floats that are taken as exact.
+//! with software intervals. It is slow. A ray is a real line, given by floats that are taken as
+//! exact.
 
 mod line;
 mod search;
@@ -13,15 +13,15 @@ pub use line::{FunctionOnLine, Line};
 use search::Search;
 use zeroset_ir::{Constant, Graph, NodeId};
 
-/// Proven zeros of a function on the part of a line inside a box, and pieces without a zero.
-/// Distances are multiples of the line's direction.
+/// Proof about the zeros of a function on the part of a line inside a box. Distances are multiples
+/// of the line's direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
     /// Undecided pieces before the first certain crossing, in order and disjoint. The function has
     /// no zero before the first of them, nor between them.
     pub unresolved: Vec<Unresolved>,
-    /// The first certain crossing. If `None`, the function has no zero after the last unresolved
-    /// piece either.
+    /// The first certain crossing. If `None`, the function has no zero outside the unresolved
+    /// pieces.
     pub crossing: Option<Crossing>,
     /// Number of evaluations of the function.
     pub evaluations: u32,
@@ -43,12 +43,12 @@ impl Certificate {
 /// Two distances between which the function is continuous and changes its sign, and so has a zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// Lower end. The function is not 0 here, and has no zero from the last unresolved piece to
+    /// Lower end. The function is not 0 here. It has no zero from the last unresolved piece to
     /// here.
     pub near: f64,
     /// Upper end. The function is not 0 here and has the other sign.
     pub far: f64,
-    /// Whether the function is monotone in between, and so has just one zero.
+    /// Whether the function is monotone between the ends, and so has just one zero there.
     pub simple: bool,
 }
 
@@ -68,16 +68,16 @@ pub struct Unresolved {
 pub struct BoxEntry {
     /// Bounds of the distance.
     pub distance: (f64, f64),
-    /// Whether the function is below 0 there, if that is certain. A function is not below 0 where
-    /// it is undefined.
+    /// Whether the function is below 0 there, if that is certain. Where the function is undefined,
+    /// it counts as not below 0.
     pub below: Option<bool>,
 }
 
 /// The reason why a piece of a ray is undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum UnresolvedReason {
-    /// The sign is the same on both sides: the function touches zero, nearly so, or crosses it
-    /// twice.
+    /// The sign is the same on both sides: the function touches zero, comes close to it, or crosses
+    /// it twice.
     Touching,
     /// The function may jump.
     Jump,
@@ -105,14 +105,14 @@ impl Function {
         Self(FunctionOnLine::new(graph, root, parameters))
     }
 
-    /// Returns what is proven on `line`, from its origin on and inside the box `region` (per axis,
-    /// its lower and upper end). It takes about `budget` evaluations at most.
+    /// Traces the part of `line` from its origin on and inside the box `region` (per axis, its
+    /// lower and upper end). It takes about `budget` evaluations at most.
     pub fn trace(&self, line: &Line, region: &[[f64; 2]; 3], budget: u32) -> Certificate {
         Search::new(&self.0, line, budget).run(line.clip(region))
     }
 
     /// Returns the place where `line` certainly enters `region` from outside. `None` if the line
-    /// starts inside the box, or certainly or possibly misses it.
+    /// starts inside the box, or if it is not certain that the line meets the box.
     pub fn entry(&self, line: &Line, region: &[[f64; 2]; 3]) -> Option<BoxEntry> {
         let clip = line.clip(region)?;
         let [near, far] = [clip.outer[0], clip.inner[0]];

@@ -3,8 +3,8 @@
 use std::env;
 use std::fmt;
 
-/// A seed and a number of inputs. The environment may override them by `ZEROSET_SEED` and
-/// `ZEROSET_CASES`, both decimal, or hexadecimal after `0x`.
+/// A seed and a number of inputs. The environment variables `ZEROSET_SEED` and `ZEROSET_CASES`
+/// override them. Both are decimal, or hexadecimal after `0x`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
     /// Seed of the random numbers. The n-th case starts from `seed + n`.
@@ -14,10 +14,10 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Returns the values set in the environment, else these. Prints them to the standard output.
+    /// Returns the values set in the environment, or else the given ones. Prints them to the
+    /// standard output.
     ///
-    /// # Panics
-    /// If a variable of the environment is set but is not a number.
+    /// # Panics If a variable of the environment is set but is not a number.
     pub fn from_environment(seed: u64, cases: u64) -> Self {
         let or = |name: &str, default| env::var(name).map_or(default, |text| number(name, &text));
         let effort = Self { seed: or("ZEROSET_SEED", seed), cases: or("ZEROSET_CASES", cases) };

@@ -1,6 +1,7 @@
 //! Shared support for tests, fuzz targets and benches of `zeroset`. No product code depends on it.
 //!
-//! - The independent [`Oracle`] states what is certain about a function at one exact point.
+//! - The independent [`Oracle`] states what is certain about a function at one exact point or over
+//!   a box.
 //! - The [`certified`] tracer finds the first root on a ray, slowly, with the oracle alone.
 //! - Seeded generators draw adversarial numbers, boxes, points, rays and graphs. The graphs use
 //!   every operation of the table, internal ones included.

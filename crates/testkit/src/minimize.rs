@@ -7,7 +7,7 @@ use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, compact};
 /// Returns a case no larger than `case` for which `fails` still holds. Parts of the function are
 /// cut out one at a time while possible. Then irrelevant bounds of the domain are dropped.
 ///
-/// `fails` is called a few times per node squared.
+/// With n nodes, `fails` is called a few times n² times at most.
 pub fn minimise(case: &Case, fails: &mut dyn FnMut(&Case) -> bool) -> Case {
     let mut best = case.clone();
     while let Some(smaller) = smaller(&best).into_iter().find(|candidate| fails(candidate)) {
@@ -23,7 +23,7 @@ pub fn minimise(case: &Case, fails: &mut dyn FnMut(&Case) -> bool) -> Case {
     best
 }
 
-/// Returns every smaller case that one cut leads to.
+/// Returns every smaller case that cutting out one part gives.
 fn smaller(case: &Case) -> Vec<Case> {
     let needed = case.graph.reachable(&[case.root]);
     let nodes = || case.graph.iter().filter(|(id, _)| needed[id.index()]);

@@ -2,8 +2,8 @@
 //!
 //! It exists to contradict the evaluators, so it shares no arithmetic with them. Every operation is
 //! done in round-to-nearest `f64` and widened by one ulp unless it is known to be exact. Elementary
-//! functions come from CORE-MATH, which rounds correctly. `f32`, derivatives and simplified graphs
-//! are deliberately unknown here. Over boxes the bounds are those of plain interval arithmetic:
+//! functions come from CORE-MATH, which rounds correctly. It deliberately knows nothing of `f32`,
+//! derivatives and simplified graphs. Over boxes the bounds are those of plain interval arithmetic:
 //! correct, but perhaps wide.
 
 #[cfg(test)]
@@ -34,7 +34,7 @@ pub enum Defined {
 }
 
 impl Defined {
-    /// Combines two operands: defined where both are.
+    /// Combines two operands: the result is defined where both operands are.
     fn and(self, other: Self) -> Self {
         match (self, other) {
             (Self::No, _) | (_, Self::No) => Self::No,
@@ -43,7 +43,8 @@ impl Defined {
         }
     }
 
-    /// Returns `Yes` if it must hold, `No` if it cannot, else `Unknown`.
+    /// Returns `Yes` if the operation must be defined, `No` if it cannot be defined, else
+    /// `Unknown`.
     fn decide(must: bool, may: bool) -> Self {
         match (must, may) {
             (true, _) => Self::Yes,
@@ -82,8 +83,8 @@ impl Claim {
 /// The oracle's claim about a function over a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxClaim {
-    /// Bounds of all values in the box. [`Defined::Yes`] if the function is defined throughout,
-    /// [`Defined::No`] if nowhere.
+    /// Bounds of all values in the box. Its `defined` is [`Defined::Yes`] if the function is
+    /// defined throughout, and [`Defined::No`] if it is defined nowhere.
     pub values: Claim,
     /// Whether the function is certainly defined and continuous throughout.
     pub continuous: bool,
@@ -96,9 +97,9 @@ pub struct Oracle<'a> {
     roots: Vec<NodeId>,
     /// Whether a root needs the node, per node.
     needed: Vec<bool>,
-    /// Value of the node if it is a constant, per node.
+    /// Value of each node that is a constant.
     constants: Vec<Span>,
-    /// Kind of the node as an exponent, per node.
+    /// Kind of each node if it is an exponent.
     exponents: Vec<Exponent>,
 }
 
@@ -135,8 +136,9 @@ impl<'a> Oracle<'a> {
     /// Returns what is certain at `point`, one claim per root.
     ///
     /// `parameters` holds two bounds of each parameter's value, by number. A parameter that is
-    /// missing, or whose bounds are not in order, may be any real number. So may a coordinate that
-    /// is not finite. The calling thread must round to nearest, as Rust code always does.
+    /// missing, or whose bounds are not in order, may be any real number. A coordinate that is not
+    /// finite stands for any real number, too. The calling thread must round to nearest, as Rust
+    /// code always does.
     pub fn at(&self, point: [f64; 3], parameters: &[(f64, f64)]) -> Vec<Claim> {
         let claims = self.claims(point.map(Span::point), parameters);
         self.roots.iter().map(|id| claims[id.index()]).collect()
@@ -214,9 +216,9 @@ pub fn enclose_at(
     Oracle::new(graph, roots).at(point, parameters)
 }
 
-/// Returns two `f64` around an integer, equal if it is one.
+/// Returns two `f64` around an integer, which are equal if the integer is an `f64`.
 fn around(integer: &BigInt) -> Span {
-    // The conversion rounds to within an ulp, so only exactness needs a check.
+    // The conversion rounds to within an ulp, so only exactness must be checked.
     let nearest = integer.to_f64().unwrap_or(f64::NAN);
     if BigInt::from_f64(nearest).as_ref() == Some(integer) {
         Span::point(nearest)

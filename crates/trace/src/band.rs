@@ -31,7 +31,7 @@ pub struct Band<'a> {
 
 impl Band<'_> {
     /// Reports progress, and returns whether the remaining results are still wanted. Must be called
-    /// regularly. After `false`, the remaining columns must be [given up](Band::give_up).
+    /// regularly. Once this returns `false`, call [`Band::give_up`] for the remaining columns.
     pub fn is_wanted(&self) -> bool {
         (self.advance)(self.found.take())
     }
@@ -59,8 +59,8 @@ impl Band<'_> {
         self.only.is_empty()
     }
 
-    /// Sets all misses from this column on to undecided, from the eye on, for lack of time. As
-    /// misses they would be false claims.
+    /// Sets all misses from this column on to undecided, for lack of time: nothing is known about
+    /// these rays from the eye on. To leave them as misses would claim a proof.
     pub fn give_up(&mut self, from: usize) {
         for row in 0..self.height {
             for column in from..self.width {
@@ -69,8 +69,8 @@ impl Band<'_> {
         }
     }
 
-    /// Sets a miss to undecided. Another result was found behind a segment that is proven empty,
-    /// and stays.
+    /// Sets a pixel to undecided if it is a miss. A pixel with another result keeps it, since its
+    /// ray is proven empty up to there.
     pub fn give_up_pixel(&mut self, column: usize, row: usize) {
         if self.status[row * self.width + column] == Status::Miss {
             self.set(column, row, &RayResult::GIVEN_UP);
@@ -100,8 +100,8 @@ impl Band<'_> {
         self.found.set(self.found.get() + pixels);
     }
 
-    /// Adds a result that lies behind all earlier ones on the same ray. If there was one, its proof
-    /// stays, and only the painted point may be new.
+    /// Adds a result that lies behind all earlier ones on the same ray. If there is an earlier one,
+    /// its proof stays, and only the painted point may change.
     #[inline]
     pub fn add(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
@@ -113,7 +113,7 @@ impl Band<'_> {
     }
 
     /// Paints a point behind the start of an undecided segment, unless a nearer one is painted. The
-    /// point is never where the ray is proven empty.
+    /// part of the ray that is proven empty is never painted.
     #[inline]
     fn paint(&mut self, pixel: usize, distance: f64) {
         if self.status[pixel] == Status::Undecided {
@@ -121,7 +121,8 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add`] for a hit at `distance`, whose bracket extends by `off` to either side.
+    /// As [`Band::add`] for a hit at `distance`, whose bracket is from `distance − off` to
+    /// `distance + off`.
     #[inline]
     pub fn add_hit(&mut self, column: usize, row: usize, distance: f64, off: f64) {
         let pixel = row * self.width + column;
@@ -129,7 +130,7 @@ impl Band<'_> {
             self.count(1);
             (self.status[pixel], self.drawn[pixel]) = (Status::Hit, distance);
             if let Some(bracket) = self.bracket.get_mut(pixel) {
-                // The distance itself is rounded.
+                // The bracket is extended by the rounding of the distance.
                 let off = off + LENGTH_ERROR * distance.abs();
                 *bracket = [distance - off, distance + off];
             }
@@ -138,8 +139,8 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add_hit`] for four rows of four pixels from this column and row on. Does nothing
-    /// and returns `false` if one of them already has a result, or if brackets are kept.
+    /// As [`Band::add_hit`] for the 4×4 pixels from this column and row on. Does nothing and
+    /// returns `false` if a pixel already has a result, or if brackets are kept.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,

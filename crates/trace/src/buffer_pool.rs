@@ -5,17 +5,17 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Number of pictures whose memory is kept. One is traced while the last one is shown; a layer
-/// exists beside the picture that it is merged into.
+/// Number of pictures whose memory is kept. Two exist at a time: one is traced while the last one
+/// is shown, or a layer is merged into another picture.
 pub const PICTURES: usize = 2;
 
-/// A buffer with more than this many times the wanted capacity is too large, unless it has few
-/// elements.
+/// A buffer is too large if its capacity is more than this many times the wanted one, and more than
+/// this many times `LEAST` elements.
 const ROOMY: usize = 4;
 const LEAST: usize = 1 << 12;
 
-/// Returns whether a buffer of capacity `room` serves for `wanted` elements. One that is far too
-/// large is given back to the system, so that a large picture does not hold memory while small ones
+/// Returns whether a buffer of capacity `room` serves for `wanted` elements. A buffer that is far
+/// too large does not, so that it is freed: a large picture shall not hold memory while small ones
 /// follow.
 pub fn serves(room: usize, wanted: usize) -> bool {
     (wanted..=ROOMY * wanted.max(LEAST)).contains(&room)

@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use std::cell::Cell;
 use zeroset_space::Ray;
 
-/// Number of rows in a band, the unit of work that threads share and that may be cancelled. Also
-/// the number of pixels on the side of its squares.
+/// Number of rows in a band, the unit of work that threads share and that may be cancelled. It is
+/// also the side, in pixels, of the largest tiles.
 pub const BAND_ROWS: usize = 16;
 /// Number of pixels in a list that one thread takes at a time.
 const LIST: usize = 1024;
@@ -56,8 +56,8 @@ impl Driver<'_> {
 
     /// Traces a new picture of the surface with this id. `kept` selects its optional quantities;
     /// `only` selects pixels as in [`Driver::picture_where`]. Zeros behind the hits of other
-    /// surfaces in `before` need not be found. Calls `finish` for each [`BAND_ROWS`] rows while
-    /// they are in the nearer caches, together with their element of `parts`.
+    /// surfaces in `before` need not be found. For each [`BAND_ROWS`] rows, calls `finish` with the
+    /// rows and their element of `parts`, while the rows are in the nearer caches.
     ///
     /// # Panics
     /// If there are fewer parts than bands of rows, or if `only` or `before` has another size than
@@ -103,11 +103,13 @@ impl Driver<'_> {
         work
     }
 
-    /// Sets `buffer.shadow` of painted points that do not see the light. `towards` gets a pixel's
-    /// column and row, and its point. It returns the unit vector to the light and the distance.
-    /// Points already in shadow are skipped. A shadow ray starts `offset` away from its point, in
-    /// world units. Zeros before it has left the point's surface do not count; otherwise a surface
-    /// would shade itself wherever enclosures are wide.
+    /// Sets `buffer.shadow` of painted points that the light does not reach. `towards` gets a
+    /// pixel's column and row, and its point. It returns the unit vector to the light and the
+    /// distance. Points already in shadow are skipped.
+    ///
+    /// A shadow ray starts `offset` away from its point, in world units. A zero counts only behind
+    /// a place that is proven empty. Otherwise a surface would shade itself wherever enclosures are
+    /// wide.
     pub fn shadows(
         &self,
         buffer: &mut GBuffer,
@@ -139,9 +141,9 @@ impl Driver<'_> {
         })
     }
 
-    /// Follows rays further, from one start per pixel, in world units. A pixel whose start is not
-    /// finite stays as it is. Results lie behind something else, and say nothing about the whole
-    /// ray.
+    /// Follows rays onward, from one start per pixel, in world units. A pixel whose start is not
+    /// finite is not changed. The results hold only behind these starts, and prove nothing about
+    /// the ray before.
     ///
     /// # Panics
     /// If the number of starts differs from the number of pixels, or the buffer's size differs from

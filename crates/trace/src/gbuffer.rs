@@ -110,7 +110,7 @@ impl Default for Kept {
     }
 }
 
-/// The distance up to which a ray is proven empty.
+/// Distance of a hit, or of the start of the first undecided segment; infinite for a miss.
 pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
     match status {
         Status::Miss => f64::INFINITY,
@@ -124,7 +124,7 @@ static SPARES: BufferPool<GBuffer> = BufferPool::new(PICTURES);
 /// Number of rows that one thread sets to misses at a time.
 const ROWS: usize = 64;
 
-/// Ignores quantities where they have no meaning.
+/// Quantities are compared only where they have a meaning.
 impl PartialEq for GBuffer {
     fn eq(&self, other: &Self) -> bool {
         let is_same = |pixel: usize| {
@@ -189,7 +189,8 @@ impl GBuffer {
     fn resize(&mut self, width: usize, height: usize, kept: Kept) {
         fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
             if all.capacity() < pixels {
-                // New pages are zero, and are mapped when first written, by many threads.
+                // New pages are zero. They are mapped when first written, which many threads then
+                // do.
                 *all = vec![value; pixels];
             } else {
                 all.resize(pixels, value);
@@ -198,7 +199,8 @@ impl GBuffer {
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         resize(&mut self.bracket, if kept.brackets { pixels } else { 0 }, [0.0; 2]);
-        // In new memory `drawn` is 0, so no status may say that its pixel is a miss already.
+        // In new memory `drawn` is 0, so the status must not be that of a miss, which clearing
+        // would skip.
         if self.drawn.capacity() < pixels {
             self.status.clear();
         }
@@ -215,7 +217,7 @@ impl GBuffer {
     /// Leaves the memory to later pictures. Up to two buffers are kept until the process ends.
     ///
     /// # Panics
-    /// In debug builds, if a miss is painted or a hit is not: later pictures rely on that.
+    /// In debug builds, if a miss is painted or a hit is not. Later pictures rely on the opposite.
     pub fn hand_back(self) {
         self.check();
         SPARES.hand_back(self);
@@ -394,7 +396,8 @@ impl GBuffer {
 
     /// Copies the pixels that `only` selects from another picture of the same rays.
     ///
-    /// # Panics If the sizes differ, or the length of `only` differs from the number of pixels.
+    /// # Panics
+    /// If the sizes differ, or the length of `only` differs from the number of pixels.
     pub fn replace(&mut self, other: &Self, only: &[bool]) {
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         assert_eq!(only.len(), self.status.len(), "one for each pixel");

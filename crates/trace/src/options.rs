@@ -148,7 +148,8 @@ pub fn is_tolerance(pixels: f64) -> bool {
 
 /// Checks that slabs of this depth are thick enough for floats of this precision.
 ///
-/// # Errors If the slabs are too thin, or `depth` is 0. The message names neither flag nor command.
+/// # Errors
+/// If the slabs are too thin, or `depth` is 0. The message names neither flag nor command.
 pub fn check_depth(depth: u32, precision: Precision) -> Result<(), String> {
     let most = precision.max_depth();
     if (1..=most).contains(&depth) {
@@ -163,7 +164,8 @@ pub fn check_depth(depth: u32, precision: Precision) -> Result<(), String> {
     Err(format!("a depth is between 1 and {most}{hint}"))
 }
 
-/// [`TraceOptions::precision`]. It comes before the depth, whose range it sets.
+/// The option that sets [`TraceOptions::precision`]. It comes before the depth, whose range it
+/// sets.
 pub const PRECISION: MethodOption = MethodOption {
     name: "precision",
     command: "precision",
@@ -189,7 +191,7 @@ pub const PRECISION: MethodOption = MethodOption {
     ..SWITCH
 };
 
-/// [`TraceOptions::depth`].
+/// The option that sets [`TraceOptions::depth`].
 pub const DEPTH: MethodOption = MethodOption {
     name: "max-depth",
     aliases: &["depth", "dstop"],
@@ -214,7 +216,7 @@ pub const DEPTH: MethodOption = MethodOption {
     ..SWITCH
 };
 
-/// [`TraceOptions::steps`].
+/// The option that sets [`TraceOptions::steps`].
 pub const STEPS: MethodOption = MethodOption {
     name: "steps",
     command: "steps",
@@ -238,7 +240,7 @@ pub const STEPS: MethodOption = MethodOption {
     ..SWITCH
 };
 
-/// [`TraceOptions::tolerance`].
+/// The option that sets [`TraceOptions::tolerance`].
 pub const TOLERANCE: MethodOption = MethodOption {
     name: "tolerance",
     command: "tolerance",

@@ -69,8 +69,9 @@ impl Window {
         }
     }
 
-    /// As [`Window::store`], for colors. They were just written sixteen bytes at a time, and are
-    /// read in the same pieces: a wider read would wait until all of them are in the nearest cache.
+    /// As [`Window::store`], for colors. They were written a moment ago, sixteen bytes at a time,
+    /// and are read in the same pieces: a wider read would wait until all of its pieces are in the
+    /// nearest cache.
     #[inline(always)]
     pub fn store_colors(&self, colors: &[[u8; 3]; LANES], all: &mut [[u8; 3]]) {
         let all = &mut all[self.index..];

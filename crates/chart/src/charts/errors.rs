@@ -64,7 +64,7 @@ pub fn by_surface(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     rows.surfaces().into_iter().flat_map(of_surface).collect()
 }
 
-/// A chart of one surface, whose parts are views, or of all surfaces, whose parts are surfaces.
+/// A chart of one surface with its views, or of all surfaces.
 fn chart(rows: &MeasuredRows<'_>, kind: &ErrorMeasure, surface: Option<&str>) -> Figure {
     let part = |row: &Row| if surface.is_some() { row.view.clone() } else { row.surface.clone() };
     let parts = distinct(rows.0.iter().map(|(row, _)| part(row)));
@@ -90,7 +90,7 @@ fn chart(rows: &MeasuredRows<'_>, kind: &ErrorMeasure, surface: Option<&str>) ->
     }
 }
 
-/// A method's means over all parts, with a thin line for each part.
+/// A method's means over all views or surfaces, with a thin line for each of them.
 fn of_family(
     parts: &[MeasuredRows<'_>],
     family: &[Configuration],

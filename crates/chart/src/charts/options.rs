@@ -15,7 +15,7 @@ pub fn charts(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     work.chain(precisions(rows)).collect()
 }
 
-/// Kernel lanes per pixel, without gradients.
+/// Evaluated lanes per pixel, without those of gradient kernels.
 fn lanes(row: &Row) -> Option<f64> {
     let lanes = row
         .work()
@@ -34,7 +34,7 @@ fn work(rows: &MeasuredRows<'_>, option: MethodOption) -> Option<Figure> {
     let mut all = Vec::new();
     for family in families(rows) {
         let mut line = series(&family[0]);
-        // The bars of several precisions would cover one another.
+        // Only one precision has bars, since those of several would cover one another.
         let has_bars = matches!(family[0].precision, None | Some(Precision::Auto));
         for one in &family {
             let Some(number) = one.number(option) else { continue };
@@ -92,7 +92,7 @@ fn precisions(rows: &MeasuredRows<'_>) -> Option<Figure> {
         };
         let marks = surfaces.iter().enumerate().filter_map(|(place, surface)| {
             let ratios = ratios(surface);
-            // Marks stand side by side, so that none covers another.
+            // Marks of one surface stand side by side, so that none covers another.
             let x = place as f64 + 0.12 * (all.len() as f64 - 1.5);
             Some(PlotMark { at: [x, mean(&ratios)?], bar: range(&ratios), label: String::new() })
         });

@@ -14,11 +14,12 @@ pub const QUANTITIES: [Quantity; 4] = [
     ("code", |row| row.code_bytes as f64),
 ];
 
-/// Least number of nodes that the exponent is fitted to: below, fixed costs dominate.
+/// Least number of nodes of formulas that the exponent is fitted to. Fixed costs dominate smaller
+/// ones.
 const FIT_FROM_NODES: usize = 100;
 
-/// The exponent of growth: slope of the least-squares line through the logarithms. `None` of less
-/// than two different sizes from [`FIT_FROM_NODES`] on.
+/// The exponent of growth: slope of the least-squares line through the logarithms. `None` if there
+/// are fewer than two different sizes from [`FIT_FROM_NODES`] on.
 pub fn slope(rows: &[GrowthRow], value: fn(&GrowthRow) -> f64) -> Option<f64> {
     let points: Vec<[f64; 2]> = rows
         .iter()

@@ -34,7 +34,8 @@ pub fn pictures(store: &Store) -> Result<String, ChartError> {
     Ok(text)
 }
 
-/// The middle one of each method's measured configurations, or of those in `auto` if there are any.
+/// For each method, the middle one of its measured configurations, or of those in the precision
+/// `auto` if there are any.
 fn middle_configurations(rows: &[&Row]) -> Vec<Configuration> {
     let measured = distinct(rows.iter().filter_map(|row| row.configuration().ok()));
     let middle = |method: &Method| {
@@ -81,7 +82,7 @@ fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
     Ok(text.concat())
 }
 
-/// The command that draws the picture again, if the surface is one of the gallery.
+/// The command that draws the picture again. It works for surfaces of the gallery only.
 fn command(row: &Row, configuration: &Configuration) -> String {
     format!(
         "zeroset render {} --eye {},{},{} --target {},{},{} --up {},{},{} --fov {} --size {SIZE} {}",

@@ -68,7 +68,7 @@ fn font(color: RGBColor, size: i32, at: (HPos, VPos)) -> TextStyle<'static> {
     style.pos(Pos::new(at.0, at.1))
 }
 
-/// Wide and pale, to be visible behind the lines that it follows.
+/// Style of a front: wide and pale, to be visible behind the lines that it follows.
 fn front_style() -> ShapeStyle {
     RGBColor(120, 120, 60).mix(0.25).stroke_width(13)
 }

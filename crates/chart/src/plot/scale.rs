@@ -14,7 +14,7 @@ pub struct AxisScale {
 
 /// Width of zero's band, as a share of the axis.
 const BAND: f64 = 0.09;
-/// Number of decades below which 2 and 5 have ticks, too.
+/// Axes with fewer decades than this have ticks at 2 and 5, too.
 const FEW: f64 = 3.2;
 
 impl AxisScale {
@@ -41,7 +41,8 @@ impl AxisScale {
         (start, self.high)
     }
 
-    /// Position of a value, from 0 at the axis' start to 1 at its end; `None` if it has none.
+    /// Position of a value, from 0 at the axis' start to 1 at its end; `None` if the axis has no
+    /// place for it.
     pub fn place(&self, value: f64) -> Option<f64> {
         if self.places > 0 {
             return Some((value + 0.5) / self.places as f64);

@@ -10,7 +10,7 @@ use zeroset_interval::Interval;
 use zeroset_jit::comparison::ComparisonKernel;
 use zeroset_space::Region;
 
-/// Greatest number of batches that kernels are timed with; they fit into a near cache.
+/// Greatest number of batches that kernels are timed with. They fit into a cache near the core.
 const BATCHES: usize = 16;
 /// Number of batches of boxes whose bounds are compared.
 const COMPARED_BATCHES: usize = 256;
@@ -33,7 +33,7 @@ pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T
     Boxes::around(&all)
 }
 
-/// An even choice from the inputs with most lanes in use.
+/// Inputs at equal steps among those with the most lanes in use.
 pub fn chosen<T: Real, I: Input<T>>(all: &[I]) -> Vec<I> {
     let most = all.iter().map(Input::count).max().unwrap_or_default();
     let full: Vec<&I> = all.iter().filter(|input| input.count() == most).collect();
@@ -41,7 +41,7 @@ pub fn chosen<T: Real, I: Input<T>>(all: &[I]) -> Vec<I> {
     full.into_iter().step_by(step).cloned().collect()
 }
 
-/// Median width of bounds relative to rounded-up kernels, for each arithmetic.
+/// For each arithmetic, the median ratio of the width of bounds to that of the rounded-up kernel.
 pub fn widths<T: Real>(
     kernels: &ByArithmetic<Enclose, T>,
     inputs: &[Boxes<T>],
@@ -51,8 +51,8 @@ pub fn widths<T: Real>(
     })
 }
 
-/// Median length of narrowed segments relative to rounded-up kernels, for each arithmetic. Ignores
-/// lanes without the surface.
+/// For each arithmetic, the median ratio of the length of narrowed segments to that of the
+/// rounded-up kernel. Ignores lanes without the surface.
 pub fn lengths<T: Real>(
     kernels: &ByArithmetic<ContractSegments, T>,
     inputs: &[Segments<T>],
@@ -63,7 +63,8 @@ pub fn lengths<T: Real>(
     })
 }
 
-/// Median error of tiles' planes relative to rounded-up kernels, for each arithmetic.
+/// For each arithmetic, the median ratio of the error of tiles' planes to that of the rounded-up
+/// kernel.
 pub fn errors<T: Real>(
     kernels: &ByArithmetic<ContractTiles, T>,
     inputs: &[Tiles<T>],

@@ -142,8 +142,8 @@ impl KernelPrecision for f64 {
 }
 
 impl KernelSet {
-    /// The kernels of a program's only surface, in this arithmetic; they record inputs if it
-    /// `records` them.
+    /// The kernels of a program's only surface, in this arithmetic. They record their inputs if
+    /// `records` is true.
     ///
     /// # Errors
     /// One phrase, if the surface has parameters or poles, which need further kernels.

@@ -45,12 +45,13 @@ pub struct RigourRow {
     pub times_unsound: f64,
     pub times_unsound_lower: f64,
     pub times_unsound_upper: f64,
-    /// Size of the kernel.
+    /// Size of the kernel's code, in bytes.
     pub code_bytes: Option<usize>,
     /// Width of bounds, length of narrowed segments or error of tiles, relative to the rounded-up
     /// kernel: the median over lanes.
     pub width: Option<f64>,
-    /// The same ratio for bounds at single points, where all width comes from rounding.
+    /// Width of bounds at single points, relative to the rounded-up kernel: the median over lanes.
+    /// All of this width comes from rounding.
     pub width_at_points: Option<f64>,
     /// Number of undecided pixels.
     pub undecided: Option<usize>,

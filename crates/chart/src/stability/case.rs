@@ -30,7 +30,7 @@ pub struct Case {
     up: [f64; 3],
     #[serde(default)]
     fov: f64,
-    /// Index among the cases with stored roots, if it is one.
+    /// Index among the cases with stored roots, if this is one of them.
     #[serde(skip)]
     place: Option<usize>,
 }
@@ -154,8 +154,8 @@ mod tests {
     fn stored_roots_are_those_of_their_case() {
         let cases = cases().expect("part of the program");
         assert_eq!(cases.len(), 52);
-        // Two spheres of radius 1 about the origin. Where f touches 0, the certified tracer leaves
-        // rays open, so their roots are stored.
+        // Two spheres of radius 1 about the origin, on which f touches 0. The certified tracer
+        // leaves their rays open, so their roots are stored.
         for slug in ["double-sphere", "abs-sphere"] {
             let case = cases.iter().find(|case| case.slug == slug).expect("there");
             let (_, view) = case.view().expect("a view");

@@ -9,11 +9,11 @@ use serde::Serialize;
 pub enum Outcome {
     /// Almost all pixels are right.
     Sound,
-    /// Roots are missed, or others than the first are painted.
+    /// Roots are missed, or a root other than the first is painted.
     Holes,
     /// Something is painted where there is no root.
     Phantoms,
-    /// Phantoms cover a large part of the picture.
+    /// Points painted where there is no root cover a large part of the picture.
     Wall,
     /// Both holes and phantoms, or points far from the root.
     Noise,
@@ -21,7 +21,7 @@ pub enum Outcome {
     Slow,
     /// There is no picture.
     Refused,
-    /// No pixel certainly shows a root, and some pixels are open.
+    /// The reference has no pixel that certainly shows a root, and some that it leaves open.
     Unjudged,
 }
 
@@ -29,9 +29,9 @@ pub enum Outcome {
 const SOUND: f64 = 1.0 / 200.0;
 /// Greatest share of missing roots in a sound picture, since thin features cover few pixels.
 const WHOLE: f64 = 1.0 / 50.0;
-/// Share of phantoms above which they are a wall.
+/// Share of pixels painted without a root, above which they are a wall.
 const WALL: f64 = 1.0 / 20.0;
-/// Share of wrong pixels that both kinds must reach to be noise.
+/// Share of the wrong pixels that holes and phantoms must each reach to be noise.
 const BOTH: f64 = 0.25;
 /// Greatest median distance from the root in a sound picture, in footprints.
 const NEAR: f64 = 1.0;
@@ -93,7 +93,7 @@ mod tests {
             (PixelErrors { phantom: 100, missed: 5, ..plain() }, Outcome::Phantoms),
             (PixelErrors { phantom: 300, missed: 5, ..plain() }, Outcome::Wall),
             (PixelErrors { phantom: 30, missed: 30, ..plain() }, Outcome::Noise),
-            // A thin feature has few pixels, and all of them are missing.
+            // A thin feature covers few pixels, all of which are missed.
             (PixelErrors { roots: 10, missed: 10, ..plain() }, Outcome::Holes),
             (PixelErrors { roots: 0, ..plain() }, Outcome::Sound),
             (PixelErrors { roots: 0, open: 9, phantom: 300, ..plain() }, Outcome::Unjudged),

@@ -1,4 +1,5 @@
-//! The gallery in the window. A surface is chosen by part of its name, by arrow keys or by mouse.
+//! The gallery in the window. A surface is chosen by a part of its name, by arrow keys or by the
+//! pointer.
 
 use super::Window;
 use super::enlarge::enlarge;
@@ -24,11 +25,12 @@ pub struct Browser {
     filter: String,
     /// Index of the chosen surface in the filtered list.
     chosen: usize,
-    /// The first visible row.
+    /// First visible row.
     scroll: usize,
 }
 
-/// Everything that the drawing of the gallery depends on, except the pictures.
+/// Everything that the drawing of the gallery depends on. For the pictures themselves, their
+/// version number.
 #[derive(Clone, PartialEq)]
 pub struct GalleryContent {
     filter: String,
@@ -38,11 +40,11 @@ pub struct GalleryContent {
     version: u64,
 }
 
-/// Layout of the pictures, in pixels.
+/// Layout of the gallery's pictures, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GalleryLayout {
     columns: usize,
-    /// Number of visible rows, and the first of them.
+    /// Number of visible rows, and index of the first visible row.
     rows: usize,
     first: usize,
     left: usize,
@@ -53,8 +55,8 @@ struct GalleryLayout {
 }
 
 impl GalleryLayout {
-    /// Lays out a window of this size and scale of letters, so that the `chosen` picture is
-    /// visible.
+    /// Lays out the gallery in a window of this size, with letters of this scale, so that the
+    /// `chosen` picture is visible.
     fn new((width, height): (usize, usize), scale: usize, scroll: usize, chosen: usize) -> Self {
         let (side, gap, line) = (SIDE * scale, GAP * scale, Canvas::line_height_at(scale));
         let columns = (width.saturating_sub(gap) / (side + gap)).max(1);
@@ -94,14 +96,15 @@ impl Browser {
         self.is_open
     }
 
-    /// Ends the thread that renders pictures.
+    /// Ends the thread that renders the gallery's pictures.
     pub fn stop(&mut self) {
         if let Some(thumbnails) = &mut self.thumbnails {
             thumbnails.stop();
         }
     }
 
-    /// Returns the gallery indices that match the filter. Names that begin with it come first.
+    /// Returns the gallery indices that match the filter. Names that begin with the filter come
+    /// first.
     fn matches(&self) -> Vec<usize> {
         let examples = self.thumbnails.as_ref().map_or(&[][..], Thumbnails::examples);
         let filter = self.filter.trim().to_lowercase();
@@ -133,7 +136,7 @@ impl Window {
         }
     }
 
-    /// Returns the current layout.
+    /// Returns the gallery's layout at the window's current size.
     fn grid(&self) -> GalleryLayout {
         let (size, Browser { scroll, chosen, .. }) = (self.size(), &self.browser);
         GalleryLayout::new(size, self.scale_at(size.1), *scroll, *chosen)
@@ -188,7 +191,7 @@ impl Window {
         };
     }
 
-    /// Chooses the picture under the mouse, and opens it if a button is pressed.
+    /// Chooses the picture under the pointer, and opens its surface if the button is pressed.
     pub(super) fn point_gallery(&mut self, at: (f64, f64), moved: bool, pressed: bool) {
         let count = self.browser.matches().len();
         let grid = self.grid();
@@ -209,7 +212,7 @@ impl Window {
         let most = rows.saturating_sub(grid.rows);
         let first = grid.first;
         browser.scroll = if steps > 0.0 { first.saturating_sub(1) } else { (first + 1).min(most) };
-        // The chosen picture stays among the visible ones.
+        // Keep the chosen picture among the visible ones.
         let (row, column) = (browser.chosen / grid.columns, browser.chosen % grid.columns);
         let row = row.clamp(browser.scroll, browser.scroll + grid.rows - 1);
         browser.chosen = (row * grid.columns + column).min(count.saturating_sub(1));

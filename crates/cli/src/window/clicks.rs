@@ -1,6 +1,6 @@
-//! Clicks that begin and end between two polls of the mouse, as a short tap on a touchpad does. The
-//! window's library misses them. The X server reports every press; other systems are not known to
-//! miss any.
+//! Detects clicks that begin and end between two polls of the mouse, such as a short tap on a
+//! touchpad. The window's library misses these. The X server reports every press; on other systems
+//! no missed clicks are known.
 
 #[cfg(all(unix, not(target_os = "macos")))]
 pub use x11::Clicks;
@@ -10,7 +10,7 @@ pub use elsewhere::Clicks;
 
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 mod elsewhere {
-    /// Reports no click.
+    /// Reports no clicks.
     pub struct Clicks;
 
     impl Clicks {
@@ -39,7 +39,7 @@ mod x11 {
     /// Presses reported by the X server, if there is a connection.
     pub struct Clicks {
         server: Option<Server>,
-        /// Whether there was a press that has not been seen as a held button yet.
+        /// Whether the server has reported a press that no poll has found as a held button.
         pressed: bool,
     }
 
@@ -55,11 +55,11 @@ mod x11 {
             Self { server, pressed: false }
         }
 
-        /// Whether the left button was pressed and released over this window without having been
-        /// seen as held. Call this once after every poll of the mouse.
+        /// Whether the left button was pressed and released over this window between two polls, so
+        /// that the library missed it. Call this once after every poll of the mouse.
         pub fn was_missed(&mut self, held: bool) -> bool {
             let Some(server) = &self.server else { return false };
-            // The library has polled since the press, and would see a button that is still held.
+            // The library has polled since the press, and would report a button that is still held.
             let missed = self.pressed && !held;
             self.pressed = server.presses() && !held;
             missed && server.is_under_pointer().unwrap_or(false)
@@ -91,7 +91,7 @@ mod x11 {
         fn is_under_pointer(&self) -> Option<bool> {
             let top = self.connection.query_pointer(self.root).ok()?.reply().ok()?.child;
             let mut window = self.window;
-            // A window manager may put the window into others.
+            // A window manager may place the window inside windows of its own.
             while window != top {
                 let parent = self.connection.query_tree(window).ok()?.reply().ok()?.parent;
                 if parent == self.root || parent == x11rb::NONE {

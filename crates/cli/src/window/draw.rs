@@ -1,5 +1,5 @@
-//! The content of the window: the picture with line, messages, sliders, list of surfaces and status
-//! over it, or the gallery. It is drawn again only when it changes.
+//! The content of the window: either the gallery, or the picture with texts, sliders and the list
+//! of surfaces over it. The content is drawn again only when it changes.
 
 use super::enlarge::enlarge;
 use super::page::Page;
@@ -20,7 +20,7 @@ const DIM: Rgb = 0x00b0_b0bc;
 const WRONG: Rgb = 0x00d0_3030;
 const WRONG_TEXT: Rgb = 0x00ff_9090;
 
-/// The picture at the window's size, with its axes, kept while only overlays change.
+/// The picture at the window's size, with its axes. It is kept while only the overlays change.
 #[derive(Default)]
 pub struct Backdrop {
     rendering: Option<Arc<Rendering>>,
@@ -49,7 +49,7 @@ pub struct Content {
 }
 
 impl Content {
-    /// Returns the message above the line or the status line, with its color.
+    /// Returns the message that is shown above the status line and the typed line, with its color.
     fn message_above(&self) -> Option<(&str, Rgb)> {
         let candidates = self.candidates.as_deref().map(|text| (text, DIM));
         let fault = self.fault.as_deref().map(|text| (text, WRONG_TEXT));
@@ -58,11 +58,11 @@ impl Content {
     }
 }
 
-/// Layout of the lines of text, in pixels.
+/// Layout of the lines of text at the bottom of the window, in pixels.
 struct Layout {
     /// Margin around text.
     margin: usize,
-    /// Width of a line between the margins.
+    /// Width between the margins.
     room: usize,
     row: usize,
     /// The top of the status line.
@@ -76,11 +76,13 @@ impl Window {
             self.message = None;
         }
         self.compared = Instant::now();
+        // The title can change while the picture stays the same, for example when a document is
+        // saved.
+        self.update_title();
         let content = self.content(seen);
         if self.drawn.as_ref() == Some(&content) {
             return Ok(false);
         }
-        self.update_title();
         self.active = self.compared;
         let (picture, scale) = (self.picture_size(), self.scale_at(content.size.1));
         self.backdrop.follow(seen.rendering.as_ref(), picture, content.size, scale);
@@ -152,7 +154,7 @@ impl Window {
     }
 }
 
-/// Returns one line about a fault, with the key that mends it if there is one.
+/// Describes a fault in one line, with the key that corrects it if there is one.
 fn wrong(fault: &Fault) -> String {
     let message = fault.message();
     match fault.missing_letter() {
@@ -161,7 +163,7 @@ fn wrong(fault: &Fault) -> String {
     }
 }
 
-/// Returns the first surface as it was read, and the number of further surfaces.
+/// Returns the first surface's formula as it was read, and the number of further surfaces.
 fn echo(rendering: &Rendering) -> String {
     let surfaces = &rendering.document.surfaces;
     let echo = surfaces.first().map_or("", |surface| surface.echo.as_str());
@@ -171,7 +173,8 @@ fn echo(rendering: &Rendering) -> String {
     }
 }
 
-/// Draws the status line: status at its left, point under the pointer at its right.
+/// Draws the status line: the status at its left, and the point under the pointer or a hint at its
+/// right.
 fn draw_status(
     canvas: &mut Canvas,
     layout: &Layout,
@@ -191,14 +194,14 @@ fn draw_status(
     if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
         canvas.write(&hover, right, text_y, DIM);
     } else if content.line.is_none() && content.message_above().is_none() {
-        // The two do not fit in one line.
+        // Both texts do not fit in one line, so the second gets a line of its own.
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
     let left = canvas.fitting(&status, room);
     canvas.write(&left, margin as i64, text_y, INK);
 }
 
-/// Draws the line that is being typed, its completions, and messages.
+/// Draws the line that is being typed, and a message above it.
 fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
     let Layout { margin, room, row, bottom } = *layout;
     let (width, dot) = (canvas.width, canvas.scale);
@@ -221,8 +224,8 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
 }
 
 impl Backdrop {
-    /// Scales the rendering's picture to its part of the window and draws its axes, unless nothing
-    /// has changed.
+    /// Scales the rendering's picture to its part of the window and draws its axes over it. Does
+    /// nothing if neither rendering nor size has changed.
     fn follow(
         &mut self,
         rendering: Option<&Arc<Rendering>>,

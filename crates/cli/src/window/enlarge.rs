@@ -1,8 +1,8 @@
-//! Enlarges pictures for the window. Coarse ones appear smooth, without blocks.
+//! Scales pictures to the window. Coarse pictures are interpolated and appear smooth.
 
 use zeroset_render::overlay::Rgb;
 
-/// Steps between two neighboring pixels.
+/// Number of steps between two neighboring pixels.
 const ONE: usize = 256;
 
 /// A position between two pixels; `share` is its distance from the first, in steps.
@@ -17,7 +17,7 @@ struct SamplePosition {
 fn places(from: usize, to: usize) -> Vec<SamplePosition> {
     let last = from.saturating_sub(1);
     let place = |n: usize| {
-        // Distances are between centers of pixels.
+        // Distances are measured between the centers of pixels.
         let at = ((2 * n + 1) * from * ONE / (2 * to)).saturating_sub(ONE / 2);
         let first = (at / ONE).min(last);
         SamplePosition { first, second: (first + 1).min(last), share: (at % ONE) as u32 }
@@ -25,8 +25,9 @@ fn places(from: usize, to: usize) -> Vec<SamplePosition> {
     (0..to).map(place).collect()
 }
 
-/// Draws rows of red, green and blue bytes into the upper `height` rows of `pixels`, each `width`
-/// pixels wide. Colors are interpolated unless the sizes are equal.
+/// Draws a picture into the upper `height` rows of `pixels`, each `width` pixels wide. Its size is
+/// `from`, and `rgb` holds rows of red, green and blue bytes. Colors are interpolated unless the
+/// sizes are equal.
 pub fn enlarge(rgb: &[u8], from: [usize; 2], pixels: &mut [Rgb], [width, height]: [usize; 2]) {
     let colors = rgb.as_chunks::<3>().0;
     let rows = pixels.chunks_exact_mut(width).take(height);
@@ -82,7 +83,7 @@ mod tests {
         assert_eq!((greys[0], greys[7]), (0, 255));
         assert!(greys.is_sorted() && greys[3] > 80 && greys[4] < 175, "{greys:?}");
         assert!(pixels.iter().all(|pixel| pixel & 0xff == pixel >> 16));
-        // A smaller picture shows the middle, and a single pixel fills a larger one.
+        // A narrower picture shows the middle, and a single pixel fills any picture.
         let mut one = [7];
         enlarge(&rgb, [2, 1], &mut one, [1, 1]);
         assert_eq!(one[0] & 0xff, 128);

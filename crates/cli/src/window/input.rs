@@ -5,7 +5,8 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// One key or letter. Nothing is lost when a key is released before the next poll.
+/// A key or a letter. Events are queued, so a key that is released before the next poll is not
+/// lost.
 #[derive(Clone, Copy)]
 pub enum InputEvent {
     Letter(char),

@@ -11,10 +11,11 @@ use std::thread::spawn;
 use std::time::Instant;
 use zeroset_live::{Axes, status_words};
 
-/// Pixels that an arrow key turns by, in a window [`ARROW_HEIGHT`] pixels high.
+/// An arrow key turns the view like a drag of this many pixels in a window [`ARROW_HEIGHT`] pixels
+/// high.
 const ARROW: f64 = 20.0;
 const ARROW_HEIGHT: usize = 400;
-/// Scale factor of one step of the wheel, or of + and -.
+/// Scale factor of one step of the wheel, or of a press of + or -.
 pub const ZOOM: f64 = 0.85;
 
 impl Window {
@@ -52,7 +53,8 @@ impl Window {
         }
     }
 
-    /// Closes the drag, line, help or page that is open; never the program.
+    /// Cancels the current drag, or else closes the typed line, or else the help and the page.
+    /// Never ends the program.
     fn escape(&mut self) {
         self.candidates.clear();
         if self.mouse.cancel() {
@@ -67,8 +69,8 @@ impl Window {
         }
     }
 
-    /// Shows the keys, then the words of the status line with the equivalents of other programs,
-    /// then neither.
+    /// Switches from no help to the list of keys, then to the explanation of the status line, then
+    /// to no help.
     fn next_help(&mut self) {
         let was_closed = !self.help && self.page.is_none();
         self.page = self.help.then(|| Page::new(&status_words()));
@@ -109,7 +111,7 @@ impl Window {
         }
     }
 
-    /// Gives the undefined letter a value, if nothing else is wrong.
+    /// Sets the undefined letter to 1, if it is the only error.
     fn define_letter(&mut self) {
         let fault = self.session.live.snapshot().fault;
         let Some(letter) = fault.and_then(|fault| fault.missing_letter()) else { return };
@@ -223,7 +225,7 @@ impl Window {
         live.set_axes(match (are_shown, are_usual) {
             (true, true) => Axes::Off,
             (false, false) => Axes::On,
-            // The usual choice already gives what is wanted.
+            // The default already shows or hides the axes as wanted.
             (true, false) | (false, true) => Axes::Usual,
         });
     }

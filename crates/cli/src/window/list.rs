@@ -8,12 +8,13 @@ use zeroset_render::overlay::{Canvas, Rgb};
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
-/// Most letters of a formula, and fewest. With room for fewer, only colors are shown.
+/// Largest and smallest number of letters of a formula. With space for fewer, only colors are
+/// shown.
 const MAX_LETTERS: usize = 24;
 const MIN_LETTERS: usize = 8;
-/// Greatest share of the window's width that the list takes.
+/// Largest share of the window's width that the list takes.
 const MAX_WIDTH_SHARE: f64 = 0.55;
-/// Widths in font pixels of a color, the track of an opacity, and the sign that deletes.
+/// Widths of a color, of the track of an opacity, and of the delete sign, in font pixels.
 const SWATCH: usize = 18;
 const TRACK_WIDTH: usize = 40;
 const DELETE: usize = 12;
@@ -27,7 +28,7 @@ pub enum ListPart {
     Formula,
     /// The track of the opacity, with the opacity at this position.
     Opacity(f64),
-    /// The sign that deletes the surface.
+    /// The delete sign.
     Delete,
 }
 
@@ -37,7 +38,7 @@ pub struct List {
     pub rows: RowLayout,
     left: usize,
     width: usize,
-    /// Number of letters of each formula; 0 if only colors are shown.
+    /// Number of letters shown of each formula; 0 if only colors are shown.
     letters: usize,
     scale: usize,
 }
@@ -53,9 +54,10 @@ pub struct ListContent {
 }
 
 impl List {
-    /// Lays out `count` surfaces from the `scroll`-th on, with the letters of `canvas`. The list is
-    /// at the right of a picture of this size in pixels, whose left `taken` columns are occupied.
-    /// Returns `None` if there is no surface or no room.
+    /// Lays out `count` surfaces, of which the first `scroll` are scrolled out of view, with the
+    /// letters of `canvas`. The list is at the right of a picture of this size in pixels, whose
+    /// left `taken` columns are occupied. Returns `None` if there is no surface, or too little
+    /// space.
     pub fn new(
         count: usize,
         scroll: usize,
@@ -81,7 +83,7 @@ impl List {
         Some(Self { rows, left: width - own, width: own, letters: letters.unwrap_or(0), scale })
     }
 
-    /// Returns the surface at a position, and the part of its row.
+    /// Returns the index of the surface at a position, and the part of its row.
     pub fn at(&self, (x, y): (f64, f64)) -> Option<(usize, ListPart)> {
         let across = x - self.left as f64;
         let inside = across >= 0.0 && across < self.width as f64;
@@ -99,7 +101,7 @@ impl List {
         Some((index, part))
     }
 
-    /// Returns the opacity at a position of the track, in whole hundredths.
+    /// Returns the opacity at a horizontal position on the track, rounded to hundredths.
     pub fn opacity(&self, x: f64) -> f64 {
         let share = (x - self.track() as f64) / (TRACK_WIDTH * self.scale) as f64;
         (share.clamp(0.0, 1.0) * 100.0).round() / 100.0
@@ -146,8 +148,8 @@ impl List {
 }
 
 impl ListContent {
-    /// Draws the list, with the row under the pointer brighter, and a line where a dragged row
-    /// would go.
+    /// Draws the list. The row under the pointer is brighter, and a line marks the place to which a
+    /// row is being dragged.
     pub fn draw(&self, canvas: &mut Canvas) {
         let Self { list, surfaces, hovered, dragged } = self;
         let (scale, dot) = (list.scale, list.scale as i64);

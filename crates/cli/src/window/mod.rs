@@ -1,5 +1,5 @@
-//! The window: pictures, mouse and keys. It owns the main thread, and does not know how pictures
-//! are rendered.
+//! The window, with mouse and keys. It runs on the main thread, and does not know how pictures are
+//! rendered.
 
 mod browser;
 mod clicks;
@@ -47,12 +47,14 @@ const PAUSE: Duration = Duration::from_millis(300);
 
 /// Interval between polls of mouse and keyboard.
 const POLL_INTERVAL: Duration = Duration::from_millis(4);
-/// The interval after [`IDLE_AFTER`] without activity, since a poll takes about 100 µs.
+/// Poll interval after [`IDLE_AFTER`] without activity. It is longer, since a poll takes about 100
+/// µs.
 const IDLE_POLL_INTERVAL: Duration = Duration::from_millis(20);
 const IDLE_AFTER: Duration = Duration::from_secs(2);
 /// Least time between two drawings of the window.
 const FRAME: Duration = Duration::from_millis(16);
-/// The least time without activity, when messages still come and go.
+/// Least time between two drawings after [`IDLE_AFTER`] without activity, when only messages still
+/// change.
 const IDLE_FRAME: Duration = Duration::from_millis(100);
 
 /// Time before the first tip, and between tips.
@@ -68,7 +70,7 @@ pub struct Window {
     /// Lines to be entered, in order.
     lines: Sender<LineEdit>,
     outcomes: Receiver<TaskOutcome>,
-    /// Cloned for each thread that has an outcome to send.
+    /// Cloned for each thread that sends an outcome.
     tell: Sender<TaskOutcome>,
     threads: Vec<JoinHandle<()>>,
     typed_keys: InputQueue,
@@ -88,11 +90,11 @@ pub struct Window {
     /// When a tip was last shown.
     tip: Instant,
     help: bool,
-    /// A text that a command or key has opened.
+    /// A text over the picture, opened by a command or a key.
     page: Option<Page>,
     backdrop: Backdrop,
     drawn: Option<Content>,
-    /// When the current content was last compared with the drawn one.
+    /// When the window's content was last compared with the drawn content.
     compared: Instant,
     title: String,
     /// Time of the last activity.
@@ -103,7 +105,7 @@ impl Window {
     /// Opens a window.
     ///
     /// # Errors
-    /// A phrase that says why no window can be opened.
+    /// A phrase that says why the window cannot be opened.
     pub fn open(size: Size, scale: Option<usize>, session: &Arc<Session>) -> Result<Self, String> {
         #[cfg(all(unix, not(target_os = "macos")))]
         if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
@@ -158,7 +160,7 @@ impl Window {
         })
     }
 
-    /// Shows the session until it or the window ends.
+    /// Shows the session until the session ends or the window is closed.
     ///
     /// # Errors
     /// If the window can no longer be drawn to.
@@ -186,11 +188,11 @@ impl Window {
             sleep(if is_idle { IDLE_POLL_INTERVAL } else { POLL_INTERVAL });
         }
         self.browser.stop();
-        // Lines sent so far are still entered, but no picture is waited for any more.
+        // Lines that were already sent are still executed, but without waiting for pictures.
         self.session.end();
         drop(self.lines);
         for thread in self.threads {
-            // A panic was reported where it happened.
+            // The thread's panic has already been reported on standard error.
             let _ = thread.join();
         }
         while let Ok(outcome) = self.outcomes.try_recv() {
@@ -227,14 +229,14 @@ impl Window {
         (width.max(1), height.max(1))
     }
 
-    /// Width and height of the part above the status line.
+    /// Width and height of the window above the status line.
     fn picture_size(&self) -> (usize, usize) {
         let (width, height) = self.size();
         let status = Canvas::line_height_at(self.scale_at(height));
         (width, height.saturating_sub(status).max(1))
     }
 
-    /// Side of a font pixel in pixels of the window, for a window of this height.
+    /// Side of a font pixel, in pixels, for a window of this height.
     fn scale_at(&self, height: usize) -> usize {
         self.scale.unwrap_or(if height >= LARGE_TEXT_HEIGHT { 2 } else { 1 })
     }
@@ -267,7 +269,7 @@ impl Window {
         }
     }
 
-    /// Shows the results of other threads.
+    /// Receives and shows the results of other threads.
     fn receive_outcomes(&mut self) {
         while let Ok(outcome) = self.outcomes.try_recv() {
             self.active = Instant::now();
@@ -279,13 +281,13 @@ impl Window {
                         Some(text) => self.say(&text),
                         None => {}
                     }
-                    // The line that is being typed may need the entered one.
+                    // The line that is being typed may use a definition in the entered line.
                     self.follow_line();
                 }
                 TaskOutcome::Entered(line, Err(wrong)) => {
                     self.session.say(&wrong.full);
                     self.say(&wrong.summary);
-                    // The refused line is offered for correction.
+                    // Offer the refused line for correction, unless another line is being typed.
                     self.line.get_or_insert(line);
                 }
                 TaskOutcome::Saved(Ok(())) => {

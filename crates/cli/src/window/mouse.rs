@@ -8,7 +8,7 @@ use minifb::{MouseButton, MouseMode};
 use std::time::Instant;
 use zeroset_live::Snapshot;
 
-/// Farthest that a click may move, in pixels.
+/// Largest movement during a click, in pixels.
 const CLICK_DISTANCE: f64 = 3.0;
 
 /// State of the mouse.
@@ -20,7 +20,7 @@ pub struct Mouse {
     wheel: Wheel,
 }
 
-/// A press of a button that has not ended.
+/// A pressed button, from the press until the release.
 struct Drag {
     start: (f64, f64),
     last: (f64, f64),
@@ -33,13 +33,13 @@ struct Drag {
 /// The target of a drag.
 #[derive(Clone, Copy, PartialEq)]
 enum DragTarget {
-    /// The view turns.
+    /// Turns the view.
     Turn,
-    /// The view moves.
+    /// Moves the view.
     Pan,
-    /// A slider.
+    /// Moves a slider.
     Slider,
-    /// An opacity or a row of the list of surfaces.
+    /// Changes an opacity or moves a row in the list of surfaces.
     Surface,
 }
 
@@ -135,7 +135,7 @@ impl Window {
         }
     }
 
-    /// Performs a click of the left button that was over before a poll saw it.
+    /// Handles a click of the left button that began and ended between two polls.
     fn click(&mut self, at: (f64, f64), seen: &Snapshot) {
         if self.press_slider(at) {
             self.release_slider();
@@ -160,7 +160,7 @@ impl Window {
         }
     }
 
-    /// Zooms, moves the cut, or scrolls a list.
+    /// Zooms, moves the clipping plane, or scrolls a list.
     fn wheel(&mut self, at: (f64, f64), inside: bool) {
         let Some((_, counted)) = self.native.get_scroll_wheel() else { return };
         let steps = self.mouse.wheel.steps(counted).clamp(-5.0, 5.0);

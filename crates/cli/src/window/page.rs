@@ -19,8 +19,8 @@ impl Page {
         Self { text: text.trim_end().replace('…', ".."), scroll: 0 }
     }
 
-    /// Scrolls down by this many lines, or up if negative, in a window of this size in pixels with
-    /// letters of this scale.
+    /// Scrolls down by this many lines, or up if negative. `size` is the window's size in pixels,
+    /// and `scale` that of the letters.
     pub fn scroll(&mut self, lines: isize, size: (usize, usize), scale: usize) {
         let canvas = Canvas::new(size.0, size.1, Vec::new(), scale);
         let (all, shown) = (wrapped(&self.text, letters(&canvas)).len(), rows(&canvas));
@@ -28,7 +28,7 @@ impl Page {
         self.scroll = self.scroll.min(most).saturating_add_signed(lines).min(most);
     }
 
-    /// Draws the visible lines in the middle.
+    /// Draws the visible lines in the middle of the window.
     pub fn draw(&self, canvas: &mut Canvas) {
         let lines = wrapped(&self.text, letters(canvas));
         let rows = rows(canvas);
@@ -60,13 +60,13 @@ fn letters(canvas: &Canvas) -> usize {
     (canvas.width.saturating_sub(2 * PAD * canvas.scale) / canvas.advance()).max(1)
 }
 
-/// Number of lines that fit, with one left for the range of visible lines.
+/// Number of lines that fit, with one line reserved for the range of visible lines.
 fn rows(canvas: &Canvas) -> usize {
     let room = canvas.height.saturating_sub(2 * PAD * canvas.scale);
     (room / canvas.line_height()).saturating_sub(1).max(1)
 }
 
-/// Breaks lines that are longer than this many letters. All parts but the first are indented
+/// Breaks lines that are longer than this many letters. The continuation lines are indented
 /// further.
 fn wrapped(text: &str, letters: usize) -> Vec<String> {
     let mut lines = Vec::new();

@@ -6,7 +6,7 @@ use crate::theme::{CHOSEN, DIM, INK, TRACK};
 use zeroset_live::Slider;
 use zeroset_render::overlay::Canvas;
 
-/// Most letters of a name, and of a value.
+/// Largest number of letters of a name, and of a value.
 const NAME: usize = 8;
 const VALUE: usize = 9;
 /// Longest and shortest track, in font pixels.
@@ -23,8 +23,9 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Lays out the sliders from the `scroll`-th on, below the first line of a picture of this size
-    /// in pixels, with the letters of `canvas`. Returns `None` if there is no slider or no room.
+    /// Lays out the sliders, of which the first `scroll` are scrolled out of view, with the letters
+    /// of `canvas`. The panel is at the left of a picture of this size in pixels, below its first
+    /// line. Returns `None` if there is no slider, or too little space.
     pub fn new(
         sliders: &[Slider],
         scroll: usize,
@@ -44,7 +45,7 @@ impl Panel {
         Some(Self { rows, width: letters + track, track: (left, left + track), scale })
     }
 
-    /// Returns the slider at a position.
+    /// Returns the index of the slider at a position.
     pub fn at(&self, (x, y): (f64, f64)) -> Option<usize> {
         let inside = x >= 0.0 && x < self.width as f64;
         self.rows.at(y).filter(|_| inside)
@@ -55,12 +56,12 @@ impl Panel {
         (slider.high - slider.low) / (self.track.1 - self.track.0) as f64
     }
 
-    /// Returns the value at a position of the track.
+    /// Returns the value at a horizontal position on the track.
     pub fn value(&self, slider: &Slider, x: f64) -> f64 {
         slider.low + (x - self.track.0 as f64) * self.step(slider)
     }
 
-    /// Whether a position is on the handle, or near it.
+    /// Whether a horizontal position is on or near the handle.
     pub fn is_on_handle(&self, slider: &Slider, x: f64) -> bool {
         (x - self.handle(slider)).abs() <= (SPACE * self.scale) as f64
     }

@@ -1,10 +1,10 @@
-//! Rows over the picture, one below the other. Rows that do not fit are reached by scrolling. Knows
-//! nothing of their content.
+//! The layout of rows over the picture, with scrolling if they do not fit. Knows nothing of their
+//! content.
 
 use crate::theme::GROUND;
 use zeroset_render::overlay::{Canvas, Rgb};
 
-/// Most rows that are visible at once.
+/// Largest number of rows that are visible at once.
 const SHOWN: usize = 8;
 /// Space around items, in font pixels.
 pub const SPACE: usize = 6;
@@ -22,8 +22,9 @@ pub struct RowLayout {
 }
 
 impl RowLayout {
-    /// Lays out `count` rows from the `scroll`-th on, below the first line of a picture and above
-    /// `bottom`, with the letters of `canvas`. Returns `None` if there is no row or no room.
+    /// Lays out `count` rows, of which the first `scroll` are scrolled out of view, with the
+    /// letters of `canvas`. They lie below the picture's first line and above `bottom`. Returns
+    /// `None` if there is no row, or too little space.
     pub fn new(count: usize, scroll: usize, bottom: usize, canvas: &Canvas) -> Option<Self> {
         let height = canvas.line_height();
         let top = height + SPACE * canvas.scale;
@@ -33,13 +34,13 @@ impl RowLayout {
         (shown > 0).then_some(Self { top, height, first, shown, count })
     }
 
-    /// Returns the row at a vertical position.
+    /// Returns the index of the row at a vertical position.
     pub fn at(&self, y: f64) -> Option<usize> {
         let place = (y - self.top as f64) / self.height as f64;
         (place >= 0.0 && place < self.shown as f64).then_some(self.first + place as usize)
     }
 
-    /// Returns the visible row nearest to a vertical position.
+    /// Returns the index of the visible row nearest to a vertical position.
     pub fn nearest(&self, y: f64) -> usize {
         let place = ((y - self.top as f64) / self.height as f64).max(0.0) as usize;
         self.first + place.min(self.shown - 1)
@@ -50,7 +51,8 @@ impl RowLayout {
         self.shown < self.count
     }
 
-    /// Scrolls by a row if some rows are not visible, and returns whether that is so.
+    /// Scrolls by one row, up if `steps` is positive. Returns false if all rows are visible
+    /// already.
     pub fn scroll(&self, scroll: &mut usize, steps: f64) -> bool {
         if self.scrolls() {
             *scroll = if steps > 0.0 { self.first.saturating_sub(1) } else { self.first + 1 };
@@ -58,7 +60,7 @@ impl RowLayout {
         self.scrolls()
     }
 
-    /// Returns the visible rows, each with its top.
+    /// Returns the index and the top of each visible row.
     pub fn each(&self) -> impl Iterator<Item = (usize, i64)> + use<> {
         let Self { top, height, first, shown, .. } = *self;
         (0..shown).map(move |place| (first + place, (top + place * height) as i64))
@@ -70,7 +72,8 @@ impl RowLayout {
         canvas.fill(left as i64, self.top as i64, width, height, GROUND, 208);
     }
 
-    /// Writes the range of visible rows below them if some are not visible; `all` adds the total.
+    /// Writes the range of visible rows below them, unless all are visible. With `all`, adds their
+    /// number.
     pub fn write_range(&self, canvas: &mut Canvas, left: i64, ink: Rgb, all: bool) {
         if self.scrolls() {
             let of = if all { format!(" of {}", self.count) } else { String::new() };

@@ -1,5 +1,5 @@
-//! Moves sliders by mouse, keys and clock. The next value is requested only when the picture of the
-//! previous one is visible, so that pictures appear however long they take.
+//! Moves sliders by mouse, keys and clock. The next value is requested only when the previous one
+//! has its picture, so that pictures appear even if each takes long.
 
 use super::panel::Panel;
 use super::{FRAME, Window};
@@ -9,8 +9,8 @@ use zeroset_render::overlay::Canvas;
 
 /// Longest time between the two presses of a double click.
 const DOUBLE_CLICK: Duration = Duration::from_millis(400);
-/// Least time between requests while only a coarse picture is visible. A finer picture that comes
-/// within this time is shown.
+/// Least time between requests while only a coarse picture is visible, so that a finer picture that
+/// comes within this time is shown.
 const COARSE_FRAME: Duration = Duration::from_millis(30);
 /// Longest wait for the picture of a value before the next value is requested.
 const MAX_WAIT: Duration = Duration::from_millis(250);
@@ -20,7 +20,7 @@ const KEY_PAUSE: Duration = Duration::from_millis(700);
 const FINE: f64 = 0.1;
 /// Steps of an arrow key from one end of a slider to the other.
 const STEPS: f64 = 100.0;
-/// Number of distinct values in one loop of time.
+/// Number of values of time in one loop over its range.
 const TIME_STEPS: f64 = 5000.0;
 
 /// The sliders of the visible picture, and their movement.
@@ -30,27 +30,27 @@ pub struct Sliders {
     panel: Option<Panel>,
     scroll: usize,
     hovered: Option<usize>,
-    /// The slider that is being dragged, with its value before rounding.
+    /// Index of the slider that is being dragged, and its value before rounding.
     held: Option<(usize, f64)>,
-    /// The slider pressed last, and when.
+    /// Name of the slider that was pressed last, and time of the press.
     pressed: Option<(String, Instant)>,
-    /// A value that is still to be requested.
+    /// A slider and its new value, not requested yet.
     wanted: Option<(Slider, f64)>,
-    /// The last request, and its time.
+    /// Revision and time of the last request.
     sent: Option<(u64, Instant)>,
     playing: Option<Playing>,
     /// When a key last moved a slider.
     nudged: Option<Instant>,
 }
 
-/// When the playing of time began, and at which value.
+/// Time at which the clock began to move `t`, and the value of `t` then.
 struct Playing {
     since: Instant,
     from: f64,
 }
 
 impl Sliders {
-    /// Stops time at the displayed value, and returns whether it was playing.
+    /// Stops the clock at the displayed value, and returns whether it was running.
     pub fn pause(&mut self) -> bool {
         let passed = self.playing.take().is_some();
         if passed {
@@ -64,7 +64,7 @@ impl Sliders {
         self.held.is_some() || self.playing.is_some()
     }
 
-    /// Whether a slider is being moved, if a quick series of keys counts as one movement.
+    /// Whether the mouse, the clock or a recent press of a key is moving a slider.
     pub fn is_in_motion(&self) -> bool {
         self.is_moving() || self.nudged.is_some_and(|at| at.elapsed() < KEY_PAUSE)
     }
@@ -79,9 +79,9 @@ impl Sliders {
         Some((self.panel?, self.all.clone(), self.hovered))
     }
 
-    /// Takes the sliders of a new picture.
+    /// Adopts the sliders of a new picture.
     pub fn follow(&mut self, mut all: Vec<Slider>) {
-        // A value that is being dragged or requested is newer than the picture.
+        // Values that are being dragged or wait for a request are newer than the picture.
         for slider in &mut all {
             let asked = self.all.iter().find(|one| one.name == slider.name);
             let is_ahead = self.held.is_some() || self.wanted.is_some();
@@ -148,7 +148,7 @@ impl Window {
             return;
         };
         let Some(slider) = self.sliders.all.get(index) else { return };
-        // A press that moves is not a click.
+        // A press with a movement is not the first click of a double click.
         self.sliders.pressed = None;
         let value = value + across * fine * panel.step(slider);
         self.move_slider(value);
@@ -172,7 +172,7 @@ impl Window {
         self.ask_for_value();
     }
 
-    /// Moves the slider under the pointer by this many steps, and returns whether there is one.
+    /// Moves the slider under the pointer by this many steps. Returns whether there is a slider.
     pub(super) fn nudge(&mut self, steps: f64) -> bool {
         let fine = if self.is_shifted() { FINE } else { 1.0 };
         let sliders = &mut self.sliders;
@@ -187,14 +187,15 @@ impl Window {
         true
     }
 
-    /// Scrolls the sliders if the pointer is over them and some are hidden. Returns whether it did.
+    /// Scrolls the sliders if the pointer is over them and some are not visible. Returns whether it
+    /// did.
     pub(super) fn scroll_sliders(&mut self, steps: f64) -> bool {
         let sliders = &mut self.sliders;
         let panel = sliders.panel.filter(|_| sliders.hovered.is_some());
         panel.is_some_and(|panel| panel.rows.scroll(&mut sliders.scroll, steps))
     }
 
-    /// Starts or stops the playing of time.
+    /// Starts or stops the clock.
     pub(super) fn toggle_play(&mut self) {
         if self.sliders.pause() {
             return;
@@ -203,12 +204,13 @@ impl Window {
             return self.say("there is no time t in what is drawn: write it into a formula first");
         };
         let slider = self.sliders.all[index].clone();
-        // An undo returns to this value, since changes by the clock are no undo steps.
+        // Record a step, so that an undo returns to this value. Changes by the clock are not
+        // recorded.
         self.session.live.drag(&slider, slider.value);
         self.sliders.playing = Some(Playing { since: Instant::now(), from: slider.value });
     }
 
-    /// Sets time to its start value plus the elapsed seconds, in a loop over its range.
+    /// Sets the time to its start value plus the elapsed seconds, in a loop over its range.
     pub(super) fn play(&mut self, seen: &Snapshot) {
         let sliders = &mut self.sliders;
         let Some(Playing { since, from }) = &sliders.playing else { return };
@@ -225,7 +227,7 @@ impl Window {
         sliders.want(index, value);
     }
 
-    /// Requests the wanted value, if the next request is due.
+    /// Requests the new value, if the next request is due.
     pub(super) fn send_value(&mut self, seen: &Snapshot) {
         if is_next_due(self.sliders.sent, seen) {
             self.ask_for_value();
@@ -245,8 +247,8 @@ impl Window {
     }
 }
 
-/// Whether the next value may be requested: the last request has its picture and is `FRAME` old
-/// (`COARSE_FRAME` for a coarse picture), or it is older than `MAX_WAIT`.
+/// Whether the next value may be requested. The last request must have its picture and be `FRAME`
+/// old (`COARSE_FRAME` for a coarse picture), or else be older than `MAX_WAIT`.
 pub fn is_next_due(sent: Option<(u64, Instant)>, seen: &Snapshot) -> bool {
     let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
     let (latest, coarse) = match &seen.rendering {

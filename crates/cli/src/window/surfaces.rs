@@ -11,19 +11,19 @@ use zeroset_render::overlay::Canvas;
 /// Change of an opacity by one press of an arrow key.
 const STEP: f64 = 0.05;
 
-/// The list of surfaces, and their changes.
+/// The list of surfaces, and changes to them by the user.
 #[derive(Default)]
 pub struct Surfaces {
     all: Vec<SurfaceEntry>,
     list: Option<List>,
-    /// Whether the list is wanted; by default, if there are several surfaces.
+    /// Whether the user wants the list. If `None`, it is shown for two or more surfaces.
     wanted: Option<bool>,
     scroll: usize,
     hovered: Option<(usize, ListPart)>,
     held: Option<ListDrag>,
-    /// An opacity that is still to be requested.
+    /// Index and new opacity of a surface, not requested yet.
     opacity: Option<(usize, f64)>,
-    /// The last request of an opacity, and its time.
+    /// Revision and time of the last request of an opacity.
     sent: Option<(u64, Instant)>,
 }
 
@@ -47,20 +47,20 @@ impl Surfaces {
         Some(ListContent { list, surfaces, hovered, dragged })
     }
 
-    /// Takes the surfaces of a new picture.
+    /// Adopts the surfaces of a new picture.
     pub fn follow(&mut self, mut all: Vec<SurfaceEntry>) {
         if all.len() != self.all.len() {
             (self.held, self.hovered, self.opacity) = (None, None, None);
         }
-        // An opacity that is to be requested is newer than the picture.
+        // An opacity that waits for a request is newer than the picture.
         if let Some((index, opacity)) = self.opacity {
             all[index].opacity = opacity;
         }
         self.all = all;
     }
 
-    /// Lays out the list with the letters of `canvas`, in a picture of this size in pixels. The
-    /// left `taken` columns of the picture are occupied.
+    /// Lays out the list with the letters of `canvas`, in a picture of this size in pixels whose
+    /// left `taken` columns are occupied.
     pub fn lay_out(&mut self, taken: usize, size: (usize, usize), canvas: &Canvas) {
         let count = self.all.len();
         let is_wanted = self.wanted.unwrap_or(count > 1);
@@ -121,7 +121,7 @@ impl Window {
         }
     }
 
-    /// Ends a drag on the list; if `cancelled`, a surface stays where it was.
+    /// Ends a drag on the list. With `cancelled`, a dragged surface stays at its old place.
     pub(super) fn release_surface(&mut self, cancelled: bool) {
         match self.surfaces.held.take() {
             Some(ListDrag::Row(from, to)) if from != to && !cancelled => {
@@ -144,7 +144,8 @@ impl Window {
         self.show_result(result);
     }
 
-    /// Deletes a surface on another thread, since choosing a view of the others takes time.
+    /// Deletes the surface with this index on another thread, since checking the remaining formulas
+    /// takes time.
     fn delete_surface(&mut self, index: usize) {
         self.send(format!(":delete {}", index + 1));
     }
@@ -165,14 +166,15 @@ impl Window {
         true
     }
 
-    /// Scrolls the list if the pointer is over it and some surfaces are hidden; returns whether so.
+    /// Scrolls the list if the pointer is over it and some rows are not visible. Returns whether it
+    /// did.
     pub(super) fn scroll_surfaces(&mut self, steps: f64) -> bool {
         let surfaces = &mut self.surfaces;
         let list = surfaces.list.filter(|_| surfaces.hovered.is_some());
         list.is_some_and(|list| list.rows.scroll(&mut surfaces.scroll, steps))
     }
 
-    /// Requests the wanted opacity, if the next request is due.
+    /// Requests the new opacity, if the next request is due.
     pub(super) fn send_opacity(&mut self, seen: &Snapshot) {
         if is_next_due(self.surfaces.sent, seen) {
             self.ask_for_opacity();

@@ -1,4 +1,4 @@
-//! Work on other threads, so that the window does not wait for it.
+//! Tasks on other threads, so that the window does not wait for them.
 
 use crate::line_edit::LineEdit;
 use crate::session::{LineError, Session};
@@ -6,28 +6,28 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 use std::thread::spawn;
 
-/// Result of such work.
+/// Result of a task.
 pub enum TaskOutcome {
-    /// A line was entered, perhaps with a message, or refused.
+    /// A line was entered, perhaps with a message to show, or was refused.
     Entered(LineEdit, Result<Option<String>, LineError>),
-    /// A picture was saved, or could not be.
+    /// A picture was saved, or could not be saved.
     Saved(anyhow::Result<()>),
 }
 
-/// Enters lines until the channel closes.
+/// Enters lines one after another until the channel closes.
 pub fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Sender<TaskOutcome>) {
     let mut saves = Vec::new();
     for line in lines {
         let result = session.enter(line.text().trim(), |to| {
-            // Later lines need not wait for the picture. When the session ends, a newer request
-            // ends the wait for this one.
+            // Save on another thread, so that later lines need not wait for the picture. When the
+            // session ends, it makes a new request, which ends this wait.
             let revision = session.live.revision();
             anyhow::ensure!(!session.has_ended(), "not saved: the window was closed");
             let (session, tell) = (Arc::clone(session), tell.clone());
             saves.push(spawn(move || save(&session, to.as_deref(), revision, &tell)));
             Ok(())
         });
-        // Nobody receives this once the window is closed.
+        // Sending fails only when the window is closed and nobody receives the outcome.
         let _ = tell.send(TaskOutcome::Entered(line, result));
     }
     for save in saves {

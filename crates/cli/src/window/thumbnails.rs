@@ -1,5 +1,5 @@
 //! Small pictures of the gallery, rendered one after another on a separate thread while the gallery
-//! is open, and kept. All other pictures have priority.
+//! is open. They are kept when it closes. The session's own picture has priority.
 
 use crate::render::with_effects;
 use crate::session::{Session, lock};
@@ -12,11 +12,11 @@ use std::time::Duration;
 use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::{Example, examples};
 
-/// Rows and columns of a picture at scale 1.
+/// Rows and columns of a small picture at scale 1.
 pub const SIDE: usize = 96;
-/// Factor by which each side of the first, coarse picture is shorter.
+/// Factor by which the sides of a coarse picture are shorter than those of the full picture.
 const COARSE_FACTOR: usize = 4;
-/// Interval at which the thread checks whether other pictures are finished.
+/// Interval at which the thread checks whether the session's picture is finished.
 const POLL_INTERVAL: Duration = Duration::from_millis(4);
 
 /// A square picture, as sRGB bytes.
@@ -72,11 +72,12 @@ impl Thumbnails {
         self.shared.version.load(Ordering::Relaxed)
     }
 
-    /// Renders the missing pictures, those in `first` before others. Call this repeatedly while
-    /// they are visible.
+    /// Starts to render the missing pictures, first those with indices in `first`. Call this
+    /// repeatedly while the gallery is visible.
     pub fn want(&mut self, first: Vec<usize>, session: &Arc<Session>) {
         *lock(&self.shared.order) = first;
-        // A thread that was told to end ends soon; a later call starts another.
+        // A thread that has been told to stop may still run for a moment. A later call then starts
+        // another.
         if self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
             return;
         }
@@ -96,7 +97,7 @@ impl Thumbnails {
     pub fn stop(&mut self) {
         self.leave();
         if let Some(thread) = self.thread.take() {
-            // A panic has been reported where it happened.
+            // The thread's panic has already been reported on standard error.
             let _ = thread.join();
         }
     }
@@ -127,7 +128,8 @@ impl ThumbnailStore {
         while let Some(place) = self.next().filter(|_| wanted()) {
             let made = pool.install(|| self.picture(&self.examples[place], place, &wanted));
             if made.is_err() && wanted() {
-                // A surface that cannot be drawn gets a blank picture, and is not tried again.
+                // A surface that cannot be drawn gets a blank picture, so that it is not tried
+                // again.
                 self.keep(place, self.side, vec![0xff; 3 * self.side * self.side]);
             }
         }

@@ -1,13 +1,13 @@
-//! Steps of the mouse wheel. Knows nothing of their effect.
+//! Converts the scroll counts of the window's library to steps of the mouse wheel.
 
-/// The library's count for one step. On X11, where the wheel is a button, each press and each
-/// release counts.
+/// The library's count for one step. On X11 the wheel is a button, of which press and release are
+/// both counted.
 const COUNTED: f32 = if cfg!(all(unix, not(target_os = "macos"))) { 2.0 } else { 1.0 };
 
 /// Converts the library's counts to steps.
 #[derive(Default)]
 pub struct Wheel {
-    /// The count of a step whose button has not been released yet.
+    /// Count of a step whose button has not been released yet.
     begun: f32,
 }
 

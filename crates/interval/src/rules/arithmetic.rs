@@ -58,7 +58,7 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// (−lo, hi) of a·b. With `guard`, bounds may be infinite, and 0·∞ must not make NaN.
+    /// (−lo, hi) of a·b. Set `guard` if bounds may be infinite; then 0·∞ does not give NaN.
     fn product(&mut self, a: &Operand<M::V>, b: &Operand<M::V>, guard: bool) -> (M::V, M::V) {
         match (a.sign(), b.sign()) {
             (Sign::Nonpos, _) => {
@@ -71,8 +71,8 @@ impl<M: Machine> Rule<'_, M> {
             }
             (Sign::Nonneg, _) if a.range.singleton().is_some() => self.product_nonneg(a, b, guard),
             (Sign::Nonneg, Sign::Nonneg) => {
-                // Lower ends are finite, so only hi·hi can be 0·∞. A constant is the first operand,
-                // and negating it is free.
+                // Lower ends are finite, so only hi·hi can be 0·∞. A constant operand comes first,
+                // so negating its lower end is free.
                 let low = self.m.neg(a.value.neg_lo);
                 let neg_lo = self.m.mul(b.value.neg_lo, low);
                 let hi = self.m.mul(a.value.hi, b.value.hi);
@@ -137,7 +137,7 @@ impl<M: Machine> Rule<'_, M> {
         self.close(largest)
     }
 
-    /// A divisor, limited to one side of 0 in lanes where it straddles 0.
+    /// The divisor b over a branch: limited to one side of 0 in lanes where it straddles 0.
     pub(super) fn divisor(&mut self, b: &Operand<M::V>, branch: Branch) -> Operand<M::V> {
         if branch == Branch::Whole {
             return *b;
@@ -162,7 +162,8 @@ impl<M: Machine> Rule<'_, M> {
             return self.quotient_positive(&a.negated(), &b.negated());
         }
         if b.range.hi <= 0.0 {
-            // Keeps the bounds over b = [0, 0] within those over all of b's range.
+            // Negating both operands keeps the bounds over b = [0, 0] within the bounds over all of
+            // b's range.
             return self.quotient(&a.negated(), &b.negated());
         }
         self.quotient(a, b)
@@ -217,7 +218,7 @@ impl<M: Machine> Rule<'_, M> {
             straddles = self.m.and(straddles, nonzero);
         }
         // The quotient is undefined for b = [0, 0]. A slightly larger divisor keeps the bounds in
-        // order and within those over larger boxes, as later rules assume.
+        // order and within the bounds over larger boxes, as later rules assume.
         let least = self.least_positive();
         let y_hi = self.m.max(y_hi, least);
         let neg_lo_by = self.far_divisor(x_neg_lo, y_lo, y_hi);
@@ -231,8 +232,8 @@ impl<M: Machine> Rule<'_, M> {
         value.restricted(self.m, &own)
     }
 
-    /// Claims of an operation that is defined where `a` is not 0: nowhere in lanes where it is [0,
-    /// 0], throughout in lanes where it does not contain 0.
+    /// Claims of an operation that is defined where `a` is not 0. It is defined nowhere in lanes
+    /// where `a` is [0, 0], and throughout in lanes where `a` does not contain 0.
     pub(super) fn nonzero(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if !a.range.contains(0.0) {
             return Claims::TOTAL;

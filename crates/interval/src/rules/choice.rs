@@ -18,7 +18,8 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// b where a < 0, c where a ≥ 0. If both occur, their hull, or over a branch only one of them.
+    /// b where a < 0, c where a ≥ 0. If a has both signs, the result is the hull of b and c, or
+    /// over a branch just one of them.
     pub(super) fn select_negative(
         &mut self,
         a: &Operand<M::V>,
@@ -31,7 +32,7 @@ impl<M: Machine> Rule<'_, M> {
         let mut nonneg = self.m.le(a.value.neg_lo, zero);
         match branch {
             Branch::Whole | Branch::Middle => {}
-            // In lanes where both occur, treat the lane as if only this branch did.
+            // In lanes where a has both signs, only this branch counts.
             Branch::Low => negative = self.not(nonneg),
             Branch::Rest | Branch::High => nonneg = self.not(negative),
         }
@@ -61,8 +62,8 @@ impl<M: Machine> Rule<'_, M> {
         own.and(self.m, &a.value.facts).with([neg_lo, hi])
     }
 
-    /// a where it is defined, else b. If a is defined in part of the box, their hull, or over a
-    /// branch only one of them.
+    /// a where it is defined, else b. If a is defined in only part of the box, the result is the
+    /// hull of a and b, or over a branch just one of them.
     pub(super) fn otherwise(
         &mut self,
         a: &Operand<M::V>,

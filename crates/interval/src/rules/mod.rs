@@ -115,8 +115,8 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// Encloses `op` and its twin over lanes of their operand. Returns `None` if they share no work
-/// there.
+/// Encloses `op` and its [twin](zeroset_ops::OpRow::twin) over lanes of their operand. Returns
+/// `None` if the two share no work over the operand's range.
 pub fn enclose_sincos<M: Machine>(
     m: &mut M,
     format: Format,
@@ -199,8 +199,8 @@ impl<M: Machine> Rule<'_, M> {
         self.m.unrounded(|m| m.sub(zero, a))
     }
 
-    /// Encloses by approximations whose stated errors include all rounding except the last of each
-    /// bound.
+    /// Runs `routine`, which encloses by approximations. Their stated errors include all rounding
+    /// except the last rounding of each bound.
     pub(crate) fn approximated<const N: usize>(
         &mut self,
         routine: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],

@@ -15,7 +15,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.with(self.square_nonneg([neg_mig, mag]))
     }
 
-    /// [−lo, hi] of the square of a number that is not negative, given its [−lo, hi].
+    /// [−lo, hi] of the square of a number ≥ 0, given [−lo, hi] of the number.
     fn square_nonneg(&mut self, [neg_lo, hi]: [M::V; 2]) -> [M::V; 2] {
         let lo = self.m.neg(neg_lo);
         [self.m.mul(neg_lo, lo), self.m.mul(hi, hi)]
@@ -114,7 +114,7 @@ impl<M: Machine> Rule<'_, M> {
     /// 1/aⁿ.
     fn reciprocal_power(&mut self, a: &Operand<M::V>, n: u32) -> Enclosure<M::V> {
         let value = self.integer_power(a, n);
-        // The range of the power is unknown here; it excludes 0 if that of the base does.
+        // The base decides where 1/aⁿ is defined, since the range of aⁿ is not computed here.
         let own = self.nonzero(a);
         let power = Operand::new(value, Interval::ENTIRE);
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
@@ -123,8 +123,8 @@ impl<M: Machine> Rule<'_, M> {
         value.facts.and(self.m, &own).with([quotient.neg_lo, quotient.hi])
     }
 
-    /// [−lo, hi] of the n-th power, n ≥ 1, of a number that is not negative, given its [−lo, hi].
-    /// No product is 0·∞: lower ends stay finite, and the powers of an upper end are all 0 or all
+    /// [−lo, hi] of the n-th power, n ≥ 1, of a number ≥ 0, given [−lo, hi] of the number. No
+    /// product is 0·∞: lower ends stay finite, and the powers of an upper end are all 0 or all
     /// positive.
     fn power_nonneg(&mut self, ends: [M::V; 2], n: u32) -> [M::V; 2] {
         let times = |rule: &mut Self, [neg_lo, hi]: [M::V; 2], other: [M::V; 2]| {
@@ -196,13 +196,14 @@ impl<M: Machine> Rule<'_, M> {
         (self.m.outward(neg_lo), self.m.outward(hi))
     }
 
-    /// As [`Self::real_power_ends`], without the last rounding; computed in `f64` for both formats.
+    /// Like [`Self::real_power_ends`], without the last rounding; computed in `f64` for both
+    /// formats.
     fn approximated_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
         // If the base reaches 0, the logarithm starts at the least positive number. The result is
         // corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);
         let bounded = a.range.hi < f64::INFINITY;
-        // From below the logarithm of the least `f32` to above that of the largest.
+        // Contains the logarithm of every positive `f32`.
         let ln_range = Interval { lo: -104.0, hi: if bounded { 89.0 } else { f64::INFINITY } };
         let base_hi = if self.format == Format::F64 && !bounded {
             let finite = self.number(f64::MAX); // corrected below
@@ -252,8 +253,8 @@ impl<M: Machine> Rule<'_, M> {
             let grows = self.m.and(from_zero, some_negative);
             let infinity = self.infinity();
             hi = self.m.select(grows, infinity, hi);
-            // The base is 0 alone. If 0^b is undefined, the bounds stay within those over larger
-            // boxes with positive bases.
+            // The base is 0 alone. If 0^b is undefined, the bounds stay within the bounds over
+            // larger boxes with positive bases.
             let no_positive = self.m.le(a.value.hi, zero);
             let only_zero = self.m.and(no_positive, some_positive);
             hi = self.m.select(only_zero, zero, hi);

@@ -7,8 +7,8 @@ use crate::enclosure::{Claims, Enclosure, Fact, Operand};
 use crate::machine::Machine;
 
 impl<M: Machine> Rule<'_, M> {
-    /// Bounds of an integer-valued function f over a branch; continuous where it takes one value
-    /// there. `opposite` is −f(−x), which maps −lo of the operand to −lo of the result.
+    /// Encloses an integer-valued function f over a branch. The result is continuous in lanes where
+    /// f takes one value. `opposite` is −f(−x), which maps −lo of the operand to −lo of the result.
     pub(super) fn steps(
         &mut self,
         a: &Operand<M::V>,
@@ -26,8 +26,8 @@ impl<M: Machine> Rule<'_, M> {
         Claims { continuous, ..a.value.facts }.with([neg_lo, hi])
     }
 
-    /// (−lo, hi) of the integers within bounds that belong to a branch. For a branch without
-    /// integers it is another integer within the bounds.
+    /// (−lo, hi) of the integers that belong to a branch, given the bounds over the whole box. If a
+    /// branch has no integer, the result is another integer within the bounds.
     fn branch_of_steps(&mut self, neg_lo: M::V, hi: M::V, branch: Branch) -> (M::V, M::V) {
         let (infinity, minus_one) = (self.infinity(), self.number(-1.0));
         let neg_hi = self.m.neg(hi);
@@ -83,7 +83,8 @@ impl<M: Machine> Rule<'_, M> {
         let mut neg_lo = self.m.add(a.value.neg_lo, floor.hi);
         let mut hi = self.m.sub(a.value.hi, floor.hi);
         if branch != Branch::Whole {
-            // Other parts of the box may lie in other cells.
+            // The operand's bounds cover the whole box, not only this branch, so limit the result
+            // to [0, 1].
             neg_lo = self.m.min(neg_lo, zero);
             hi = self.m.min(hi, one);
         }
@@ -102,7 +103,7 @@ impl<M: Machine> Rule<'_, M> {
         let entire = Interval::ENTIRE;
         let quotient = Operand::new(self.div(a, b), entire);
         let cells = Operand::new(self.floor(&quotient, branch), entire);
-        // The range of the cells is unbounded, so `mul` guards against 0·∞.
+        // Giving the multiple's factor an unbounded range makes `mul` guard against 0·∞.
         let multiple = Operand::new(self.mul(b, &cells), entire);
         let direct = self.add(a, &multiple.negated());
         // Where the quotient is finite, both the direct bounds and [min(0, b), max(0, b)] hold, so
@@ -112,8 +113,8 @@ impl<M: Machine> Rule<'_, M> {
         let within_hi = self.m.max(b.value.hi, zero);
         let neg_lo = self.m.min(direct.neg_lo, within_neg_lo);
         let hi = self.m.min(direct.hi, within_hi);
-        // A branch may have a cell only due to rounding, without any point, and a lane may be
-        // undefined. Later rules still rely on bounds that are in order and within those over
+        // Rounding may add a multiple to a branch that has no points, and a lane may be undefined
+        // everywhere. Later rules still need bounds that are in order and within the bounds over
         // larger boxes.
         let (least, most) = (self.m.neg(within_neg_lo), self.m.neg(within_hi));
         let neg_lo = self.m.max(neg_lo, most);

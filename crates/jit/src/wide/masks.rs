@@ -280,7 +280,7 @@ mod tests {
             chosen.chain(choose(ZMM4, ZMM0, [ZMM2, ZMM1]))
         };
         let code: Vec<_> = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(twice()).collect();
-        // The vector may be read after the block.
+        // The vector stays, since code after the block may read it.
         assert_eq!(left(code.clone()), [Vcmpps, Vpmovm2d, Vblendmps, Vblendmps]);
         let lost: Vec<_> = code.into_iter().chain([add(ZMM0, [ZMM3, ZMM4])]).collect();
         assert_eq!(left(lost.clone()), [Vcmpps, Vblendmps, Vblendmps, Vaddps]);

@@ -1,8 +1,8 @@
 //! The center of a function, read off its graph: the center of a quadric, the tip of a paraboloid,
 //! the offsets subtracted from x, y and z in roots and waves. It moves with the surface.
 //!
-//! Nothing here is a proof: the center only serves to choose a window. Knows neither kernels nor
-//! boxes.
+//! Nothing here is a proof: the center only serves to choose a window. This module depends neither
+//! on kernels nor on boxes.
 
 use super::REACH;
 use super::polynomial::{DirectionalSum, Polynomial};
@@ -10,21 +10,21 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// A node of a function, as far as it is a polynomial.
+/// The polynomial part of a node.
 #[derive(Default)]
 struct NodePolynomial {
     /// The polynomial. For a sum, only its polynomial terms.
     polynomial: Polynomial,
-    /// Whether the polynomial is the whole node.
+    /// Whether this polynomial equals the node.
     is_whole: bool,
 }
 
 /// Largest number of products of terms that are expanded in a function.
 const MOST_PRODUCTS: usize = 100_000;
 
-/// The center of the function at `root`, for parameters within bounds: the mean of the centers of
-/// the largest polynomials in it. Linear polynomials count only along directions that no others
-/// determine.
+/// The center of the function at `root`, for parameters within `parameters`: the mean of the
+/// centers of the largest polynomials in the function. Linear polynomials count only along
+/// directions that other polynomials leave undetermined.
 pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] {
     let needed = graph.reachable(&[root]);
     let mut work = MOST_PRODUCTS;

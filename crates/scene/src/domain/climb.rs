@@ -1,13 +1,13 @@
-//! The maxima and minima of a graph, found by climbing from points of its grid.
+//! The local maxima and minima ("tops") of a graph, found by climbing from points of its grid.
 //!
-//! All results are sampled, not proven. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. This module depends neither on surfaces nor on kernels.
 
 use super::heights::{AT_ONCE, Grid, Heights, ROUNDING, SIDE, places};
 
 /// A local maximum or minimum of a graph.
 #[derive(Clone, Copy, Debug)]
 pub struct Extremum {
-    /// The place on the ground.
+    /// The place in the plane of the graph's two independent variables.
     pub place: [f64; 2],
     /// Its height.
     pub height: f64,
@@ -15,20 +15,23 @@ pub struct Extremum {
     pub is_isolated: bool,
 }
 
-/// A top lower than this share of the highest one is not visible.
+/// Least distance of an extremum from the median height, as a share of the largest such distance.
+/// Extrema below it are not visible.
 const LEAST_HEIGHT: f64 = 0.02;
 
-/// Largest number of steps in the search for a top, and how often the step is halved.
+/// Largest number of steps in the climb to an extremum, and the number of times that the step is
+/// halved.
 const STEPS: usize = 24;
 const HALVINGS: usize = 5;
 
-/// Number of directions tried around a top, and how often the interval around the highest is
-/// quartered. A ridge falls by less than `RIDGE` of the steepest fall.
+/// Number of directions tried around an extremum, and the number of times that the interval around
+/// the best direction is quartered. On a ridge, the height falls along that direction by less than
+/// `RIDGE` of the steepest fall.
 const DIRECTIONS: usize = 32;
 const NARROWED: usize = 5;
 const RIDGE: f64 = 1e-3;
 
-/// All tops that are found near points of a grid, except on its border.
+/// All extrema near points of a grid, except on its border.
 pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Extremum> {
     let Some([low, high]) = grid.ends() else { return Vec::new() };
     let (places, apart) = (places(grid.half), grid.apart());
@@ -38,7 +41,7 @@ pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Extremum> {
         let found = climb(heights, places[n], start, sign, apart);
         tops.extend(found.filter(|top| (top.height - start).abs() <= (high - low) / 2.0));
     }
-    // Decaying waves have tops that are too low to be visible.
+    // Decaying waves have extrema that are too small to be visible.
     let [_, middle] = grid.quantiles(0.5);
     let size = |top: &Extremum| (top.height - middle).abs();
     let most = tops.iter().map(size).fold(0.0, f64::max);
@@ -68,7 +71,7 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     })
 }
 
-/// The top near a place. `None` if it is far away, as along a valley.
+/// The extremum near a place. `None` if the climb leads too far away, as along a valley.
 fn climb(
     heights: &Heights<'_>,
     start: [f64; 2],
@@ -105,8 +108,8 @@ fn climb(
     None
 }
 
-/// Returns whether the paraboloid through the heights around a place has its top nearby, too. In a
-/// bent valley it has not.
+/// Returns whether the paraboloid through the heights around a place also has its top nearby. In a
+/// bent valley it does not.
 fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> bool {
     let places: Vec<[f64; 2]> = (0..9)
         .map(|n: i32| [x + f64::from(n % 3 - 1) * step, y + f64::from(n / 3 - 1) * step])
@@ -118,13 +121,13 @@ fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> boo
     let bend = bend_x * bend_y - twist * twist;
     let way_x = (bend_y * slope_x - twist * slope_y) / bend * step;
     let way_y = (bend_x * slope_y - twist * slope_x) / bend * step;
-    // Without a paraboloid there is no valley.
+    // NaN means that there is no such paraboloid, so nothing indicates a valley.
     let way = way_x.abs().max(way_y.abs());
     way.is_nan() || way <= apart
 }
 
-/// Returns whether the height differs from its surroundings abruptly, as where rounding leaves a
-/// finite value at a pole.
+/// Returns whether the height differs abruptly from the heights around it. It does if rounding
+/// leaves a finite value at a pole.
 fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
     let falls = |far: f64| {
         let place = |n: i32| [x + f64::from(n % 3 - 1) * far, y + f64::from(n / 3 - 1) * far];
@@ -134,13 +137,13 @@ fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> 
     };
     let far = falls(apart).into_iter().fold(0.0, f64::max);
     let near = falls(apart * AT_ONCE);
-    // Along a line of poles the height may not differ.
+    // A quarter of the heights may be equal, as along a line of poles.
     let at_once = near.iter().filter(|fall| **fall > far / 2.0).count();
     at_once > 0 && 4 * at_once >= 3 * near.len()
 }
 
-/// Returns whether a top is higher than all places around it. On a ridge, some place on the square
-/// around the top is about as high.
+/// Returns whether an extremum is higher (or lower) than all places around it. On a ridge, some
+/// place on the square around it is about as high.
 fn is_isolated(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
     // `along` is the length along the square. Each side is 2 long.
     let on_square = |along: f64| {

@@ -1,9 +1,9 @@
 //! Critical points of a function on its surface or near it: nodes, and the middles of necks and
 //! handles.
 //!
-//! Newton's method starts from places spread about a center, so a surface that is moved has its
-//! critical points moved. A point counts if the sign changes nearby and intervals do not rule out a
-//! zero there. Others may be missed. Knows neither cameras nor pictures.
+//! Newton's method starts from places spread about a center, so the critical points of a surface
+//! move with it. A point counts if the sign changes nearby and intervals do not rule out a zero
+//! there. Some points may be missed. This module depends neither on cameras nor on pictures.
 
 use super::polynomial::{Coordinates, principal};
 use zeroset_eval::{Kernel, Sample};
@@ -47,7 +47,7 @@ const FARTHEST: f64 = 4.0;
 const STEPS: usize = 20;
 const CONVERGED: f64 = 1e-5;
 
-/// Distance between the values that derivatives are computed from, as a share of the half side.
+/// Step between the places whose values derivatives are computed from, as a share of the half side.
 /// First and second derivatives of polynomials then have half the digits of a value.
 const DIFFERENCE: f64 = 1e-3;
 
@@ -67,7 +67,7 @@ const CURVE_POINTS: usize = 8;
 const CLOSED: f64 = 0.75;
 
 /// The surface is near a critical point if it comes within this share of the point's distance from
-/// the center. The distance, half of it and a quarter are tried, the shortest first.
+/// the center. This radius, half of it and a quarter of it are tried, the shortest first.
 const NEAR: f64 = 0.5;
 const HALVINGS: i32 = 3;
 
@@ -208,9 +208,9 @@ impl CriticalSearch<'_> {
         };
     }
 
-    /// The distance of a critical point from the center. `None` if the surface is not near it. Also
-    /// `None` on the lines through the center along the axes, where the surface itself is searched
-    /// for.
+    /// The distance of a critical point from the center. `None` if the surface is not near the
+    /// point. Also `None` on the lines through the center along the axes, which are searched for
+    /// the surface itself.
     fn distance_if_near(&self, place: Coordinates) -> Option<f64> {
         let far = distance(place, self.centre);
         let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > MERGED * self.half;
@@ -233,7 +233,7 @@ impl CriticalSearch<'_> {
     }
 }
 
-/// The largest difference of a coordinate.
+/// The distance in the maximum norm.
 fn distance(a: Coordinates, b: Coordinates) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).abs()).fold(0.0, f64::max)
 }

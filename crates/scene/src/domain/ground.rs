@@ -1,17 +1,19 @@
-//! The part of the ground over which a graph has heights.
+//! The ground: the part of the plane of its two independent variables over which a graph has
+//! heights.
 //!
-//! All results are sampled, not proven. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. This module depends neither on surfaces nor on kernels.
 
 use super::heights::{Grid, Heights, SIDE, place};
 
-/// An end of the ground is cut off if more than this share of its side has no heights.
+/// An end of the window is cut off if the part without heights is wider than this share of the
+/// side.
 const BARE: f64 = 0.1;
 
 /// Number of halvings that locate an end between two rows of the grid.
 const HALVINGS: u32 = 10;
 
-/// Both ends of the ground along its two axes. `None` for an end that reaches the border of the
-/// grid, or nearly so.
+/// Both ends of the ground along its two axes. `None` for an end at the border of the grid, or
+/// within [`BARE`] of it.
 pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
     let place = |row: usize| place(grid.half, row);
     [0, 1].map(|axis| {
@@ -19,7 +21,7 @@ pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
             let n = if axis == 0 { row + k * SIDE } else { k + row * SIDE };
             grid.sampled[n].is_finite()
         };
-        // Isolated heights, as powers of some negative numbers have, are not ground.
+        // Isolated heights do not count, such as those of powers of negative numbers.
         let is_ground = |row: &usize| {
             let is_height = |k: usize| has_height(*row, k) && has_height(row + 1, k);
             (1..SIDE).any(|k| is_height(k - 1) && is_height(k))
@@ -34,7 +36,7 @@ pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
     })
 }
 
-/// The end of the ground between a row of the grid and the next row, which lies beyond it.
+/// The end of the ground between `row`, which has heights, and `beyond`, the next row outward.
 fn end(heights: &Heights<'_>, half: f64, axis: usize, [mut row, mut beyond]: [f64; 2]) -> f64 {
     for _ in 0..HALVINGS {
         let middle = row.midpoint(beyond);

@@ -1,8 +1,9 @@
-//! The heights of a graph over a window on the ground, and how much of them is shown.
+//! The heights of a graph over a window of its two independent variables, and the range of heights
+//! that is shown.
 //!
-//! All results are sampled, not proven. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. This module depends neither on surfaces nor on kernels.
 
-/// Returns the heights at places on the ground; NaN where undefined.
+/// Returns the heights at places in the plane of the two variables; NaN where undefined.
 pub type Heights<'a> = dyn Fn(&[[f64; 2]]) -> Vec<f64> + 'a;
 
 /// A graph sampled over a square around the origin.
@@ -20,34 +21,35 @@ pub struct Grid {
 /// Number of points in a row of the grid. The middle one is the origin.
 pub const SIDE: usize = 65;
 
-/// Largest ratio of height to width of a window. Tops and bottoms are shown up to the ratio
-/// `TALLEST`.
+/// Largest ratio of height to width of a window. If the window must be higher to show all maxima
+/// and minima, the limit is `TALLEST`.
 const TALL: f64 = 1.3;
 const TALLEST: f64 = 3.0;
 
-/// Share of the heights that is shown of a graph that rises and falls to the border, and of one
-/// that does only one of both.
+/// Upper quantile of the heights that are shown; the lower quantile is 1 minus it. `MOST` is for a
+/// graph that exceeds its maxima and also falls below its minima, `MOST_ONE_WAY` for a graph that
+/// does only one of these.
 const MOST: f64 = 0.95;
 const MOST_ONE_WAY: f64 = 0.785;
 
-/// Heights left out are shown too if they are within this share of the shown height. Beyond `POLE`
-/// times the shown height, they belong to a pole.
+/// The shown range is extended to the lowest or highest height if that is within this share of the
+/// range. Heights that are farther away than `POLE` times the range belong to a pole.
 const NEAR_SHARE: f64 = 0.15;
 const POLE: f64 = 4.0;
 
-/// The median is compared with the middle of the heights between these shares about it. The latter
+/// The median is compared with the middle between the quantiles 0.5 ± `NEARBY`. That middle
 /// replaces it if they differ by more than `GAP` of the shown height.
 const NEARBY: f64 = 0.05;
 const GAP: f64 = 0.02;
 
-/// A bowl is shown up to its rim if the rim is higher than this share of the shown height.
+/// A bowl is shown up to its rim if the rim is farther from the bottom than this share of the shown
+/// height.
 const RIM: f64 = 0.7;
 
 /// Space above and below a graph, as a share of its height.
 const SPACE: f64 = 0.02;
 
-/// Heights that differ by less than this share may be equal up to rounding, as where little is
-/// added to much.
+/// Heights that differ by less than this share of their size may be equal up to rounding.
 pub const ROUNDING: f64 = 1e-12;
 
 /// Share of the distance between two grid points within which a change counts as abrupt.
@@ -88,8 +90,8 @@ impl Grid {
         [self.sorted[left_out], self.sorted[last - left_out]]
     }
 
-    /// The median. Where that is at the edge of a gap, as between two branches, the middle of the
-    /// heights around it.
+    /// The median height. If the median is at the edge of a gap, as between two branches, the
+    /// middle of the heights around the gap.
     fn middle(&self, height: f64) -> f64 {
         let [median, _] = self.quantiles(0.5);
         let [below, above] = self.quantiles(0.5 - NEARBY);
@@ -103,7 +105,7 @@ impl Grid {
         self.sorted.first().zip(self.sorted.last()).map(|(lowest, highest)| [*lowest, *highest])
     }
 
-    /// Returns whether some heights are far below most others, and some far above, as at poles.
+    /// Returns whether some heights are far above most others, and some far below, as at poles.
     pub fn is_far_out(&self) -> bool {
         let [quarter, rest] = self.quantiles(0.25);
         let far = POLE * (rest - quarter);
@@ -111,8 +113,8 @@ impl Grid {
     }
 }
 
-/// The lowest and the highest height of a graph over one axis. Samples close to each row of the
-/// grid detect a pole on the row.
+/// The lowest and the highest height of a graph over one axis. Samples beside each row of the grid
+/// detect a pole on the row.
 pub fn ends_of_ridge(heights: &Heights<'_>, half: f64) -> [f64; 2] {
     let apart = 2.0 * half / (SIDE - 1) as f64;
     let near = [0.0, 1.0 / 32.0, -1.0 / 32.0, AT_ONCE, -AT_ONCE];
@@ -127,14 +129,14 @@ fn ends(heights: impl Iterator<Item = f64>) -> [f64; 2] {
     heights.fold(none, |[low, high], height| [low.min(height), high.max(height)])
 }
 
-/// The range of heights that is shown: all tops and bottoms, and a suitable part of the heights
-/// that rise or fall to the border. `None` if there are no heights.
+/// The range of heights that is shown: all maxima and minima in `tops`, and a suitable part of the
+/// heights that rise or fall to the border. `None` if there are no heights.
 pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
     let Grid { half, sorted, border, .. } = grid;
     let [lowest, highest] = grid.ends()?;
     let quantile = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
     let [bottom, top] = ends(tops.iter().copied());
-    // Whether no height is below the lowest bottom, and none above the highest top.
+    // Whether no height is below the lowest minimum, and whether none is above the highest maximum.
     let (from_below, from_above) = (bottom <= lowest, top >= highest);
     let [mut low, mut high] = match (from_below, from_above) {
         (true, true) => [bottom, top],
@@ -167,7 +169,7 @@ pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
                 (low, high) = (middle - most / 2.0, middle + most / 2.0);
             }
             (false, false) => {
-                // Near the middle of the heights, but not beyond their ends.
+                // A range around the middle of the heights, moved to lie within their extremes.
                 low = (grid.middle(most) - most / 2.0).min(highest - most).max(lowest);
                 high = low + most;
             }

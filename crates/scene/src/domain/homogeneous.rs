@@ -7,7 +7,7 @@
 //! that function has no zero in any chart, the surface has no point outside the box ±(Rᵃ, Rᵇ, Rᶜ).
 //! This is a proof, since its bounds are rounded outward.
 //!
-//! Knows neither kernels nor how results are used.
+//! This module depends neither on kernels nor on how results are used.
 
 use std::array::from_fn;
 use zeroset_interval::Interval;
@@ -49,12 +49,12 @@ pub struct Homogeneous {
     steps: Vec<Operation>,
 }
 
-/// Highest degree. Higher ones leave no room for numbers.
+/// Highest degree that is accepted, since high powers of w underflow.
 const HIGHEST: i32 = 64;
 
 impl Homogeneous {
-    /// The function at `root` for parameters within bounds. `None` if it has an operation that is
-    /// not a [`Operation`].
+    /// The function at `root` for parameters within bounds. `None` if one of its operations is no
+    /// [`Operation`].
     pub fn new(
         graph: &Graph,
         root: NodeId,

@@ -1,7 +1,7 @@
 //! Polynomials in x, y and z, and the center of one, which moves with the surface.
 //!
-//! Everything is computed in floats rounded to nearest; nothing is a proof. Knows neither kernels
-//! nor boxes.
+//! Everything is computed in floats rounded to nearest; nothing is a proof. This module depends
+//! neither on kernels nor on boxes.
 
 use std::collections::BTreeMap;
 
@@ -18,11 +18,12 @@ pub struct Polynomial(BTreeMap<[u32; 3], f64>);
 const MOST_TERMS: usize = 400;
 const HIGHEST: u32 = 24;
 
-/// A sum below this share of its summands is taken for rounding.
+/// A sum a + b counts as 0 if it is at most this share of |a| + |b|: then it is taken for a
+/// rounding error.
 const ROUNDING: f64 = 1e-14;
 
-/// A direction counts if the polynomial's change along it is more than this share of its whole
-/// change, both squared.
+/// A direction counts if the square of the polynomial's change along it is more than this share of
+/// the sum over all directions.
 const LEAST_CHANGE: f64 = 1e-20;
 
 impl Polynomial {
@@ -153,7 +154,7 @@ impl Polynomial {
             let wanted = [0, 1, 2].map(|axis| -changes[axis].coefficient_product(&lower));
             let least = LEAST_CHANGE * (gram[0][0] + gram[1][1] + gram[2][2]);
             for (size, along) in principal(within(free, gram)) {
-                // Rounding may give a direction that is already known again.
+                // Because of rounding, a direction that was already used may be found again.
                 if size > least && dot(times(free, along), along) > 0.5 {
                     let far = dot(along, wanted) / size;
                     place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
@@ -166,7 +167,7 @@ impl Polynomial {
     }
 }
 
-/// Coordinates along some directions, added over several polynomials.
+/// Coordinates of several polynomials' centers along some directions, added up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DirectionalSum {
     directions: Symmetric,
@@ -190,7 +191,8 @@ impl DirectionalSum {
         }
     }
 
-    /// The mean place. Along directions without coordinates it is that of `rest`, else 0.
+    /// The mean of the places that were added. Along directions without coordinates it is the mean
+    /// of `rest`, or else 0.
     pub fn mean(&self, rest: Option<&Self>) -> Coordinates {
         let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let mut place = [0.0; 3];
@@ -226,7 +228,7 @@ fn within(free: Symmetric, matrix: Symmetric) -> Symmetric {
     half.map(|row| times(free, row))
 }
 
-/// A projection without one of its directions.
+/// The projection `free` without the direction `along`.
 fn without(free: Symmetric, along: Coordinates) -> Symmetric {
     let gone = onto(along);
     [0, 1, 2].map(|axis| [0, 1, 2].map(|other| free[axis][other] - gone[axis][other]))

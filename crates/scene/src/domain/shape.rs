@@ -1,7 +1,8 @@
 //! Properties read off a function's graph: its periods, the axes that it does not depend on, and
 //! whether its zero set is a graph over two axes.
 //!
-//! Nothing here is a proof: it only serves to choose a window. Knows neither kernels nor boxes.
+//! Nothing here is a proof: the properties only serve to choose a window. This module depends
+//! neither on kernels nor on boxes.
 
 use std::f64::consts::TAU;
 use zeroset_interval::Interval;
@@ -28,8 +29,8 @@ pub struct GraphShape {
     /// The axis for which it can be solved, and that axis's coefficient. The function is the
     /// coefficient times the axis, plus a function of both other axes.
     pub height: Option<(usize, f64)>,
-    /// The same if only one other axis counts: the axis solved for, the other one, and the
-    /// coefficient. `None` for polynomials, whose features are found in another way.
+    /// For a function of two axes: the axis for which it can be solved, the other axis, and the
+    /// coefficient of the first. `None` for polynomials, whose features are found in another way.
     pub profile: Option<(usize, usize, f64)>,
     /// Whether it consists of sums, products and whole powers.
     pub is_polynomial: bool,
@@ -93,7 +94,7 @@ impl GraphShape {
         (shape.depends, shape.is_polynomial) = (found.depends, found.is_polynomial);
         shape.is_plane = found.linear.is_some();
         shape.is_of_planes = found.is_of_planes;
-        // Graphs over the xy-plane come first.
+        // Graphs over the xy-plane are preferred.
         let solved = |axis: usize| found.solved[axis].filter(|factor| *factor != 0.0);
         let heights = || [2, 1, 0].into_iter().filter_map(|up| Some((up, solved(up)?)));
         if found.depends == [true; 3] {
@@ -183,7 +184,7 @@ fn combined(op: Op, operands: &[NodeShape]) -> NodeShape {
         let scaled = |part: Option<f64>| part.map(|part| factor * part);
         (each(&|axis| scaled(part(k, axis))), operands[k].solved.map(scaled))
     } else {
-        // The coefficient is 0 where nothing depends on the axis.
+        // The coefficient is 0 if the operation does not depend on the axis.
         (None, depends.map(|depends| (!depends).then_some(0.0)))
     };
     let is_built = if op == Op::Pow {

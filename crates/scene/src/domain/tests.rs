@@ -122,7 +122,7 @@ fn a_window_on_what_dies_away_shows_what_is_seen_of_it() {
     for (text, half) in [
         ("z=exp(-x^2-y^2) sin(5x)", 1.5..4.0),
         ("z=exp(-x^2) cos(7x)", 1.5..4.0),
-        // The same along ridges as long as the window.
+        // Waves that decay along one axis are ridges as long as the window.
         ("z=sinc(x)", 8.0..20.0),
         ("y=sin(x)/x", 8.0..20.0),
         ("x=3+exp(-z^2)", 1.0..4.0),
@@ -291,7 +291,7 @@ fn a_graph_with_poles_up_and_down_is_seen_from_its_middle() {
         ("z=1/(x^2-y^2)", 0.0, 2.0),
         ("z=1/(x+y)", 0.0, 2.0),
         ("z=x*y/(x-y)", 0.0, 2.0),
-        // As wide as high, whatever the factor.
+        // The window is as wide as high, whatever the factor.
         ("z=100/(x*y)", 0.0, 8.0),
         ("z=0.01/(x*y)", 0.0, 0.5),
         ("z=100/x", 0.0, 16.0),
@@ -322,7 +322,7 @@ fn a_ridge_that_goes_on_has_no_place() {
         ("z=x^2*y/100", 16.0),
         ("z=50*abs(x*y)", 0.25),
         ("z=floor(x)/3+0*y", 2.0),
-        // But a ridge that ends has a place.
+        // A ridge that ends does determine a window.
         ("z=abs(x^2+y^2-25)", 8.0),
         ("z=max(abs(x),abs(y)-3)", 4.8),
     ] {

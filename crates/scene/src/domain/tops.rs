@@ -1,40 +1,41 @@
-//! The size of a window on a graph over the ground, from its highest and lowest points.
+//! The size of a window on a graph over two axes, from its local maxima and minima ("tops").
 //!
-//! All results are sampled, not proven. Knows neither surfaces nor kernels.
+//! All results are sampled, not proven. This module depends neither on surfaces nor on kernels.
 
 use super::DEFAULT_HALF;
 use super::climb::{self, Extremum};
 use super::heights::{Grid, Heights};
 
-/// Ratio of a window's extent to that of the tops in it.
+/// Ratio of a window's extent to that of the extrema in it.
 const MARGIN_OF_GRAPH: f64 = 1.6;
 
-/// Largest number of tops that are all shown. If there are more, the window is about `TOPS_ACROSS`
-/// of them wide.
+/// Largest number of isolated extrema that are all shown. If there are more, the window is about
+/// `TOPS_ACROSS` of them wide.
 const MOST_TOPS: usize = 24;
 const TOPS_ACROSS: f64 = 10.0;
 
-/// Distance from the center up to which tops are searched for, and the distance if that finds
-/// nothing.
+/// Half the side of the square in which extrema are searched for, and of a second square if the
+/// first has none.
 const FAR: f64 = 8.0;
 const FARTHER: f64 = 32.0;
 
-/// A ridge or a plateau ends if it lies within this share of the square that is searched.
+/// A ridge or a plateau counts as ending if the extrema on it lie within this share of the square.
 const ENDS: f64 = 0.75;
 
-/// Other window sizes differ from the plain one by powers of two, up to this exponent.
+/// Window sizes other than the default are the default times a power of two, with an exponent of at
+/// most this magnitude.
 const SCALES: i32 = 5;
 
-/// Least and greatest ratio to the width of a window of the range that holds half of a graph's
-/// heights. Outside these, the graph looks flat or steep.
+/// Least and greatest ratio of the extent of the middle half of a graph's heights to the width of
+/// the window. Below it a graph looks flat, above it steep.
 const LOW: f64 = 0.075;
 const HIGH: f64 = 3.0;
 
-/// Toward a pole, heights grow at least by this factor when the window is halved.
+/// Toward a pole, the extent of the middle half of all heights grows by at least this factor when
+/// the window is halved.
 const GROWS: f64 = 1.2;
 
-/// Half the side of a window on the highest and lowest points of a graph, or on some of them if
-/// there are many.
+/// Half the side of a window on the extrema of a graph, or on some of them if there are many.
 pub fn around_tops(heights: &Heights<'_>) -> f64 {
     let near = Tops::find(heights, FAR);
     let all = if near.half.is_some() { near } else { Tops::find(heights, FARTHER) };
@@ -46,18 +47,18 @@ pub fn around_tops(heights: &Heights<'_>) -> f64 {
     }
 }
 
-/// The tops of a graph in a square.
+/// The extrema of a graph in a square.
 #[derive(Clone, Copy)]
 struct Tops {
-    /// Half the side of a window on the tops, if there are any.
+    /// Half the side of a window on the extrema, if there are any.
     half: Option<f64>,
-    /// Whether there is a ridge or a plateau that does not end, as along an axis where a factor is
-    /// 0. It gives a window no place.
+    /// Whether a ridge or a plateau reaches the edge of the square, as that of x²y along x = 0. It
+    /// does not determine a window.
     goes_on: bool,
 }
 
 impl Tops {
-    /// Finds the tops up to `far` from the center along each axis.
+    /// Finds the extrema up to `far` from the center along each axis.
     fn find(heights: &Heights<'_>, far: f64) -> Self {
         let tops = climb::tops(heights, &Grid::new(heights, far)).into_iter();
         let (alone, others): (Vec<Extremum>, Vec<Extremum>) = tops.partition(|top| top.is_isolated);
@@ -78,8 +79,8 @@ impl Tops {
     }
 }
 
-/// Returns whether the heights seem to have poles: some are far up and some far down, more so in a
-/// smaller window.
+/// Returns whether the heights seem to have poles: some are far above and some far below most
+/// others, and they spread further in a smaller window.
 fn has_poles(heights: &Heights<'_>) -> bool {
     let [plain, inner] = [DEFAULT_HALF, DEFAULT_HALF / 2.0].map(|half| Grid::new(heights, half));
     plain.is_far_out() && spread(&inner) > GROWS * spread(&plain)
@@ -91,8 +92,8 @@ fn spread(grid: &Grid) -> f64 {
     high - low
 }
 
-/// Half the side of a window in which a graph is about as high as wide, the nearest to the plain
-/// one. `grows_inward`: whether heights grow when the window shrinks.
+/// Half the side of a window in which a graph is about as high as wide: of several sizes, the
+/// nearest to the default. `grows_inward`: whether heights grow when the window shrinks.
 fn in_scale(heights: &Heights<'_>, grows_inward: bool) -> f64 {
     let share = |half: f64| spread(&Grid::new(heights, half)) / (2.0 * half);
     let plain = share(DEFAULT_HALF);

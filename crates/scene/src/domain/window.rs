@@ -2,7 +2,8 @@
 //! lines through the center along the axes, its distance from the center, its critical points, its
 //! periods, the heights of a graph.
 //!
-//! The choice is a heuristic; nothing here is a proof. Knows neither cameras nor pictures.
+//! The choice is a heuristic; nothing here is a proof. This module depends neither on cameras nor
+//! on pictures.
 
 use super::FLAT;
 use super::climb;
@@ -20,38 +21,42 @@ use zeroset_space::{Cell, CellSearch};
 const MARGIN: f64 = 2.5;
 const MARGIN_OF_PLANE: f64 = 1.3;
 
-/// The same ratio for critical points that are not on the lines through the center. It is at least
-/// this, since the surface near them goes on.
+/// Least ratio of a window's extent to that of the critical points that are not on the lines
+/// through the center. The surface continues beyond them.
 const MARGIN_OF_CRITICAL: f64 = 1.45;
 
-/// A window is centered on the origin along an axis if its center is nearer to it than this share
-/// of the half side. Other centers are rounded to `GRAIN` of the half side.
+/// A coordinate of a window's center becomes 0 if it is at most this share of the half side. Other
+/// coordinates are rounded to `GRAIN` of the half side.
 const CENTRED: f64 = 0.05;
 const GRAIN: f64 = 0.01;
 
-/// The ends of a graph's ground are rounded to this share of the half side.
+/// Where a graph's heights end within the window, the window's side is rounded to this share of the
+/// half side.
 const GRAIN_OF_GROUND: f64 = 1e-3;
 
-/// Accuracy of a center, relative to its largest coordinate. A place nearer to the center than that
-/// counts as the center.
+/// Accuracy of a center, relative to its largest coordinate. A place within this accuracy counts as
+/// the center.
 const KNOWN: f64 = 1e-9;
 
-/// Conditions for a ball: all sides are at least this share of the longest, and opposite faces
-/// differ in distance from the center by at most `OFF_CENTRE` of it.
+/// Conditions for a ball. All sides are at least this share of the longest. The distances of
+/// opposite faces from the center differ by at most `OFF_CENTRE` of the longest side.
 const NEARLY_CUBE: f64 = 0.8;
 const OFF_CENTRE: f64 = 0.1;
 
-/// An empty window is doubled less often than this.
+/// Number of window sizes that are tried as long as the window is empty. Each is twice the one
+/// before.
 const DOUBLINGS: i32 = 6;
 
-/// Relative accuracy to which a place on an axis is known before the search.
+/// Relative accuracy of the first estimate of where a plane crosses an axis.
 const NEAR: f64 = 0.01;
 
-/// Length of a surface that does not change along an axis, in multiples of its width.
+/// Length of the window along an axis on which the function does not depend, in multiples of its
+/// width.
 const ROD: f64 = 1.6;
 
-/// Exponents of two of the smallest and the largest distance that are searched. `LARGEST_OF_ANY` is
-/// for functions that are not polynomials and may grow exponentially.
+/// Exponents, to base 2, of the smallest and the largest distance that are searched.
+/// `LARGEST_OF_ANY` replaces `LARGEST` for functions that are not polynomials and may grow
+/// exponentially.
 const SMALLEST: i32 = -40;
 const LARGEST: i32 = 41;
 const LARGEST_OF_ANY: i32 = 5;
@@ -64,7 +69,7 @@ pub struct WindowChooser<'a> {
     pub values: &'a dyn Kernel<Sample, f64>,
     /// The center of the function.
     pub centre: [f64; 3],
-    /// The arguments of its waves that are not linear.
+    /// The nonlinear arguments of its sines, cosines and tangents.
     pub waves: Vec<&'a Wave<'a>>,
 }
 
@@ -75,12 +80,13 @@ impl WindowChooser<'_> {
         let GraphShape { depends, period, is_plane, .. } = self.shape;
         let counts = |axis: usize| depends[axis] && period[axis].is_none() && !is_plane;
         self.centre = [0, 1, 2].map(|axis| if counts(axis) { self.centre[axis] } else { 0.0 });
-        // A center that is off by rounding would make lines meet surfaces that they are parallel
-        // to.
+        // A rounding error in the center would make lines through it meet surfaces that they are
+        // parallel to.
         let known = self.known();
         self.centre = self.centre.map(|along| super::rounded(along, known));
         let half = self.half();
-        // The size does not depend on where the surface lies, so the center can be rounded by it.
+        // The size does not depend on where the surface lies, so rounding to a share of it is
+        // possible.
         self.centre = self.centre.map(|along| {
             if along.abs() <= CENTRED * half { 0.0 } else { super::rounded(along, GRAIN * half) }
         });
@@ -88,7 +94,7 @@ impl WindowChooser<'_> {
         (cell, self.is_round(&cell))
     }
 
-    /// Returns whether the surface goes on alike in all directions, so that edges made by the box
+    /// Returns whether the surface continues alike in all directions, so that edges cut by a box
     /// would look like its own. Planes, periodic surfaces and graphs over two axes look better in
     /// the box.
     fn is_round(&self, cell: &Cell) -> bool {
@@ -144,7 +150,7 @@ impl WindowChooser<'_> {
             return self.graph(up, factor, half);
         }
         if is_plane && depends.iter().filter(|depends| **depends).count() == 1 {
-            // A plane across an axis: around its intersection with the axis.
+            // A plane across one axis: the window is around its intersection with that axis.
             let mut window = Cell::cube(DEFAULT_HALF);
             let axis = depends.iter().position(|depends| *depends).unwrap_or_default();
             let marks = self.landmarks();
@@ -170,8 +176,8 @@ impl WindowChooser<'_> {
         }
     }
 
-    /// Cuts off parts of the window that have no height of a function of one axis, but which
-    /// intervals cannot exclude, as where 0 is divided by 0.
+    /// Cuts off parts of the window in which a graph over one axis has no heights. Intervals may
+    /// not exclude these parts, as where 0 is divided by 0.
     fn trimmed(&self, mut window: Cell, profile: (usize, usize, f64), half: f64) -> Cell {
         let up = profile.0;
         let heights = |places: &[[f64; 2]]| self.ridge(profile, places);
@@ -208,8 +214,8 @@ impl WindowChooser<'_> {
             .fold(CriticalDistances::default(), CriticalDistances::and)
     }
 
-    /// The part of a window that may hold the surface; `None` if it is empty. Along an axis on
-    /// which nothing changes, its length is chosen to fit the rest.
+    /// The part of a window that may hold the surface; `None` if the window is empty. Along an axis
+    /// on which the function does not depend, the length is chosen to fit the rest.
     fn pruned(&self, window: Cell) -> Option<Cell> {
         let hull = self.search.tight(window, BOX_DEPTH)?;
         let GraphShape { depends, .. } = self.shape;
@@ -218,7 +224,7 @@ impl WindowChooser<'_> {
         let mut hull = super::with_margin(&hull);
         for (axis, depends) in depends.into_iter().enumerate() {
             if !depends {
-                // A line is as long as the window.
+                // A line through the whole window.
                 let is_line = widest < FLAT * window.high[axis];
                 let most = window.high[axis];
                 let half = if is_line { most } else { most.min(ROD * widest) };
@@ -230,8 +236,8 @@ impl WindowChooser<'_> {
         Some(super::thickened(hull, FLAT))
     }
 
-    /// The heights of a graph over two axes, at places on the ground relative to the center.
-    /// `factor` times the height is minus the function at height 0.
+    /// The heights of a graph over two axes, at places relative to the center. The function is
+    /// `factor` times the coordinate `up`, plus a function of the place.
     fn heights(&self, up: usize, factor: f64, places: &[[f64; 2]]) -> Vec<f64> {
         let point = |place: &[f64; 2]| {
             let mut point = self.centre;
@@ -244,8 +250,8 @@ impl WindowChooser<'_> {
         values.map(|value| self.centre[up] - value / factor).collect()
     }
 
-    /// The heights of a graph over one axis. They are NaN except at places in the middle of the
-    /// ridge, which is as long as the window.
+    /// The heights of a graph over the axis `along`, seen as a ridge over two axes. NaN except at
+    /// places in the middle of the ridge, which is as long as the window.
     fn ridge(&self, (up, along, factor): (usize, usize, f64), places: &[[f64; 2]]) -> Vec<f64> {
         let across = usize::from((up + 1) % 3 == along);
         let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
@@ -255,7 +261,7 @@ impl WindowChooser<'_> {
         places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
     }
 
-    /// The window on a graph over two axes, with this half side on the ground.
+    /// The window on a graph over two axes, with this half side along both.
     fn graph(&self, up: usize, factor: f64, half: f64) -> Cell {
         let mut window = super::cube_about(self.centre, half);
         let heights = |places: &[[f64; 2]]| self.heights(up, factor, places);
@@ -301,8 +307,8 @@ impl WindowChooser<'_> {
         KNOWN * self.centre.iter().fold(0.0_f64, |most, along| most.max(along.abs()))
     }
 
-    /// Distances from the center at which the surface may meet half a line along an axis, as far as
-    /// they can be narrowed down.
+    /// Distances from the center at which the surface may meet the half line on one `side` of an
+    /// axis. Distances that cannot be narrowed down are left out.
     fn meets(&self, axis: usize, side: f64, largest: i32) -> Vec<f64> {
         let known = self.known();
         let stretch = |from: f64, to: f64| {
@@ -354,7 +360,7 @@ impl WindowChooser<'_> {
         Some(open.iter().map(|cell| (cell.centre()[axis] - self.centre[axis]).abs()).collect())
     }
 
-    /// The approximate distance of the surface from the center, in the largest coordinate; 0 if the
+    /// The approximate distance of the surface from the center, in the maximum norm; 0 if the
     /// surface comes arbitrarily near.
     fn nearest(&self, largest: i32) -> f64 {
         let known = self.known();
@@ -371,12 +377,13 @@ impl WindowChooser<'_> {
     }
 }
 
-/// Half an axis is searched octave by octave, each halved this often. If more than `MOST_PLACES`
-/// parts of one may meet the surface, it lies along the axis, or intervals cannot decide.
+/// Number of times that each octave of distances along an axis is halved. If more than
+/// `MOST_PLACES` parts of an octave may meet the surface, it lies along the axis, or intervals
+/// cannot decide.
 const HALVINGS: usize = 9;
 const MOST_PLACES: usize = 16;
 
-/// More octaves than this at the far end that cannot be narrowed down are due to rounding.
+/// If more octaves than this cannot be narrowed down at the far end, rounding is the cause.
 const FEW_OCTAVES: usize = 2;
 
 /// A length rounded to three digits.

@@ -11,8 +11,9 @@ use zeroset_trace::Status;
 use zeroset_trace::painted::{Window, bits};
 use zeroset_trace::{RayDirections, RayGrid};
 
-/// Number of windows that are processed together, step by step. A kernel sets the rounding mode,
-/// which waits for all arithmetic before it, and its output is slow to read right away.
+/// Number of windows that each step processes together. This avoids two delays: a kernel sets the
+/// rounding mode, which waits for all arithmetic before it, and reading its output right away is
+/// slow.
 const TOGETHER: usize = 8;
 
 impl<T: Real> NormalSource<'_, T> {
@@ -46,7 +47,7 @@ impl<T: Real> NormalSource<'_, T> {
     }
 }
 
-/// Some rows whose normals are computed.
+/// The computation of the normals of some rows.
 struct BandGradients<'a, 'c, 'n, T: Real> {
     kernel: &'a dyn Kernel<SampleGradient, T>,
     rays: &'a RayGrid,
@@ -111,8 +112,8 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         bits(|lane| cap[lane])
     }
 
-    /// Stores the normals of the lanes `found`, which are some of the lanes `open`. Paints the
-    /// window on the canvas if all were found.
+    /// Stores the normals of the lanes in `found`; `open` are the lanes that need one. Paints the
+    /// window on the canvas if all normals were found.
     #[inline(always)]
     fn finish<S: Simd>(
         &mut self,
@@ -123,7 +124,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         found: u32,
     ) {
         let is_faced = found == window.wanted;
-        // Normals of a window that is painted at once are not needed later.
+        // Normals of a window that is painted right away are not needed later.
         if open != 0 && (self.normals.is_kept() || !is_faced) {
             store(&faced.1, Window { wanted: found, ..window }, self.normals.all());
         }
@@ -154,7 +155,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         let mut distances = window.load(self.seen.columns.drawn, &mut spare.1);
         let moved;
         let is_open = |status: &Status| u8::from(*status == Status::Undecided);
-        // Tests all lanes at once.
+        // This tests all lanes at once.
         if status.iter().map(is_open).max() == Some(1) {
             moved = before(self.rays, status, *distances);
             distances = &moved;
@@ -177,8 +178,8 @@ fn write<F: Real, T: Real>(at: &[Lanes<F>; 3], points: &mut Points<T>) {
     }
 }
 
-/// Moves undecided points half a pixel toward the eye. At most of them f touches 0, where the
-/// gradient is only rounding. A little before the point it is not.
+/// Moves undecided points half a pixel toward the eye. At most of these points f touches 0, so that
+/// the gradient there is only rounding error. A little before them it is larger.
 fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES]) -> [f64; LANES] {
     for (distance, status) in distances.iter_mut().zip(status) {
         if *status == Status::Undecided {
@@ -188,8 +189,8 @@ fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES])
     distances
 }
 
-/// The vectors at length 1, and the lanes in which they are valid. A lane is not valid if its
-/// vector has no direction, or its largest component is near the ends of the range of `f32`.
+/// The vectors scaled to length 1, and the lanes in which they are valid. A lane is not valid if
+/// its vector has no direction, or its largest component is near the ends of the range of `f32`.
 #[inline(always)]
 fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3], u32) {
     /// The exponent bits of a float.

@@ -51,8 +51,9 @@ const KNEE: f32 = 0.7;
 /// Amount that becomes full light, in units of the distance from the knee to 1.
 const WHITE: f32 = 2.0;
 
-/// The 40th power of a cosine, which makes the highlight small. The cosine's square is `above` /
-/// `below`. 0 in lanes where it is too faint to be visible; `None` if that is every lane.
+/// The 40th power of a cosine, which makes a highlight small. The cosine's square is `above` /
+/// `below`. The power is 0 in lanes where it is too small to be visible; `None` if it is in all
+/// lanes.
 #[inline(always)]
 pub fn highlight_power<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
     /// Square of the cosine at which the power is 1e-6.

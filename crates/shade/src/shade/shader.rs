@@ -90,7 +90,7 @@ impl ColoredRows<'_> {
         );
     }
 
-    /// Paints windows whose normals are in `seen`.
+    /// Paints windows whose normals are in the G-buffer `seen`.
     pub(super) fn windows(&mut self, seen: &ShadingInput<'_>, windows: &[Window]) {
         let Self { shader, bytes, .. } = self;
         dispatch!(shader.level, simd => {
@@ -112,14 +112,14 @@ pub(crate) struct ShadingInput<'a> {
 /// Unit vectors of a window's pixels: directions to the eye, then normals.
 pub(crate) type ViewAndNormals<S> = ([f32x16<S>; 3], [f32x16<S>; 3]);
 
-/// Quantities of a window's pixels that most windows do not have.
+/// Quantities of a window's pixels that have their default values in most windows.
 struct RareQuantities {
     /// Share of the light that is hidden; 255 means that all is hidden.
     shadow: Lanes<u8>,
     occlusion: Lanes<u8>,
     /// Lanes on a face that cuts a solid open, as bits.
     cuts: u32,
-    /// [`Paint`], by primary.
+    /// [`Paint::base`], by primary.
     base: [Lanes<f32>; 3],
     ink: Lanes<f32>,
     /// Factor of the light of undecided pixels, and share of the tint.
@@ -187,7 +187,8 @@ impl CameraLights {
 }
 
 impl Shader<'_> {
-    /// Writes the bytes of a window's pixels. Without `faced`, the normals are those in `seen`.
+    /// Writes the bytes of a window's pixels. `faced` has their normals and the directions to the
+    /// eye; without it, the normals are read from `seen`.
     #[inline(always)]
     fn paint<S: Simd>(
         &self,
@@ -218,14 +219,15 @@ impl Shader<'_> {
         };
         let mut surface = [seen.columns.surface.all; LANES];
         let surface = window.load(seen.columns.surface.each, &mut surface);
-        // One surface after another: most windows have one.
+        // Surfaces are painted one after another. Most windows have only one.
         while window.wanted != 0 {
             let first = window.wanted.trailing_zeros() as usize % LANES;
             let differ = surface.iter().fold(0, |any, number| any | (number ^ surface[first]));
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            // The loop mostly runs once. Computing this before it takes longer.
+            // This is computed in the loop, which mostly runs once: to compute it before the loop
+            // takes longer.
             let own = RareQuantities::of(seen, window, marks);
             let amounts = match &own {
                 None => {
@@ -239,7 +241,7 @@ impl Shader<'_> {
         }
     }
 
-    /// The marks of undecided pixels: factor of their own light, and share of the tint.
+    /// How undecided pixels are marked: the factor of their own light, and the share of the tint.
     fn marks(&self, undecided: Window) -> [Lanes<f32>; 2] {
         let [mut left, mut tint] = [1.0, 0.0].map(Lanes::splat);
         let diagonal = undecided.column + undecided.row + self.rays.corner.iter().sum::<usize>();
@@ -254,7 +256,7 @@ impl Shader<'_> {
     }
 
     /// The light that a window's pixels send to the eye, by primary, clamped to the range of the
-    /// codes. It is compiled in two versions, since most windows have nothing `OWN`.
+    /// table. It is compiled in two versions, since most windows have no `own` quantities.
     #[inline(always)]
     fn light<S: Simd, const OWN: bool>(
         &self,
@@ -272,7 +274,8 @@ impl Shader<'_> {
             #[inline(always)]
             || rays.points(simd, window, window.load(seen.columns.drawn, &mut [0.0; LANES])),
         );
-        // No closure gets vectors: it would be compiled separately, with narrower ones.
+        // Vectors are not passed to closures, which would be compiled separately, for narrower
+        // vectors.
         let one = f32x16::splat(simd, 1.0);
         let (eye, normal) = if let Some(faced) = faced {
             faced
@@ -281,15 +284,16 @@ impl Shader<'_> {
             (rays.ways(simd, window).to_eye, normal)
         };
         let facing = dot(normal, eye);
-        // The visible side is lit.
+        // The visible side is the one that is lit.
         let side = one.copysign(facing);
         let (mut lit, mut open) = (one, one);
         if OWN {
             (lit, open) = (left(simd, &own.shadow), left(simd, &own.occlusion));
         }
         let direct = lit * (side * dot(normal, light)).max(0.0);
-        // The square of the cosine between the normal and the halfway vector, as a quotient. For
-        // light from straight behind the halfway vector is zero, and so is the highlight.
+        // The square of the cosine between the normal and the halfway vector, as a quotient. If the
+        // light is straight behind the surface, the halfway vector is zero, and so is the
+        // highlight.
         let halfway = [light[0] + eye[0], light[1] + eye[1], light[2] + eye[2]];
         let cosine = (side * dot(normal, halfway)).max(0.0);
         let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);

@@ -15,15 +15,15 @@ pub struct Ball {
 /// The part of a ray in a ball, as values of t, which may be negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
-    /// All points of the ray in the ball have t within these.
+    /// Values of t between which all points of the ray in the ball lie.
     pub outer: [f64; 2],
-    /// All points with t within these are in the ball. Not in order if no such points are known.
+    /// Values of t between which all points are in the ball. Not in order if no such points are
+    /// known.
     pub inner: [f64; 2],
 }
 
 impl Ball {
-    /// The unit normal at `point`, out of the ball, of the sphere about the ball's center through
-    /// that point.
+    /// The outward unit normal at `point` of the sphere through that point about the ball's center.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         (point - self.centre).normalize_or_zero()
     }
@@ -31,7 +31,8 @@ impl Ball {
     /// Returns whether all points of the box from `low` to `high` certainly lie in the ball.
     pub fn holds(&self, low: DVec3, high: DVec3) -> bool {
         let farthest = (low - self.centre).abs().max((high - self.centre).abs());
-        // Room for a dozen roundings, relative to the corners where they are subtracted.
+        // The slack covers a dozen roundings. It is relative to the corners' coordinates, where
+        // they are subtracted.
         let size = farthest + low.abs().max(high.abs()) * f64::EPSILON;
         size.length() * (1.0 + 16.0 * f64::EPSILON) <= self.radius
     }
@@ -45,22 +46,22 @@ impl Ball {
         };
         let direction = ray.direction;
         let square = direction.length_squared();
-        // Measured from the float next to the nearest point, so that little cancels however far
-        // away the eye is.
+        // Distances along the ray are measured from `nearest`, the float next to the point nearest
+        // to the center. So little cancels, however far away the eye is.
         let way = self.centre - ray.origin;
         let nearest = way.dot(direction) / square;
         let offset = way - nearest * direction;
         let speed = square.sqrt();
         let size = offset.length();
-        // Error of the offset: one rounding for each coordinate's difference, product and
-        // difference.
+        // Error of the offset: for each coordinate, one rounding each for the difference, the
+        // product and the second difference.
         let error =
             4.0 * f64::EPSILON * (way.length() + nearest.abs() * speed) + f64::MIN_POSITIVE.sqrt();
-        // The middle of the chord, measured from `nearest`. The offset is perpendicular to the ray
-        // up to rounding.
+        // The middle of the chord, measured from `nearest`. It is 0 up to rounding, since the
+        // offset is perpendicular to the ray.
         let middle = offset.dot(direction) / square;
         let half = |radius: f64, outward: f64| {
-            // Room for the roundings of two squares and of the middle's contribution.
+            // The slack covers the roundings of two squares and of the term with `middle`.
             let slack = outward * 16.0 * f64::EPSILON * (radius * radius + size * size);
             let room = radius * radius - size * size + middle * middle * square + slack;
             (room >= 0.0).then(|| room.sqrt() / speed)

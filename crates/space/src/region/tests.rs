@@ -88,7 +88,7 @@ fn a_ball_cuts_corners() {
     // Through a corner of the cube, and past the ball by 1e-12.
     assert_eq!(region.span(&ray([-3.0, 0.9, 0.9], [1.0, 0.0, 0.0])), None);
     assert_eq!(region.span(&ray([-3.0, 1.0 + 1e-12, 0.0], [1.0, 0.0, 0.0])), None);
-    // A tangent is kept, but no point of it is certainly in the ball.
+    // A tangent meets the region's bounds, but no point of it is certainly in the ball.
     let tangent = ray([-3.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
     assert!(region.span(&tangent).is_some_and(|(near, far)| near <= 3.0 && far >= 3.0));
     let [first, last] = region.inner(&tangent);

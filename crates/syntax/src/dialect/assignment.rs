@@ -1,4 +1,5 @@
-//! Assignments of programs. Each defines a new name that later uses of the variable refer to.
+//! Turns assignments of programs into definitions. A repeated assignment defines a new name, to
+//! which later uses of the variable refer.
 
 use crate::dialect::known_numbers::{number_expr, number_of};
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -12,11 +13,11 @@ use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::Name;
 
-/// Largest number of variables of a function.
+/// Largest number of declarations and assignments in one function, or outside functions.
 const MAX_NAMES: usize = 1500;
 
 impl ProgramReader<'_> {
-    /// Reads the declaration `float a = 1., b = 2.` without its types.
+    /// Reads a declaration such as `float a = 1., b = 2.`. `tokens` begin after its types.
     pub(crate) fn declarations(
         &mut self,
         tokens: &[Token],
@@ -76,7 +77,7 @@ impl ProgramReader<'_> {
         self.assign_within(name, size, value, None, &within, frame)
     }
 
-    /// Reads the assignment `name = value`; names in the value have their meanings in `within`.
+    /// Reads the assignment `name = value`. Variables in `value` are looked up in `within`.
     pub(crate) fn assign_within(
         &mut self,
         name: Name,
@@ -132,7 +133,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// The quotient of an integer variable and another integer, which programs truncate.
+    /// Place of a quotient of an integer variable and another integer. Programs truncate it.
     pub(crate) fn truncated_quotient(&self, tokens: &[Token]) -> Option<Span> {
         if self.integers.is_empty() {
             return None;
@@ -167,7 +168,8 @@ impl ProgramReader<'_> {
         self.push(tokens, frame.function.clone(), None, &frame.aliases, false)
     }
 
-    /// Evaluates an assignment to a counter whose value is known; returns whether it did.
+    /// Evaluates an assignment to a counter, such as `i++`, if the new value is known. Returns
+    /// whether it is.
     pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
         if Words::steps_by_one(tokens) && tokens.len() == 3 {
             return self.known(tokens, frame).is_some();

@@ -1,4 +1,5 @@
-//! Blocks of programs, in braces or indented, as trees of statements. Formulas are not looked into.
+//! Splits blocks of programs, in braces or indented, into trees of statements. Formulas stay
+//! unparsed.
 
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::*;
@@ -18,7 +19,8 @@ pub(crate) enum ProgramStep {
         yes: Vec<ProgramStep>,
         no: Vec<ProgramStep>,
     },
-    /// A `for` or `while` loop. Only `for` has a start, and a step that runs between two rounds.
+    /// A `for` or `while` loop. `next` runs between two iterations. It is empty for `while`, like
+    /// `start`.
     Loop {
         word: Token,
         start: Vec<Token>,
@@ -26,7 +28,7 @@ pub(crate) enum ProgramStep {
         next: Vec<Token>,
         body: Vec<ProgramStep>,
     },
-    /// A loop over values.
+    /// A loop over the values of a list or range.
     Each {
         name: Token,
         values: Vec<Token>,
@@ -44,7 +46,7 @@ impl ProgramStep {
         })
     }
 
-    /// A token near its start, for error messages.
+    /// A token near the start of the step, for error messages.
     pub(crate) fn first(&self) -> Option<Token> {
         match self {
             Self::Plain(tokens) => tokens.first().copied(),
@@ -62,7 +64,8 @@ fn skip(tokens: &[Token]) -> &[Token] {
 }
 
 impl Words<'_> {
-    /// Returns whether a statement contains others, as `if (c) …` does.
+    /// Returns whether `tokens` begin a control structure such as `if (c) …`, which contains
+    /// statements.
     pub(crate) fn is_control(self, tokens: &[Token]) -> bool {
         let Some(first) = tokens.first() else { return false };
         match self.word(*first) {
@@ -116,7 +119,7 @@ impl Words<'_> {
         Ok(steps)
     }
 
-    /// Appends the first statement to `steps` and returns the tokens behind it.
+    /// Appends the first statement of `tokens` to `steps` and returns the tokens after it.
     fn step<'t>(
         self,
         tokens: &'t [Token],
@@ -166,7 +169,7 @@ impl Words<'_> {
                 if let Ok([start, condition, next]) = <[_; 3]>::try_from(parts) {
                     steps.push(ProgramStep::Loop { word: first, start, condition, next, body });
                 } else {
-                    // `for (const c of [1, 2])`
+                    // JavaScript loops over values as in `for (const c of [1, 2])`.
                     let of = header.iter().position(|token| self.word(*token) == "of");
                     let Some(of) = of.filter(|of| *of > 0) else {
                         return Err(self.unsupported(first));
@@ -179,14 +182,14 @@ impl Words<'_> {
         Ok(rest)
     }
 
-    /// Number of blanks and tabs at the start of a statement's line.
+    /// Number of spaces and tabs at the start of a statement's line.
     pub(crate) fn indent(self, tokens: &[Token]) -> usize {
         let start = tokens.first().map_or(0, |first| first.span.start);
         let line = self.text[..start].rfind('\n').map_or(0, |at| at + 1);
         self.text[line..].chars().take_while(|c| matches!(c, ' ' | '\t')).count()
     }
 
-    /// Returns whether a statement contains the indented lines below it, as in Python.
+    /// Returns whether a statement is a control structure with a colon, as in Python.
     pub(crate) fn is_indented_control(self, tokens: &[Token]) -> bool {
         let word = tokens.first().map_or("", |first| self.word(*first));
         matches!(word, "if" | "elif" | "else" | "for" | "while")
@@ -205,7 +208,8 @@ impl Words<'_> {
         Ok(steps)
     }
 
-    /// Appends the statement at `index` to `steps` and returns the index of the next one.
+    /// Appends the statement that begins at `lines[index]` to `steps`. Returns the index of the
+    /// next one.
     fn line(
         self,
         lines: &[Vec<Token>],
@@ -268,7 +272,7 @@ impl Words<'_> {
         Ok(next)
     }
 
-    /// The assignments in `a = 1, b = 2`; the whole statement if a part is no assignment.
+    /// The assignments in `a = 1, b = 2`, or the whole statement if some part is not an assignment.
     pub(crate) fn each_setting(self, tokens: Vec<Token>) -> Vec<Vec<Token>> {
         if outside(&tokens, Comma).is_none() || self.types(&tokens) > 0 {
             return vec![tokens];

@@ -1,5 +1,5 @@
-//! Merges the sides of a branch, and builds the result of a function that returns early. Both are
-//! choices that no statement of the program spells out.
+//! Merges the two sides of a branch, and builds the result of a function that returns early. Both
+//! become choices, in definitions that are not in the program's text.
 
 use crate::dialect::known_numbers::number_of;
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use crate::dialect::control_flow::{EXIT_LEVEL, RESULT, more_than};
 
 impl ProgramReader<'_> {
-    /// Adds a definition that no statement spells out. Returns the expression that stands for it.
+    /// Adds a definition that is not in the text. Returns an expression that refers to it.
     pub(crate) fn synthesize(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
         let span = frame.function.as_ref().map_or(Span::default(), |head| head.name.span);
         let (Head { name, parameters }, kind) = self.synthesized_head(name, span, frame);
@@ -26,7 +26,7 @@ impl ProgramReader<'_> {
         kind
     }
 
-    /// The left side of a definition with a new name, and the expression that stands for it.
+    /// Creates the left side of a definition with a new name, and an expression that refers to it.
     pub(crate) fn synthesized_head(
         &mut self,
         name: &str,
@@ -39,7 +39,8 @@ impl ProgramReader<'_> {
         (Head { name: Name { text, span }, parameters }, kind)
     }
 
-    /// Gives each variable a choice between its values on the two sides.
+    /// Sets each variable to a choice: its value after the branch `yes` where `condition` holds,
+    /// else its value after the branch `no`.
     pub(crate) fn merge(&mut self, frame: &mut Frame, yes: &Frame, no: &Frame, condition: &Expr) {
         let (first, second) = (newest(&yes.aliases), newest(&no.aliases));
         let names: BTreeSet<&str> = first.keys().chain(second.keys()).copied().collect();
@@ -89,7 +90,8 @@ impl ProgramReader<'_> {
         self.synthesize(name, body, frame)
     }
 
-    /// Ends a function or the whole program: adds its result, if a branch or loop returned it.
+    /// Ends a function or the whole program. Adds its result as a statement if a branch or loop
+    /// returned it.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
         let Some(left) = frame.left() else { return };
         let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.has_result) else {
@@ -134,7 +136,8 @@ impl Frame {
         self.function.is_some() || self.prefix.is_some() || self.nested > 0
     }
 
-    /// The name to generate for `name` in this frame.
+    /// Name for a definition generated for the variable `name` in this frame. It may be taken
+    /// already.
     pub(crate) fn generated_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
@@ -143,7 +146,8 @@ impl Frame {
         }
     }
 
-    /// Parameters of a definition generated in this frame, and the expression that stands for it.
+    /// Parameters of the generated definition `name`, and an expression that refers to it in this
+    /// frame.
     pub(crate) fn call(&self, name: &str) -> (Option<Vec<Name>>, ExprKind) {
         let parameters = self.function.as_ref().and_then(|head| head.parameters.clone());
         let kind = match &parameters {
@@ -160,7 +164,7 @@ impl Frame {
         (parameters, kind)
     }
 
-    /// The number that records an early exit, unless it is known that there was none.
+    /// The number that records an early exit; `None` if there certainly was no exit.
     pub(crate) fn left(&self) -> Option<&ExprKind> {
         self.aliases.find(EXIT_LEVEL).filter(|left| number_of(left) != Some(0.0))
     }
@@ -178,7 +182,8 @@ impl Frame {
         is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
     }
 
-    /// The value of a variable, or else of the document's definition with that name.
+    /// The value of a variable or, if there is none, a reference to the document's definition of
+    /// `name`.
     pub(crate) fn meaning(&self, name: &str) -> ExprKind {
         let document = || ExprKind::Name(NamedValue::Defined(name.to_owned()));
         self.before(name).unwrap_or_else(document)

@@ -1,8 +1,9 @@
-//! Branches and loops of programs, unrolled. The rounds of a loop follow one another. Both sides of
-//! a branch run, and each variable that they assign becomes a choice between its two values.
+//! Unrolls the loops and branches of programs. The iterations of a loop follow one another. Both
+//! sides of a branch run, and each variable that they assign becomes a choice between its two
+//! values.
 //!
-//! An early exit from a loop or function is recorded as a number, 0 without an exit. If the number
-//! is not known, the statements that follow are one more branch.
+//! An early exit from a loop or function is recorded as a number, which is 0 if there was no exit.
+//! If the number is not known, the statements after it run as one side of another branch.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::known_numbers::{count, number_expr, number_of};
@@ -14,16 +15,17 @@ use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Name, Relation};
 use crate::tree::raw_statement::ValueConversion;
 
-/// Largest number of statements within loops, branches and inlined calls that a program may run.
+/// Largest number of statements and iterations that a program may run in loops, branches and
+/// inlined calls.
 pub(crate) const MAX_STEPS: usize = 1000;
 
-/// Name of the variable that records an early exit from a loop or function. No variable of a
-/// program has this name, which is a keyword.
+/// Name of the variable that records an early exit from a loop or function. It is a keyword, so no
+/// variable of a program has this name.
 pub(crate) const EXIT_LEVEL: &str = "break";
 /// Name of the variable that holds the returned value.
 pub(crate) const RESULT: &str = "return";
 
-/// Levels of an early exit: from the round, from the loop, from the function.
+/// Levels of an early exit: from the iteration, from the loop, from the function.
 const ROUND: f64 = 1.0;
 const LOOP: f64 = 2.0;
 const FUNCTION: f64 = 3.0;
@@ -88,7 +90,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Counts a statement or a round of a loop; an error beyond `MAX_STEPS`.
+    /// Counts a statement or an iteration of a loop. Fails beyond `MAX_STEPS`.
     fn count_step(&mut self, place: Span) -> Fallible<()> {
         self.steps += 1;
         if self.steps > MAX_STEPS {
@@ -97,8 +99,8 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs `follow` under the condition that `left` is 0, as one side of a branch. It does not run
-    /// at all if an exit is known to have happened.
+    /// Runs `follow` as one side of a branch, where `left` is 0. Does not run it if an exit is
+    /// known to have happened.
     fn unless_left(
         &mut self,
         left: ExprKind,
@@ -114,7 +116,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs a statement that contains no others.
+    /// Runs a statement that contains no other statements.
     fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
         let Some(first) = tokens.first() else { return Ok(()) };
         match self.words.word(*first) {
@@ -140,7 +142,8 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs an `if`. Unless its condition is known, both sides run and are merged.
+    /// Runs an `if`. If its condition is known, one side runs. Otherwise both sides run and are
+    /// merged.
     fn branch(
         &mut self,
         condition: &[Token],
@@ -167,7 +170,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs a loop. Before each round `begin` prepares it and returns whether there is one.
+    /// Runs a loop. Before each iteration, `begin` prepares it and returns whether there is one.
     fn repeat(
         &mut self,
         begin: NextRound<'_, Self>,
@@ -176,13 +179,13 @@ impl ProgramReader<'_> {
     ) -> Fallible<()> {
         frame.nested += 1;
         self.rounds(begin, body, frame)?;
-        // An exit from the loop ends here; one from the function remains.
+        // An exit from the loop ends here; an exit from the function remains.
         self.drop_exits(LOOP, ProgramStep::has(body, self.words, "return"), frame);
         frame.nested -= 1;
         Ok(())
     }
 
-    /// Runs the remaining rounds of a loop.
+    /// Runs the remaining iterations of a loop.
     fn rounds(
         &mut self,
         begin: NextRound<'_, Self>,
@@ -199,14 +202,14 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Returns whether the condition of a loop holds. It is an error if that is not known.
+    /// Returns whether the condition of a loop holds. Fails if that is not known.
     fn holds(&self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let Some(span) = span_of(condition) else { return Ok(true) };
         let known = self.known(condition, frame).map(|holds| holds != 0.0);
         known.ok_or_else(|| Error::new(span, ErrorKind::LoopEnd))
     }
 
-    /// The values that a loop over a list or a range goes through.
+    /// The values that the variable of a loop over a list or a range takes.
     fn values(
         &mut self,
         name: Token,
@@ -243,7 +246,7 @@ impl ProgramReader<'_> {
         Ok(values)
     }
 
-    /// Ends a round: drops an exit from this round only and returns any other.
+    /// Ends an iteration: drops an exit from this iteration only, and returns any other exit.
     fn end_round(&mut self, body: &[ProgramStep], frame: &mut Frame) -> Option<ExprKind> {
         if ProgramStep::has(body, self.words, "continue") {
             let others =
@@ -253,7 +256,7 @@ impl ProgramReader<'_> {
         frame.left().cloned()
     }
 
-    /// Drops exits of at most `level`; `others` tells whether higher ones are possible.
+    /// Drops exits of at most `level`. `others` is true if exits of a higher level are possible.
     fn drop_exits(&mut self, level: f64, others: bool, frame: &mut Frame) {
         let Some(left) = frame.aliases.find(EXIT_LEVEL).cloned() else { return };
         let zero = ExprKind::Number("0".to_owned());
@@ -271,10 +274,10 @@ impl ProgramReader<'_> {
     }
 }
 
-/// Prepares the next round of a loop and returns whether there is one.
+/// Prepares the next iteration of a loop and returns whether there is one.
 type NextRound<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 
-/// Value of the variable of a loop over values.
+/// Value that a loop gives to its variable: a number, or an expression as it was typed.
 enum LoopValue {
     Known(f64),
     Typed(Vec<Token>),

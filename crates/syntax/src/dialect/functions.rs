@@ -1,4 +1,4 @@
-//! Functions of programs and control structures: finds their bodies and runs them.
+//! Reads functions and control structures of programs: finds their bodies and runs them.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::control_flow::RESULT;
@@ -21,7 +21,7 @@ use std::rc::Rc;
 const MAX_FUNCTIONS: usize = 300;
 
 impl ProgramReader<'_> {
-    /// Reads functions whose bodies stand in braces, and the statement that follows on their line.
+    /// Reads functions with bodies in braces, and the statement after them on the same line.
     pub(crate) fn functions(
         &mut self,
         tokens: Vec<Token>,
@@ -42,7 +42,7 @@ impl ProgramReader<'_> {
         Err(Error::new(place, ErrorKind::TooManyNames { limit: MAX_FUNCTIONS }))
     }
 
-    /// Reads a function whose body stands in braces and returns the tokens behind it.
+    /// Reads one function with its body in braces and returns the tokens after it.
     pub(crate) fn function(&mut self, tokens: Vec<Token>) -> Fallible<Vec<Token>> {
         let Some((name, parameters, body, rest)) = self.words.function(&tokens) else {
             return Ok(tokens);
@@ -51,7 +51,7 @@ impl ProgramReader<'_> {
         let is_void = self.words.has(types, "void");
         let word = self.words.word(name).to_owned();
         if is_void && matches!(word.as_str(), "main" | "mainImage") {
-            // `main` and `mainImage` only color pixels.
+            // `main` and `mainImage` only color pixels, so they are left out.
             let kind = NoteKind::MainLeftOut { name: word };
             self.program.notes.push(Note { span: name.span, kind });
             return Ok(rest);
@@ -87,7 +87,7 @@ impl ProgramReader<'_> {
         Ok(rest)
     }
 
-    /// Ends a function. It is an error if the function returns nothing.
+    /// Ends a function. Fails if the function returns nothing.
     pub(crate) fn leave_function(&mut self, frame: &Frame) -> Fallible<()> {
         let Some(Head { name, .. }) = &frame.function else { return Ok(()) };
         if !frame.has_result && frame.aliases.find(RESULT).is_none() {
@@ -114,7 +114,7 @@ impl ProgramReader<'_> {
         parameters.iter().filter_map(one).collect()
     }
 
-    /// Runs an `if`, `for` or `while` with its body, which may go on in `following`.
+    /// Runs an `if`, `for` or `while`. Its body may continue in the statements `following`.
     pub(crate) fn control(
         &mut self,
         mut tokens: Vec<Token>,
@@ -131,7 +131,7 @@ impl ProgramReader<'_> {
         }
         let tokens = self.expanded(tokens, 0)?;
         let mut steps = self.words.block(&tokens, 0)?;
-        // The function may return early here, so all statements that follow are one more branch.
+        // The function may return early here, so the statements that follow run under a condition.
         if ProgramStep::has(&steps, self.words, "return") {
             for more in following.by_ref() {
                 steps.push(ProgramStep::Plain(more));
@@ -160,7 +160,7 @@ impl ProgramReader<'_> {
         self.run(&steps, frame)
     }
 
-    /// Reads `f(a) = value` of OpenSCAD, behind the word `function`.
+    /// Reads `f(a) = value` of OpenSCAD. `tokens` begin after the word `function`.
     pub(crate) fn openscad_function(
         &mut self,
         tokens: Vec<Token>,
@@ -218,7 +218,7 @@ impl ProgramReader<'_> {
         let own = self.words.indent(tokens);
         let is_indented =
             following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);
-        // A body that lost its indentation ends with its `return`.
+        // A pasted body may have lost its indentation. It then ends with its `return`.
         while let Some(next) = following.as_slice().first() {
             let ends = if is_indented { self.words.indent(next) <= own } else { self.ends(&lines) };
             if ends {
@@ -244,8 +244,9 @@ impl ProgramReader<'_> {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
     }
 
-    /// Records a function of a point as the one to draw. A function named like a scene is replaced
-    /// only by another such one, because functions below it often compute light or shadow.
+    /// Records a function of a point as the one to draw. A function with a usual name of a scene is
+    /// replaced only by another such function, because later functions often compute light or
+    /// shadow.
     fn record_drawn(&mut self, name: &Name) {
         let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
         let known = self.program.last_function.as_ref();
@@ -254,7 +255,7 @@ impl ProgramReader<'_> {
         }
     }
 
-    /// The frame of a function. Parameters with default values become definitions.
+    /// Creates the frame of a function. Parameters with default values become definitions.
     pub(crate) fn enter(&mut self, name: Name, parameters: Vec<Vec<Token>>) -> Fallible<Frame> {
         if coordinate(&name.text).is_some() {
             let kind = ErrorKind::CoordinateFunction { name: name.text };
@@ -278,7 +279,7 @@ impl ProgramReader<'_> {
         if let [(_, 3)] = names.as_slice() {
             self.record_drawn(&name);
         }
-        // A function of x, y and z is drawn rather than a value assigned above it.
+        // A function of x, y and z is drawn in preference to a value assigned before it.
         if names.iter().map(|(name, _)| name.text.as_str()).eq(["x", "y", "z"]) {
             self.program.last_value = None;
         }

@@ -1,4 +1,4 @@
-//! Inlines macros, and functions of programs that change their arguments.
+//! Expands macros, and inlines functions of programs that change their arguments or return nothing.
 
 use crate::dialect::control_flow::RESULT;
 use crate::dialect::program_reader::{Frame, Macro, Procedure, ProgramReader};
@@ -9,7 +9,7 @@ use crate::tree::ast::ExprKind;
 use crate::tree::built_statement::with_parts;
 use std::rc::Rc;
 
-/// Deepest nesting of inlined calls and of macros.
+/// Deepest nesting of inlined calls, and of macros.
 const MAX_DEPTH: usize = 12;
 
 impl ProgramReader<'_> {
@@ -78,7 +78,8 @@ impl ProgramReader<'_> {
         Ok(all)
     }
 
-    /// The procedure that a statement calls and the arguments, if it consists of that call alone.
+    /// The procedure that a statement calls, and the arguments; `None` unless `tokens` are one such
+    /// call.
     pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
         let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
         let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;
@@ -86,7 +87,7 @@ impl ProgramReader<'_> {
         (tokens[1].kind == OpenParen).then(|| (Rc::clone(procedure), arguments))
     }
 
-    /// Runs a procedure in place of its call and returns its result, if it has one.
+    /// Runs a procedure's body in place of a call and returns its result, if it has one.
     pub(crate) fn inline(
         &mut self,
         name: Token,
@@ -139,7 +140,7 @@ impl ProgramReader<'_> {
         Ok(inner.aliases.find(RESULT).cloned())
     }
 
-    /// Assigns `value` to `target`, or to the components `letters` of it.
+    /// Assigns `value` to the variable `target`, or to its components `letters`.
     fn write_back(
         &mut self,
         target: Token,

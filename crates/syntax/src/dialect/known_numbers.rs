@@ -1,4 +1,4 @@
-//! Evaluates numbers that are known while a program is read, such as how often a loop runs.
+//! Evaluates numbers that are known while a program is read, such as the bounds of a loop.
 
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::decimal;
@@ -37,7 +37,7 @@ pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
     }
 }
 
-/// Relations in conditions.
+/// Relations that a condition may contain.
 const RELATIONS: &[TokenKind] = &[Less, LessEqual, Greater, GreaterEqual, Equals, NotEqual];
 
 struct ConstantEvaluator<'a> {
@@ -76,7 +76,7 @@ impl ConstantEvaluator<'_> {
         &self.words.text[token.span.range()]
     }
 
-    /// 1 for `++`, -1 for `--`, otherwise `None`.
+    /// 1 for `++` at the current position, -1 for `--`, otherwise `None`.
     fn doubled(&self) -> Option<f64> {
         match self.tokens.get(self.at..self.at + 2)? {
             [a, b] if a.kind == b.kind && a.span.end == b.span.start => match a.kind {
@@ -150,7 +150,8 @@ impl ConstantEvaluator<'_> {
             let Some(sign) = self.take(&[Star, Slash]) else { return Some(value) };
             let next = self.factor()?;
             let result = if sign == Star { value * next } else { value / next };
-            // Some languages truncate the quotient of integers.
+            // Some languages truncate a quotient of integers, so it is known only if it is an
+            // integer.
             if sign == Slash && value.fract() == 0.0 && next.fract() == 0.0 && result.fract() != 0.0
             {
                 return None;

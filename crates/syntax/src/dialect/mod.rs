@@ -1,12 +1,12 @@
 //! Translates notations and programs of other systems to statements of this language: functions
-//! with bodies, loops, assignments, commands that plot.
+//! with bodies, loops, assignments, plot commands.
 //!
-//! A translated statement is a list of tokens, perhaps with a left side, or a syntax tree if no
-//! text spells it out. Nothing here knows what a formula means. The core does not know this folder;
-//! `document` calls it first.
+//! A translated statement is a list of tokens, perhaps with a left side. A statement that is not in
+//! the text is a syntax tree. Formulas are not interpreted here. Only `document` calls this folder,
+//! as its first step.
 //!
-//! The files that extend `ProgramReader` call one another in a circle, because a block may hold any
-//! statement.
+//! The files that extend `ProgramReader` depend on one another in a circle, because a block may
+//! hold any statement.
 
 pub(crate) mod assignment;
 pub(crate) mod blocks;

@@ -1,6 +1,6 @@
-//! Plot commands of other systems: the formulas that are drawn, and the ranges of the coordinates.
+//! Reads plot commands of other systems: the formulas to draw, and the ranges of the coordinates.
 //!
-//! Ranges become a `domain` line, whose tokens keep the places where they were typed.
+//! The ranges become a `domain` line, whose tokens keep their places in the text.
 
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::plain_name;
@@ -10,7 +10,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
-/// `Some(true)` for a command that plots heights, `None` for a word that is no plot command.
+/// Whether a command plots heights, or `None` if the word is not a plot command.
 fn plots_height(command: &str) -> Option<bool> {
     match command {
         "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" => Some(true),
@@ -21,20 +21,20 @@ fn plots_height(command: &str) -> Option<bool> {
     }
 }
 
-/// Plot commands that stand within the brackets of another one.
+/// Plot commands that may occur within the brackets of another one.
 const INNER: &[&str] = &["implicit", "explicit"];
 
-/// Names that the ends of a range may contain. Other names have no value there.
+/// Names that the ends of a range may contain. With any other name, all ranges are ignored.
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
 
-/// Length of the longest domain that a note spells out, in bytes.
+/// Longest domain that a note quotes, in bytes.
 const MAX_NOTED_DOMAIN: usize = 120;
 
 /// The parts of a plot command.
 pub(crate) struct Plot {
     /// The formulas; each is drawn.
     pub formulas: Vec<Vec<Token>>,
-    /// True if the formulas are heights.
+    /// True if the formulas are heights over x and y.
     pub is_height: bool,
     /// A `domain` line for the ranges, if they can be read.
     pub domain: Option<Vec<Token>>,
@@ -54,7 +54,7 @@ struct PlotRange {
 impl Words<'_> {
     /// The parts of a plot command; `None` if `tokens` are something else.
     pub(crate) fn plot(self, tokens: &[Token]) -> Fallible<Option<Plot>> {
-        // `plots[implicitplot3d](…)` of Maple
+        // Maple also writes `plots[implicitplot3d](…)`.
         if let [plots, open, command, close, rest @ ..] = tokens
             && self.word(*plots) == "plots"
             && (open.kind, close.kind) == (OpenBracket, CloseBracket)
@@ -88,7 +88,7 @@ impl Words<'_> {
             let span = system[0].span.to(system[system.len() - 1].span);
             return Err(Error::new(span, ErrorKind::PlotCoordinates));
         }
-        // `isosurface(x, y, z, v, 0.1)`
+        // In MATLAB's `isosurface(x, y, z, v, 0.1)`, the last argument is the level of `v`.
         let (formula, level) = match arguments.as_slice() {
             [x, y, z, values, rest @ ..]
                 if word == "isosurface" && [x, y, z].iter().all(|part| part.len() == 1) =>
@@ -114,8 +114,8 @@ impl Words<'_> {
         Ok(Some(Plot { formulas, is_height, domain, note }))
     }
 
-    /// The parts of `isosurface { function { … } threshold 1 contained_by { box { -2, 2 } } }` of
-    /// POV-Ray; `tokens` begin behind its first word.
+    /// The parts of POV-Ray's `isosurface { function { … } threshold 1 contained_by { box { -2, 2 }
+    /// } }`. `tokens` begin after the first word.
     fn isosurface(self, tokens: &[Token], place: Span) -> Option<Plot> {
         let (inner, _) = bracketed(tokens)?;
         let behind = |word: &str| {
@@ -146,7 +146,7 @@ impl Words<'_> {
         let (inner, _) = bracketed(tokens)?;
         let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
         let mut ends = split(ends, Comma);
-        // The tokens `<` and `>` around a corner would be relations, so they are dropped.
+        // The lexer reads `<` and `>` around a corner as relations, so they are dropped.
         for end in &mut ends {
             end.retain(|token| !matches!(token.kind, Less | Greater));
         }
@@ -161,7 +161,8 @@ impl Words<'_> {
         Some(AXES.into_iter().enumerate().map(range).collect())
     }
 
-    /// The formulas of a list, or the single formula.
+    /// The formulas of a list, or the single formula. The parameters of a MATLAB function are
+    /// dropped.
     fn listed(formula: &[Token]) -> Vec<Vec<Token>> {
         if formula[0].kind == At
             && let Some((_, body)) = bracketed(&formula[1..])
@@ -176,7 +177,7 @@ impl Words<'_> {
         vec![formula.to_vec()]
     }
 
-    /// The level in `Contours -> {1}`.
+    /// The level in an argument such as `Contours -> {1}`.
     fn level(self, arguments: &[Vec<Token>]) -> Option<Vec<Token>> {
         arguments.iter().find_map(|part| match part.as_slice() {
             [name, minus, arrow, value @ ..]
@@ -191,7 +192,7 @@ impl Words<'_> {
         })
     }
 
-    /// The ranges among arguments: `{x, -2, 2}`, `x = -2..2`, `x, -2, 2`, `[-2 2 -1 1]`.
+    /// The ranges in arguments such as `{x, -2, 2}`, `x = -2..2`, `x, -2, 2` and `[-2 2 -1 1]`.
     fn ranges(self, arguments: &[Vec<Token>]) -> Vec<PlotRange> {
         let axis = |part: &[Token]| match part {
             [only] if only.kind.is_axis() => Some(only.kind),
@@ -227,7 +228,7 @@ impl Words<'_> {
         ranges
     }
 
-    /// The numbers of a row of MATLAB, separated by blanks or commas.
+    /// The numbers of a MATLAB row, separated by blanks or commas; `None` unless it has 2, 4 or 6.
     fn numbers(self, row: &[Token]) -> Option<Vec<Vec<Token>>> {
         let mut numbers: Vec<Vec<Token>> = Vec::new();
         let mut sign = None;
@@ -285,7 +286,7 @@ impl Words<'_> {
     }
 }
 
-/// The ranges of x, y and z from pairs of numbers; a single pair holds for all three.
+/// The ranges of x, y and z, in this order, from pairs of numbers. One pair holds for all three.
 fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
     let pair = |axis, at: usize| PlotRange {
         axis,
@@ -296,7 +297,7 @@ fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
     AXES.into_iter().take(count).enumerate().map(|(index, axis)| pair(axis, 2 * index)).collect()
 }
 
-/// `(formula) - (level)`
+/// The tokens of `(formula) - (level)`.
 fn less(formula: &[Token], level: &[Token]) -> Vec<Token> {
     let mut all = in_brackets(formula);
     let end = all[all.len() - 1].span;

@@ -1,9 +1,9 @@
-//! Programs as people paste them, translated to statements of this language: functions with bodies,
-//! typed declarations, repeated assignments, `return`.
+//! The result of translating a pasted program, which may have functions with bodies, typed
+//! declarations, repeated assignments and `return`.
 //!
-//! A variable of a function becomes a function with the same parameters, so the order of statements
-//! has no effect: `vec2 q = p.xz;` in `f(p)` becomes `f_q(p) = p.xz`, and a later `q` becomes
-//! `f_q(p)`. Each assignment to a variable defines another name.
+//! A variable of a function becomes a function with the same parameters: `vec2 q = p.xz;` in `f(p)`
+//! becomes `f_q(p) = p.xz`, and a later `q` becomes `f_q(p)`. Each assignment to a variable defines
+//! another name, so the order of the resulting statements has no effect.
 
 use crate::messages::note::Note;
 use crate::tree::ast::Name;
@@ -19,11 +19,12 @@ pub(crate) struct PastedProgram {
     pub in_steps: bool,
     /// Name of the function to draw: the last one that takes a point of space.
     pub last_function: Option<Name>,
-    /// Name of the last number that is assigned outside functions and is not a known constant.
+    /// Name of the last variable assigned outside functions. Variables with a known value do not
+    /// count.
     pub last_value: Option<Name>,
-    /// Statements that the text does not spell out.
+    /// Statements that are not in the text.
     pub synthesized: Vec<BuiltStatement>,
-    /// Names generated in branches and loops; they may remain unused.
+    /// Names generated in branches and loops. Their definitions may remain unused.
     pub generated: FxHashSet<String>,
     pub notes: Vec<Note>,
 }

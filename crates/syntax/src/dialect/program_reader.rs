@@ -51,7 +51,7 @@ pub(crate) struct Procedure {
 pub(crate) struct ProcedureParameter {
     pub name: Name,
     pub size: usize,
-    /// True if it has the argument's value when the function begins.
+    /// True if the argument's value is copied to it when the function begins.
     pub is_in: bool,
     /// True if its final value is copied back to the argument.
     pub is_out: bool,
@@ -76,7 +76,7 @@ pub(crate) struct ProgramReader<'a> {
     pub procedures: FxHashMap<String, Rc<Procedure>>,
     /// Known values of names outside functions.
     pub constants: FxHashMap<String, f64>,
-    /// Number of statements and rounds that ran.
+    /// Number of statements and loop iterations that ran.
     pub steps: usize,
     /// Number of tokens that macros expanded to.
     pub expanded_tokens: Cell<usize>,
@@ -85,7 +85,7 @@ pub(crate) struct ProgramReader<'a> {
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
-/// Reads a text, whether it is a program or not.
+/// Translates a text, which may be a program or not.
 pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     let mut statements = scan(text, limits)?;
     let words = Words { text };
@@ -139,7 +139,7 @@ impl ProgramReader<'_> {
         if frame.function.is_none()
             && let Some(statements) = self.words.unwrap_statement(&tokens)
         {
-            // Each of them has fewer tokens, so the recursion ends.
+            // Each unwrapped statement has fewer tokens, so the recursion ends.
             return statements
                 .into_iter()
                 .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));

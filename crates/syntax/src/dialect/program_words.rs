@@ -1,4 +1,4 @@
-//! Words of programs, and the parts of a statement. Formulas are not looked into.
+//! Recognizes the words of programs and the parts of statements. Formulas are not parsed.
 
 use crate::lex::spelling::{plain_name, token_kind};
 use crate::lex::token::{Token, bracketed, closing, in_brackets, split};
@@ -75,7 +75,8 @@ impl<'a> Words<'a> {
         Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
-    /// Returns whether `tokens` begin with a word that brackets or a name follow, not an operator.
+    /// Returns whether the first word is a command: a name or a block follows it, perhaps after
+    /// brackets.
     pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
         if next.kind.is_name() || next.kind == OpenBrace {
@@ -87,7 +88,8 @@ impl<'a> Words<'a> {
             && rest.first().is_some_and(|next| next.kind.is_name() || next.kind == OpenBrace)
     }
 
-    /// Joins a function's body to the preceding statement, which ends with its parameters.
+    /// Joins each function body to the statement before it, which ends with the function's
+    /// parameters.
     pub(crate) fn join_bodies(self, statements: &mut Vec<Vec<Token>>) {
         let mut index = 1;
         while index < statements.len() {
@@ -107,7 +109,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Returns whether a statement is one that only programs have, such as `a += 1`.
+    /// Returns whether only programs have such a statement, for example `a += 1`.
     pub(crate) fn is_step(self, tokens: &[Token]) -> bool {
         let first = self.word(tokens[0]);
         let types = self.types(tokens);
@@ -144,12 +146,12 @@ impl<'a> Words<'a> {
         if begins_name(tokens.get(count)) { count } else { 0 }
     }
 
-    /// Returns whether `tokens` begin with a function whose body stands in braces.
+    /// Returns whether `tokens` begin with a function whose body is in braces.
     pub(crate) fn has_body(self, tokens: &[Token]) -> bool {
         self.function(tokens).is_some()
     }
 
-    /// Name, parameters and body of a function, and the tokens behind it.
+    /// Name, parameters and body of a function at the start of `tokens`, and the tokens after it.
     #[allow(clippy::type_complexity)] // callers destructure it
     pub(crate) fn function(
         self,
@@ -161,7 +163,7 @@ impl<'a> Words<'a> {
         }
         let name = tokens[types];
         let (parameters, rest) = bracketed(&tokens[types + 1..])?;
-        // The type of the result may stand behind an arrow.
+        // The result type may stand before the body, after an arrow.
         let brace = rest.iter().position(|token| token.kind == OpenBrace)?;
         let is_arrow = rest.first().is_some_and(|token| token.kind == Minus);
         if brace > 0 && !is_arrow {
@@ -198,7 +200,7 @@ impl<'a> Words<'a> {
             let parameters = split(&rest[1..colon], Comma);
             return Some((name, parameters, rest[colon + 1..].to_vec()));
         }
-        // `Function[{x, y}, value]`
+        // Mathematica writes `Function[{x, y}, value]`.
         if self.word(rest[0]) == "Function" {
             let (inner, more) = bracketed(&rest[1..])?;
             let [names, value] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
@@ -299,7 +301,7 @@ impl<'a> Words<'a> {
         Self::set_at_once(tokens).filter(|(names, _)| matches!(names.len(), 2..=4))
     }
 
-    /// Returns whether a parameter is a point: `lines` take its components or compute a length.
+    /// Returns whether a parameter is a point: `lines` use its components or compute a length.
     pub(crate) fn is_point(self, parameter: &[Token], lines: &[Vec<Token>]) -> bool {
         let Some((name, _, None)) = self.parameter(parameter) else { return false };
         let name = self.word(name);
@@ -311,7 +313,7 @@ impl<'a> Words<'a> {
             });
             let unpacks = Self::unpacked(line)
                 .is_some_and(|(_, value)| matches!(value, [only] if self.word(*only) == name));
-            // `norm(p)`
+            // A length is computed, as in `norm(p)`.
             let measures = line.iter().any(|t| matches!(self.word(*t), "norm" | "length"));
             takes || unpacks || measures
         })
@@ -360,7 +362,7 @@ impl<'a> Words<'a> {
         short
     }
 
-    /// Turns `f[x_, y_]` into `f[x, y]` on the left of a definition.
+    /// Turns Mathematica's `f[x_, y_]` on the left of a definition into `f[x, y]`.
     pub(crate) fn patterns(self, tokens: &mut [Token]) {
         let Some(end) = tokens.get(1..).and_then(closing).filter(|_| tokens[1].kind == OpenBracket)
         else {

@@ -1,5 +1,5 @@
-//! Removes what other systems put around a formula: plot commands, declarations of names, braces of
-//! print. Formulas are not looked into.
+//! Removes what other systems put around a formula: plot commands, declarations of names, braces.
+//! Formulas are not parsed.
 
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -29,7 +29,7 @@ const SETUP: &[&str] = &[
     "precision",
 ];
 
-/// Setup commands that take brackets.
+/// Setup commands whose arguments are in brackets.
 const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "reset", "kill"];
 
 /// Functions that create symbols.
@@ -38,11 +38,12 @@ const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
 /// Functions that create grids of coordinates.
 const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
-/// Words before a formula that ask for its picture.
+/// Words before a formula that is to be drawn.
 const PLOT_WORDS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
 impl Words<'_> {
-    /// Unwraps a statement. Empty if nothing in it has a meaning here; `None` if it is not wrapped.
+    /// The statements inside a wrapper. Empty if none has a meaning here; `None` if there is no
+    /// wrapper.
     pub(crate) fn unwrap_statement(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let first = *tokens.first()?;
         let next = tokens.get(1);
@@ -76,7 +77,7 @@ impl Words<'_> {
                 let (inner, rest) = bracketed(&tokens[1..])?;
                 return rest.is_empty().then(|| vec![inner.to_vec()]);
             }
-            // These do not change the formula in their brackets.
+            // These functions only rewrite the formula in their brackets.
             "Simplify" | "FullSimplify" | "Evaluate" | "N" | "Expand" | "Factor" | "simplify"
             | "expand" | "patch"
                 if opens && Self::is_whole_call(tokens) =>
@@ -142,7 +143,7 @@ impl Words<'_> {
         (!rest.is_empty()).then_some(rest)
     }
 
-    /// The formula and its values in `formula /. {a -> 2, b -> 3}` of Mathematica.
+    /// A formula and a definition for each rule, from Mathematica's `formula /. {a -> 2, b -> 3}`.
     fn with_rules(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let is_sign = |pair: &[Token]| {
             pair[0].kind == Slash && &self.text[pair[0].span.to(pair[1].span).range()] == "/."
@@ -163,7 +164,7 @@ impl Words<'_> {
         (at > 0).then_some(all)
     }
 
-    /// The formula and its values in `formula where a = 2, b = 3`.
+    /// A formula and a definition for each value, from `formula where a = 2, b = 3`.
     fn with_values(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let is_word = |token: &Token| {
             token.kind == TokenKind::Name && matches!(self.word(*token), "where" | "with" | "for")
@@ -190,7 +191,7 @@ impl Words<'_> {
         (is_read && values.iter().all(is_value)).then_some(all)
     }
 
-    /// A line of a Surfer file: its formula or a parameter; empty for lines about the picture.
+    /// The formula or parameter on a line of a Surfer file. Empty for lines about the picture.
     fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         const PARAMETER: &str = "surface_parameter_";
         if !self.text.contains("surface_equation") {
@@ -230,7 +231,7 @@ impl Words<'_> {
         })
     }
 
-    /// The tokens in braces around an equation, or behind the colon of a set.
+    /// The equation in braces, or the condition of a set.
     fn in_braces(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let end = closing(tokens)?;
         if tokens[end + 1..].iter().any(|token| !matches!(token.kind, Comma | Unknown)) {
@@ -243,7 +244,7 @@ impl Words<'_> {
         {
             return Some(inner[colon + 1..].to_vec());
         }
-        // A set such as `{(x, y, z) : …}`, or with a bar.
+        // A set such as `{(x, y, z) : …}`, perhaps with a bar instead of the colon.
         let point = closing(inner).filter(|_| inner[0].kind == OpenParen);
         if let Some(end) = point
             && inner[..=end]
@@ -275,7 +276,7 @@ impl Words<'_> {
         Some(all)
     }
 
-    /// The two statements of `a := 2: b := 3`. Maple ends statements with colons.
+    /// The two statements of Maple's `a := 2: b := 3`, where a colon ends a statement.
     fn of_maple(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let sets = tokens
             .get(1)

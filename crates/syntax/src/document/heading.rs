@@ -1,4 +1,4 @@
-//! The comment at the start of a text. Knows nothing of statements.
+//! Reads the comment at the start of a text.
 
 /// The title and the remaining text of the comment at the start of a document.
 pub(crate) fn heading(text: &str) -> (Option<String>, String) {

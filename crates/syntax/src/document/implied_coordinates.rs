@@ -1,8 +1,8 @@
-//! Defines names of coordinates that a text uses without defining them: r, rho, theta and phi, and
-//! the point of space in programs.
+//! Defines coordinates that a text uses without defining them: r, rho, theta and phi, and the point
+//! of space in programs.
 //!
-//! The names that occur together decide the coordinate system, and a note states the definitions. A
-//! definition in the text takes precedence.
+//! The names that occur together determine the coordinate system, and a note states the
+//! definitions. A definition in the text takes precedence.
 
 use crate::lex::arrangement::statements;
 use crate::lex::spelling::plain_name;
@@ -26,11 +26,11 @@ const CYLINDER_RADIUS: &str = "sqrt(x^2 + y^2)";
 const SPHERE_RADIUS: &str = "sqrt(x^2 + y^2 + z^2)";
 const AZIMUTH: &str = "atan2(y, x)";
 
-/// Uses of each name: index of the line, and place.
+/// Uses of each name: index of the line, and place in the text.
 type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
 
-/// Uses of the four names, of x, y, z and of the names of a point. Definitions and parameters are
-/// left out, and so are variables of a program.
+/// Collects the uses of r, rho, theta, phi, x, y and z, and of the point names `p` and `pos`. Names
+/// that a line defines, parameters and variables of a program are left out.
 fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     let mut uses = Uses::default();
     for (index, line) in lines.iter().enumerate() {
@@ -73,9 +73,9 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     uses
 }
 
-/// Turns a line such as `r = 1 + cos(theta)` from a definition into an equation. The name on its
-/// left must not be used elsewhere. The right side must contain z without x and y, or another of
-/// the four names that has no definition.
+/// Turns a definition such as `r = 1 + cos(theta)` into an equation. Its name must not be used in
+/// other lines. The right side must contain z without x and y, or another of r, rho, theta and phi
+/// that is not defined.
 pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
     let defined: FxHashSet<String> = lines
         .iter()
@@ -113,7 +113,7 @@ pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>],
     }
 }
 
-/// The implied definitions and the notes that state them; their names are added to `scope`.
+/// Returns the implied definitions and the notes that state them, and adds their names to `scope`.
 pub(crate) fn implied(
     text: &str,
     lines: &[ParsedStatement<'_>],
@@ -136,7 +136,7 @@ pub(crate) fn implied(
         }
     }
     let [r, rho, theta, phi] = ["r", "rho", "theta", "phi"].map(place);
-    // In a formula with x or y, r is probably a radius that lacks a definition.
+    // In a line with x or y, r is probably a radius whose definition is missing.
     let plane: FxHashSet<usize> = ["x", "y"]
         .iter()
         .filter_map(|name| uses.get(name))

@@ -1,4 +1,4 @@
-//! Decides which names are parameters, sliders or time, and computes their values.
+//! Decides which names are parameters (sliders or time), and computes their values.
 
 use crate::document::reading::{DocumentReader, Parameter, ParameterKind};
 use crate::lex::spelling::is_definable;
@@ -40,8 +40,8 @@ impl<'a> DocumentReader<'a> {
         values
     }
 
-    /// The meaning of every defined name, and the parameters among them. Time is added if a formula
-    /// or an override uses it, or if `is_timed`. Errors are recorded.
+    /// Binds every defined name and collects the parameters. Time is one if the text defines it, if
+    /// a formula or an override uses it, or if `is_timed` is true. Errors are recorded.
     pub(crate) fn parameters<'d>(
         &mut self,
         definitions: &[(&'d Definition, &BuiltStatement)],

@@ -27,7 +27,8 @@ use zeroset_ir::{Constant, Graph, NodeId};
 /// Inputs of reading besides the text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options<'a> {
-    /// Names with constant expressions that replace or supply their values, in order.
+    /// Names with constant expressions, which replace or supply the definitions of these names, in
+    /// order.
     pub overrides: &'a [(String, String)],
     /// Value of the time `t`; it replaces the value in the document.
     pub time: Option<f64>,
@@ -78,17 +79,18 @@ pub struct Surface {
     /// Color from the last `color` line above the surface. If the last `color` line of the document
     /// is below all surfaces, the first one below this surface counts instead.
     pub color: Option<SurfaceColor>,
-    /// Opacity within [0, 1]: the share of the light behind the surface that it stops. The `color`
-    /// line sets it, or else an `opacity` line, chosen like the `color` line. Otherwise it is 1.
+    /// Opacity from 0 to 1: the share of light from behind that the surface blocks. It is set by
+    /// the `color` line, or else by an `opacity` line that is chosen like the `color` line. The
+    /// default is 1.
     pub opacity: f64,
-    /// True if it is hidden: set by a `hidden` line, chosen like the `color` line.
+    /// True if a `hidden` line, chosen like the `color` line, hides the surface.
     pub hidden: bool,
 }
 
 /// Kind of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// An equation, of which only the zeros count.
+    /// An equation: only the zeros of the function count.
     Equation,
     /// An inequality: the solid in which the function is ≤ 0.
     Solid,
@@ -99,11 +101,11 @@ pub enum SurfaceKind {
 pub struct Parameter {
     /// Its name.
     pub name: String,
-    /// Its number in the graph.
+    /// Number of the parameter in the graph.
     pub number: u32,
     /// Its value.
     pub value: Constant,
-    /// Range of its slider, or of the loop of time.
+    /// Range of a slider, or the range of time that an animation repeats.
     pub range: Option<(Constant, Constant)>,
     /// Kind: a slider or time.
     pub kind: ParameterKind,
@@ -134,7 +136,8 @@ impl Document {
 /// Reads a document: one line or a whole file.
 ///
 /// # Errors
-/// The errors of the text and of overrides: at least one, at most one for each statement.
+/// The errors in the text and in overrides: at least one, and at most one for each statement or
+/// override.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     DocumentReader::new(text, options).read()
 }
@@ -286,7 +289,8 @@ impl<'a> DocumentReader<'a> {
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
-            // A note compares its name with every other, so a bound keeps hostile texts cheap.
+            // Each note compares the name with all known names, so a bound keeps hostile texts
+            // cheap.
             let notes = unused.take(MAX_ERRORS).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
         }
@@ -324,10 +328,11 @@ impl<'a> DocumentReader<'a> {
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         self.notes.sort_by_key(|note| note.span);
-        // One note for each name is enough.
+        // A note that explains a name is given only once.
         let mut seen = FxHashSet::default();
         self.notes.retain(|note| !note.kind.explains_a_name() || seen.insert(note.kind.clone()));
-        // A note is printed with its line, which may be the whole text, so their number is bounded.
+        // The number of notes is bounded, because each is printed with its line, perhaps the whole
+        // text.
         if let Some(note) = self.notes.get(MAX_NOTES) {
             let span = note.span;
             self.notes.truncate(MAX_NOTES);
@@ -351,7 +356,7 @@ impl<'a> DocumentReader<'a> {
     }
 }
 
-/// Sets color, opacity and visibility of each surface from the lines that hold for it.
+/// Sets color, opacity and visibility of each surface from the lines that apply to it.
 fn style<'a>(
     surfaces: &mut [Surface],
     settings: &'a CollectedLines,
@@ -397,7 +402,8 @@ fn needed(built: Vec<BuiltStatement>, generated: &FxHashSet<String>) -> Vec<Buil
     built.into_iter().filter(|_| keep.next().unwrap_or(true)).collect()
 }
 
-/// Notes on exponents that may be integers but are not known to be, at the first surface of each.
+/// Notes on exponents that may be integers but are not known to be. Each note points to the first
+/// surface that contains the exponent.
 fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
     let mut left = near_integers(graph, MAX_NOTES);
     let mut notes = Vec::new();
@@ -408,7 +414,7 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
         let needed = graph.reachable(&[surface.root]);
         left.retain(|id| {
             if needed[id.index()] {
-                // A node that is used several times would be written out each time.
+                // A shared node is written out at each use, so only small exponents are quoted.
                 let nodes = graph.reachable(&[*id]).into_iter().filter(|needed| *needed).count();
                 let exponent = match nodes {
                     0..=12 => short_name(&zeroset_ir::display(graph, *id, &[])),
@@ -454,7 +460,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallib
     })
 }
 
-/// The text of a drawing as it was read; a plain formula gets the `= 0` that it implies.
+/// The text of a drawing as it was read. A plain formula gets the `= 0` that it implies.
 fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     if expr.is_condition() {
         return Drawing { expr, restrictions }.to_string();

@@ -29,8 +29,7 @@ pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fa
         if state[start] != NEW {
             continue;
         }
-        // A depth-first walk with its own stack: (definition, number of its uses that were
-        // followed).
+        // Stack of a depth-first search: each definition, and how many of its uses were followed.
         let mut path: Vec<(usize, usize)> = vec![(start, 0)];
         state[start] = OPEN;
         while let Some((at, followed)) = path.last_mut() {
@@ -48,7 +47,7 @@ pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fa
                 OPEN => {
                     let from = path.iter().position(|(at, _)| *at == next).unwrap_or(0);
                     let mut cycle: Vec<usize> = path[from..].iter().map(|(at, _)| *at).collect();
-                    // The cycle starts with the definition that stands first in the text.
+                    // The reported cycle starts with the definition that comes first in the text.
                     let first = (0..cycle.len()).min_by_key(|i| cycle[*i]).unwrap_or(0);
                     cycle.rotate_left(first);
                     let name = |index: &usize| definitions[*index].0.name.text.clone();

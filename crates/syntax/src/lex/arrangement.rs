@@ -1,5 +1,5 @@
-//! Brings the tokens of one statement to the form that the grammar reads: choices in any notation,
-//! lists, ranges, decimal commas, labels.
+//! Rewrites the tokens of one statement to the form that the grammar reads. This covers choices in
+//! any notation, lists, ranges, decimal commas and labels.
 //!
 //! Tokens keep their order and their places in the text. A bracket that was not typed has an empty
 //! span. Nothing here knows what a name means.
@@ -51,7 +51,7 @@ pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<LexedState
     Ok(pieces)
 }
 
-/// The statement that `tokens` form, ready for the grammar; `None` if no token is left.
+/// The statement that `tokens` form, ready for the grammar; `None` if no token remains.
 pub(crate) fn arrange(
     text: &str,
     tokens: Vec<Token>,
@@ -70,7 +70,8 @@ pub(crate) fn arrange(
     let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
     let mut tokens = tokens.into_iter().peekable();
     let mut arranged = arranger.level(&mut tokens, None)?;
-    // Tokens of these kinds have a meaning only in constructs that are arranged by now.
+    // These tokens have a meaning only in constructs that are already rewritten, so here they are
+    // errors.
     for token in &mut arranged {
         if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
             token.kind = Unknown;
@@ -82,7 +83,7 @@ pub(crate) fn arrange(
     LexedStatement::new(scalar_products(text, arranged), arranger.notes).map(Some)
 }
 
-/// Removes a label, punctuation at the end, and marks of quotation.
+/// Removes a label, punctuation at the end, and marks of emphasis or quotation.
 fn trim(text: &str, tokens: &mut Vec<Token>) {
     let typed = |token: &Token| &text[token.span.range()];
     while tokens.len() > 1
@@ -92,7 +93,7 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
     {
         tokens.pop();
     }
-    // Marks of bold text or a quotation, and below, the `>` of a quoted mail.
+    // Marks of bold text or a quotation. Below, the `>` of a quoted e-mail.
     if let [first, .., last] = tokens.as_slice()
         && [("**", "**"), ("‘", "’"), ("'", "'")].contains(&(typed(first), typed(last)))
     {
@@ -169,8 +170,8 @@ impl Arranger<'_> {
             if token.kind.closer().is_some() {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
-                // `{\text{for}}` is a word of the surrounding text. After the expansion of a macro,
-                // brackets may stand in another order in the text, hence `get`.
+                // The lexer skips the word in `{\text{for}}`, so its braces are skipped, too. After
+                // the expansion of a macro, `close` may come first in the text, hence `get`.
                 let between = self.text.get(token.span.end..close.span.start).unwrap_or("");
                 if inner.is_empty() && token.kind == OpenBrace && between.contains(r"\text") {
                     continue;
@@ -192,7 +193,7 @@ impl Arranger<'_> {
                 segment.push(TokenTree::Leaf(merged));
                 continue;
             }
-            // A comma before the condition or the end of a row separates nothing.
+            // In a choice, a comma before a condition or before the end of a row separates nothing.
             let is_empty = segment.is_empty() && in_pieces;
             let ends_value = in_pieces
                 && tokens.peek().is_some_and(|next| matches!(next.kind, If | RowEnd | CloseChoice));
@@ -211,7 +212,7 @@ impl Arranger<'_> {
             segments.pop();
         }
         if open.is_some_and(|open| open.kind == OpenParen) {
-            // Options of numpy and SymPy that do not change the value.
+            // Drops options of numpy and SymPy that do not change the value.
             let is_option = |(segment, _): &(Vec<TokenTree>, Option<Token>)| {
                 segment.len() > 2
                     && segment[1].is(Equals)
@@ -364,8 +365,8 @@ impl Arranger<'_> {
         nodes.push(TokenTree::Group(open, inner, Token::new(CloseBrace, Span::at(end))));
     }
 
-    /// Rewrites `a mod b` as `a % b`. The word must follow an operand or a bar, which may close
-    /// one. It must not stand before brackets with several arguments.
+    /// Rewrites `a mod b` as `a % b`. The word must follow an operand or a bar. It must not precede
+    /// brackets with several arguments.
     fn infix(&self, nodes: &mut [TokenTree]) {
         for index in 1..nodes.len() {
             let is_call = |next: &TokenTree| matches!(next, TokenTree::Group(_, inner, _) if inner.iter().any(|token| token.kind == Comma));
@@ -399,7 +400,8 @@ impl Arranger<'_> {
         }
     }
 
-    /// Sets the kind of words with a role in brackets only: ranges, generators, last pieces.
+    /// Sets the kinds of words that have a role only in brackets: in ranges, generators and
+    /// choices.
     fn words(&self, nodes: &mut [TokenTree]) {
         if nodes.iter().any(|node| node.is(Dots))
             && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)
@@ -419,7 +421,8 @@ impl Arranger<'_> {
             let within = nodes[index - 1].is(In);
             let kind = match self.word(&nodes[index]) {
                 word if follows && OTHERWISE.contains(&word) => Otherwise,
-                // `flatten` drops it, since the preceding `If` already separates the condition.
+                // `flatten` drops this word, since the `If` before it already separates the
+                // condition.
                 "for" | "if" if follows => Blank,
                 "for" => For,
                 "range" if within => RangeCall,
@@ -445,7 +448,8 @@ impl Arranger<'_> {
         out.push(Token::new(OpenChoice, Span::at(span.start)));
         let end = nodes.last().map_or(span.end, |node| node.span().end);
         let mut rest = VecDeque::from(nodes);
-        // Each round takes one piece: the nodes before the first sign, and between the two.
+        // Each iteration takes one piece: the nodes before the first sign, and those between both
+        // signs.
         while let Some((first, second)) = self.choice_signs(rest.iter(), is_ternary) {
             let joint = rest[second].span();
             let sign = rest[first].span();
@@ -478,7 +482,7 @@ impl Arranger<'_> {
         Ok(())
     }
 
-    /// Indices of the first sign of a choice and of the second sign that belongs to it.
+    /// Indices of the first `?` or `if`, and of the `:` or `else` that belongs to it.
     fn choice_signs<'n>(
         &self,
         nodes: impl Iterator<Item = &'n TokenTree> + Clone,

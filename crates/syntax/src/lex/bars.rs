@@ -18,19 +18,19 @@ enum Role {
 
 const ROLES: [Role; 3] = [Role::Opens, Role::Closes, Role::Joins];
 
-/// The cheapest roles of the first bars. [`Readings`] has one for each role of the last of these
-/// bars and each number of bars open behind it.
+/// The cheapest roles for the first bars, given the role of the last of them and the number of bars
+/// open after it.
 #[derive(Clone, Copy)]
 struct Reading {
-    /// Cost of all unusual roles; the reading with the lowest cost wins.
+    /// Sum of the costs of the roles; the reading with the lowest cost wins.
     cost: u32,
     /// True if another reading has the same cost.
     is_tied: bool,
-    /// Role of the preceding bar.
+    /// Role of the bar before the last one.
     before: Role,
 }
 
-/// Readings up to one bar, indexed by the number of bars open behind it and by its role.
+/// Readings that end with one bar, indexed by the number of bars open after it and by its role.
 type Readings = [[Option<Reading>; ROLES.len()]; DEPTH + 1];
 
 /// The bars at one level of brackets.
@@ -43,14 +43,14 @@ struct BarLevel {
 }
 
 impl BarLevel {
-    /// Returns whether there is a relation between a bar and the one before it.
+    /// Returns whether a relation, `and` or `or` stands between a bar and the bar before it.
     fn compares(&self, bar: usize) -> bool {
         let before = bar.checked_sub(1).map_or(0, |before| self.places[before]);
         let first = self.signs.partition_point(|sign| *sign < before);
         self.signs.get(first).is_some_and(|sign| *sign < self.places[bar])
     }
 
-    /// Returns whether there are relations both before and behind a bar.
+    /// Returns whether there are relations, `and` or `or` both before and after a bar.
     fn is_between_relations(&self, bar: usize) -> bool {
         let place = self.places[bar];
         self.signs.first().is_some_and(|sign| *sign < place)
@@ -61,9 +61,9 @@ impl BarLevel {
 /// Cost of a comparison within bars, or of an `or` that does not join two comparisons.
 const UNLIKELY: u32 = 1000;
 
-/// Sets the role of each bar, separately for each pair of brackets. The pairing with the fewest
-/// implicit products beside a bar is chosen; it is an error if no single pairing is best. Two
-/// adjacent bars behind an operand, where no bar is open, may mean `or`.
+/// Sets the role of each bar, separately within each pair of brackets. The pairing with the fewest
+/// implicit products next to a bar is chosen. Fails if no single pairing is best. Two adjacent bars
+/// after an operand may mean `or` if no bar is open.
 pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     if !tokens.iter().any(|token| matches!(token.kind, Bar | OpenBar | CloseBar)) {
         return Ok(());
@@ -94,7 +94,7 @@ fn pair(tokens: &mut [Token], level: &BarLevel) -> Fallible<()> {
     let places = &level.places;
     let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return Ok(()) };
     let mut readings: Vec<Readings> = vec![[[None; ROLES.len()]; DEPTH + 1]; places.len() + 1];
-    // Before the first bar the state is the same as behind an `or`.
+    // The search begins as if an `or` stood before the first bar.
     readings[0][0][Role::Joins as usize] =
         Some(Reading { cost: 0, is_tied: false, before: Role::Joins });
     for bar in 0..places.len() {

@@ -1,5 +1,5 @@
-//! LaTeX environments: pieces of a choice, aligned lines, or the rows of a matrix. Matrices become
-//! lists of lists, as in the rest of the language.
+//! Reads LaTeX environments: pieces of a choice, aligned lines, or the rows of a matrix. Matrices
+//! become lists of lists, as in the rest of the language.
 
 use crate::lex::spelling::start;
 use crate::lex::token::{Token, closing, is_outside, outside};
@@ -15,7 +15,7 @@ const MATRICES: &[&str] = &["matrix", "pmatrix", "bmatrix", "Bmatrix", "smallmat
 /// Environments that hold a matrix between bars.
 const BARRED: &[&str] = &["vmatrix", "Vmatrix"];
 
-/// Number of bytes within which the end of an environment is looked for.
+/// Number of bytes within which an environment must end.
 const MAX_ENVIRONMENT_BYTES: usize = 10_000;
 
 /// The token of `\begin{…}` or `\end{…}`, and its length. `last` is the token before it.
@@ -35,7 +35,7 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
         end += columns.find('}').map_or(0, |length| length + 2);
     }
     let kind = match (begins, last) {
-        // The scanner changes this kind if the open bracket is of another kind.
+        // The scanner changes this kind if the `\begin` opened something else.
         (false, _) => CloseMatrix,
         (true, _) if is_matrix => OpenMatrix,
         // An array in brackets or bars is a matrix. One that is the whole statement may hold lines.
@@ -46,9 +46,9 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
     (kind, end)
 }
 
-/// Returns whether each row of an environment is a formula of its own; `rest` is the text behind
-/// its `\begin{…}`. Nothing may follow the environment. Rows have no columns, except in an array
-/// that is aligned at its relations.
+/// Returns whether each row of an environment is a separate formula. `rest` is the text after
+/// `\begin{…}`. The environment must end its statement. Its rows must have no columns, except in an
+/// array that is aligned at its relations.
 fn holds_lines(rest: &str, name: &str) -> bool {
     let close = format!(r"\end{{{name}}}");
     let Some((inner, behind)) = start(rest, MAX_ENVIRONMENT_BYTES).split_once(&close) else {
@@ -70,9 +70,9 @@ fn holds_lines(rest: &str, name: &str) -> bool {
         })
 }
 
-/// A matrix as a list of lists, or as a single list if it has one row or one column. `inner` has
-/// commas between elements and `RowEnd` between rows. The list stands between the two returned
-/// brackets, which are bars for an environment such as `vmatrix`.
+/// Returns a matrix as a list of lists, or as a single list if it has one row or one column.
+/// `inner` has commas between elements and `RowEnd` between rows. The two other tokens enclose the
+/// list: bars for an environment such as `vmatrix`, otherwise brackets.
 pub(crate) fn matrix(
     typed: &str,
     (open, close): (Token, Token),
@@ -168,7 +168,7 @@ fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
     }
 }
 
-/// Number of leading `tokens` that are matrices and names before a column, and index of the column.
+/// Finds a column vector after matrices and names. Returns their number of tokens, and its index.
 fn factors(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let (mut at, mut end) = (0, 0);
     loop {

@@ -1,4 +1,5 @@
-//! Signs of other languages, of markup and of print. Each stands for a token or is skipped.
+//! Reads signs of other languages, of markup and of typesetting. Each becomes a token or is
+//! skipped.
 
 use crate::lex::spelling::{is_name_char, line_length, plain, prefix_length, start, token_kind};
 use crate::lex::token::LexContext;
@@ -15,7 +16,7 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
     let first = rest.chars().next()?;
     let length = first.len_utf8();
     match first {
-        // A character of HTML by name, such as `&le;`.
+        // An HTML entity, such as `&le;`.
         '&' => {
             let end = start(rest, 10).find(';')? + 1;
             Some((token_kind(&rest[..end])?, end))
@@ -25,7 +26,8 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             let word = DECLARES.iter().find(|word| rest.starts_with(**word))?;
             Some((Blank, word.len()))
         }
-        // A comment of MATLAB behind a complete statement, then the remainder of other languages.
+        // A percent sign begins a comment of MATLAB if it begins a statement, else it may be a
+        // remainder.
         '%' if context.last.is_none() => Some((Blank, line_length(rest))),
         '%' if context.last.is_some_and(TokenKind::ends_operand) && divides(&rest[1..]) => {
             Some((Remainder, 1))
@@ -84,8 +86,8 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
     }
 }
 
-/// Returns whether `rest` begins with a divisor, perhaps behind a minus: a number, a bracket, or a
-/// name of one or two letters that does not begin a comment.
+/// Returns whether `rest` begins with a divisor, perhaps after a minus: a number, a bracket, or a
+/// name of one or two letters that is not the first word of a comment.
 fn divides(rest: &str) -> bool {
     let rest = rest.trim_start_matches(' ');
     let rest = rest.strip_prefix('-').unwrap_or(rest);

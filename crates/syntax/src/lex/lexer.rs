@@ -1,7 +1,7 @@
 //! Recognizes the token at the start of a text, from its characters and a little context.
 //!
-//! Notations that people paste are brought to the same tokens: LaTeX environments, comments of
-//! other languages, names of modules before functions, components of vectors.
+//! Pasted notations become the tokens of this language: LaTeX environments, comments of other
+//! languages, names of modules before functions, components of vectors.
 
 use crate::lex::environment::environment;
 use crate::lex::foreign_signs::foreign;
@@ -24,7 +24,7 @@ const LABELS: &[&str] = &["tag", "label"];
 /// Words in `\text{…}` that only introduce a condition, or mean nothing.
 const CONDITION_WORDS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
 
-/// Words for the piece of a choice that applies where no condition holds.
+/// Words for the last piece of a choice, which applies where no condition holds.
 pub(crate) const OTHERWISE: &[&str] =
     &["otherwise", "else", "elsewhere", "True", "true", "default"];
 
@@ -53,7 +53,7 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
         '.' if context.touching.is_some_and(ends_value) => component(rest, context),
         '0'..='9' | '.' => number(rest),
         '\\' => command(rest, context),
-        // Dollar signs enclose a formula and are skipped there. One inside it is an error.
+        // Dollar signs around a formula are skipped. A dollar sign inside a formula is an error.
         '$' if context.last.is_some()
             && !rest[1..].trim_start_matches([' ', '\t', '\r']).is_empty()
             && !rest[1..]
@@ -86,7 +86,7 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
         }
         _ if vulgar(character).is_some() => (VulgarFraction, length),
         'ℯ' => (TokenKind::Name, length),
-        // The degree sign, behind an operand.
+        // A degree sign after an operand is read as a name.
         '°' if context.last.is_some_and(TokenKind::ends_operand) => (TokenKind::Name, length),
         _ if character.is_alphabetic() => {
             // A name ends with its Unicode subscript.
@@ -135,7 +135,7 @@ fn comment(rest: &str, context: LexContext) -> Option<usize> {
             return length.map(|length| open.len() + length + close.len());
         }
     }
-    // Markdown: the fence of a code block, then a bullet.
+    // Marks of Markdown: the fence of a code block, then a bullet.
     if context.starts_line && rest.starts_with("```") {
         return Some(line_length(rest));
     }
@@ -157,7 +157,7 @@ fn ends_value(kind: TokenKind) -> bool {
     matches!(kind, TokenKind::Name | Component) || kind.is_axis() || kind.is_closer()
 }
 
-/// The token of `.xz` or `.sin` behind a value, and its length. Methods without meaning are blank.
+/// The token of `.xz` or `.sin` after a value, and its length. Methods without effect are blank.
 fn component(rest: &str, context: LexContext) -> (TokenKind, usize) {
     let word = &rest[1..=prefix_length(&rest[1..], is_name_char)];
     if is_component(word) {
@@ -172,13 +172,13 @@ fn component(rest: &str, context: LexContext) -> (TokenKind, usize) {
     if matches!(word, "doit" | "evalf" | "simplify") && rest[1 + word.len()..].starts_with("()") {
         return (Blank, 3 + word.len());
     }
-    // A dot before an unknown name is an error. Any other begins a number or ends a sentence.
+    // A dot before an unknown name is an error. Any other dot begins a number or ends a sentence.
     let is_name =
         context.touching.is_some_and(TokenKind::is_name) && word.starts_with(char::is_alphabetic);
     if is_name { (Unknown, 1) } else { number(rest) }
 }
 
-/// The function that a method of Rust calls, such as `pow` for `powi`.
+/// The function that a method stands for, such as `pow` for Rust's `powi`.
 pub(crate) fn method(word: &str) -> Option<&'static str> {
     const ALIKE: &[&str] = &[
         "pow", "sqrt", "cbrt", "abs", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh",
@@ -247,7 +247,7 @@ fn name(rest: &str, end: usize) -> (TokenKind, usize) {
     {
         return (fixed, end);
     }
-    // The underscore of a subscript may already be part of the name.
+    // The letters may already include the underscore of a subscript.
     let base = rest[..end].strip_suffix('_').map_or(end, str::len);
     match rest[base..].strip_prefix('_') {
         Some(subscript) if subscript.starts_with('{') => {
@@ -316,13 +316,13 @@ fn sign(rest: &str) -> (TokenKind, usize) {
                 (Blank, 2)
             }
         }
-        // A brace before an environment is decoration.
+        // A brace before an environment has no meaning, so it is skipped.
         r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (Blank, 2),
         other => token_kind(other).map_or((Unknown, 1), |kind| (kind, two)),
     }
 }
 
-/// Length of a row distance such as `[2pt]`; 0 if there is none.
+/// Length of a row spacing such as `[2pt]`; 0 if there is none.
 fn gap(rest: &str) -> usize {
     let Some(inner) = rest.strip_prefix('[') else { return 0 };
     let number = prefix_length(inner, |c| c.is_ascii_digit() || matches!(c, '.' | '-'));

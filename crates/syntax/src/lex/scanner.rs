@@ -1,9 +1,9 @@
 //! The first pass over a text: splits it into tokens and statements, and checks limits and
 //! brackets.
 //!
-//! It is one loop without recursion, so no later stage meets a text that is too long or nested too
+//! It is a loop without recursion, and later stages never get a text that is too long or nested too
 //! deeply. It does not know the grammar. A token is recognized by its own characters, with a few
-//! exceptions such as the parts of `\frac` and the hexadecimal color behind `color`.
+//! exceptions such as the parts of `\frac` and the hexadecimal color after `color`.
 
 use crate::lex::bars::pair_bars;
 use crate::lex::lexer::lex;
@@ -23,7 +23,7 @@ pub(crate) struct LexedStatement {
     /// One character per token: the text that the grammar reads.
     pub symbols: String,
     pub span: Span,
-    /// Notes from arranging its tokens.
+    /// Notes from arranging the tokens.
     pub notes: Vec<Note>,
 }
 
@@ -84,7 +84,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let within = open.last().map_or(Blank, |index| tokens[*index].kind);
         let in_rows = matches!(within, OpenChoice | OpenMatrix);
         match kind {
-            // `\end` closes whatever its `\begin` opened. Outside brackets that is an alignment.
+            // `\end` closes whatever its `\begin` opened. Outside brackets, this is an alignment.
             CloseMatrix if within == OpenChoice => kind = CloseChoice,
             CloseMatrix if open.is_empty() && aligned > 0 => {
                 kind = CloseAlignment;
@@ -184,8 +184,8 @@ fn goes_on(rest: &str) -> bool {
         || [r"\cdot", r"\times", r"\le", r"\ge"].iter().any(|sign| rest.starts_with(sign))
 }
 
-/// Returns whether `rest` begins with a line that may end the formula above it. A line that is a
-/// statement of its own does not.
+/// Returns whether `rest` begins with a line that may continue the formula above it. A line that is
+/// a statement of its own does not.
 fn continues(rest: &str) -> bool {
     let line = rest.trim_start_matches([' ', '\t', '\r']);
     let line = start(&line[..line_length(line)], 300);
@@ -237,7 +237,7 @@ fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
     let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
     let line = tokens.iter().take_while(|token| token.kind != Semicolon && token.span.start < line);
     match (line.last(), kind.closer()) {
-        // Environments are left out, since a command closes them rather than a character.
+        // Environments get no suggestion, since a command closes them rather than a character.
         (Some(last), Some(close)) if is_only && !matches!(close, CloseChoice | CloseMatrix) => {
             error.suggest(Span::at(last.span.end), close.as_char())
         }

@@ -1,4 +1,4 @@
-//! Brings every spelling of the language to one. Knows characters, not meanings.
+//! Maps every spelling of the language to a standard one. Nothing here knows what a name means.
 
 use crate::lex::token_kind::TokenKind;
 use crate::settings::{SettingRow, setting};
@@ -24,14 +24,14 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         | r"\nolimits" | r"\displaylimits" | r"\mathbf" | r"\mathsf" | r"\boldsymbol" | r"\bf"
         | r"\rm" | r"\it" | r"\hspace" | r"\enspace" | r"\nonumber" | r"\notag" | "&nbsp;"
         | "&thinsp;"
-        // Marks that set a formula apart from the text around it.
+        // Marks that separate a formula from the text around it.
         | r"\(" | r"\)" | r"\]" | "$" => Blank,
         "\n" | "\r" => LineEnd,
         ";" => Semicolon,
         "," => Comma,
         ":" => Colon,
         "?" => QuestionMark,
-        // The sign behind an opacity. `foreign` reads the remainder of other languages.
+        // The sign after an opacity. As a remainder operator it is read by `foreign`.
         "%" => Percent,
         "+" => Plus,
         // A dash between values can only mean a minus.
@@ -175,7 +175,8 @@ pub(crate) fn plain(character: char) -> Option<char> {
     None
 }
 
-/// `text` with each character replaced by its [`plain`] form, and with subscripts as in `x_1`.
+/// `text` with each character replaced by its [`plain`] form, and with subscripts written as in
+/// `x_1`.
 pub(crate) fn plain_text(text: &str) -> String {
     let mut all = String::with_capacity(text.len());
     let mut is_below = false;

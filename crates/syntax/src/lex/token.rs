@@ -1,4 +1,4 @@
-//! Tokens of a text, and helpers that find those outside brackets. Meanings are not known here.
+//! Tokens of a text, and helpers that find tokens outside brackets. Nothing here knows meanings.
 
 use crate::lex::token_kind::TokenKind::{self, CloseParen, OpenParen};
 use crate::span::Span;
@@ -8,7 +8,7 @@ use crate::span::Span;
 pub(crate) struct Token {
     pub kind: TokenKind,
     pub span: Span,
-    /// Byte offset of its character in the symbols of its statement.
+    /// Byte offset of the token's character in the symbols of its statement.
     pub at: usize,
 }
 
@@ -18,7 +18,7 @@ impl Token {
     }
 }
 
-/// The surroundings of a token that is read.
+/// The context in which a token is read.
 #[derive(Clone, Copy, Default)]
 #[allow(clippy::struct_excessive_bools)] // independent observations
 pub(crate) struct LexContext {
@@ -26,18 +26,18 @@ pub(crate) struct LexContext {
     pub is_part: bool,
     /// True if the preceding token is spelled as in LaTeX: `\sqrt` takes one digit without braces.
     pub follows_command: bool,
-    /// True if a color is next.
+    /// True if a color is next, as after `color` and `background`.
     pub is_color: bool,
     /// True if the token is the first on its line.
     pub starts_line: bool,
-    /// The preceding token, if no text separates it from the next.
+    /// Kind of the preceding token, if it touches the token that is read.
     pub touching: Option<TokenKind>,
-    /// The preceding token of the same statement.
+    /// Kind of the preceding token of the same statement.
     pub last: Option<TokenKind>,
 }
 
-/// Returns a function that tracks brackets. It is called for one token after the other, and returns
-/// the number of brackets open behind each.
+/// Returns a function that must be called with each token in order. It returns the number of
+/// brackets that are open after the token.
 fn depth() -> impl FnMut(&Token) -> usize {
     let mut depth = 0_usize;
     move |token| {
@@ -50,7 +50,7 @@ fn depth() -> impl FnMut(&Token) -> usize {
     }
 }
 
-/// Returns a test for `sign` outside brackets. It is called for one token after the other.
+/// Returns a test for `sign` outside brackets. It must be called with each token in order.
 pub(crate) fn is_outside(sign: TokenKind) -> impl FnMut(&Token) -> bool {
     let mut depth = depth();
     move |token| depth(token) == 0 && token.kind == sign

@@ -84,7 +84,8 @@ token_kinds! {
     /// The ends of an environment that only aligns.
     OpenAlignment = '⇥', CloseAlignment = '⇤',
 
-    // Words of lines about the picture. `SettingWord` begins a line that has no word of its own.
+    // Words that begin lines about the picture. `SettingWord` stands for all words without a kind
+    // of their own.
     DomainWord = 'd', ViewWord = 'v', ColorWord = 'c', LookWord = 'l', BackgroundWord = 'b',
     SettingWord = 's', Auto = 'u', HexColor = '#', Percent = '%',
     /// A named direction of view.
@@ -130,7 +131,7 @@ impl TokenKind {
         matches!(self, DomainWord | ViewWord | ColorWord | LookWord | BackgroundWord | SettingWord)
     }
 
-    /// Returns whether this is a name or a word that may be one.
+    /// Returns whether this is a name, or a word that may also be a name.
     pub(crate) fn is_name(self) -> bool {
         self.is_setting()
             || matches!(self, Name | X | Y | Z | Root | Auto | Preset | VectorKey | NumberKey)

@@ -2,7 +2,7 @@
 
 use crate::messages::error::{Error, ErrorKind, Suggestion};
 use crate::settings::setting;
-use zeroset_style::{LOOKS, VIEWS};
+use zeroset_style::{COLOR_MAPS, LOOKS, VIEWS};
 
 /// Longest corrected text that is quoted, in characters.
 const MAX_QUOTED: usize = 60;
@@ -209,16 +209,9 @@ impl Error {
             ErrorKind::BadVector { key } => format!("write `{key} (1, 2, 3)`"),
             ErrorKind::BadDomain => setting("domain")?.hint.to_owned(),
             ErrorKind::BadColor => setting("background")?.hint.to_owned(),
-            ErrorKind::BadLook => {
-                let [names @ .., last] = &LOOKS.map(|look| format!("`{}`", look.name));
-                format!("there are {} and {last}", names.join(", "))
-            }
+            ErrorKind::BadLook => there_are(&LOOKS.map(|look| look.name)),
             ErrorKind::BadSetting { hint, .. } => (*hint).to_owned(),
-            ErrorKind::BadColorMap => {
-                "there are `viridis`, `magma`, `inferno`, `plasma`, `cividis`, `turbo`, \
-                 `spectral`, `sinebow`, `rainbow`, `blues`, `greys` and `redblue`"
-                    .to_owned()
-            }
+            ErrorKind::BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
             kind => fixed_advice(kind)?.to_owned(),
         })
     }
@@ -382,4 +375,13 @@ fn character_help(character: char) -> Option<&'static str> {
         '.' => "a product is written `*`, a method as a function: `dot(a, b)`",
         _ => return None,
     })
+}
+
+/// Says which names there are.
+fn there_are(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    match quoted.split_last() {
+        Some((last, rest)) => format!("there are {} and {last}", rest.join(", ")),
+        None => String::new(),
+    }
 }

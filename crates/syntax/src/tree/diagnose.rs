@@ -76,7 +76,7 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
         _ if let Some(span) = half_fraction(&lexed.tokens[..next]) => {
             Error::new(span, ErrorKind::HalfFraction)
         }
-        // Outside brackets a semicolon ends the statement, so this one separates arguments.
+        // This semicolon is inside brackets, since others end the statement. A comma must be meant.
         (_, Semicolon) => {
             Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
         }
@@ -103,8 +103,8 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
     }
 }
 
-/// The span from the last open brace to the token at `next`, if an operator precedes the brace. A
-/// restriction never follows an operator, so such braces hold a choice.
+/// If an operator stands before the last open brace: the span from this brace to the token at
+/// `next`. Such a brace opens a choice, since a restriction follows a whole formula.
 fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
     let before = &lexed.tokens[..next];
     let open = before.iter().rposition(|token| token.kind == OpenBrace)?;

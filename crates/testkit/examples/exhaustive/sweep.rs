@@ -15,7 +15,8 @@ use zeroset_ops::Op;
 
 /// Number of floats that a thread takes at a time.
 const CHUNK: u64 = 1 << 16;
-/// Angles up to here are enclosed tightly. Beyond, an enclosure is the function's range.
+/// Angles up to this magnitude are enclosed tightly. The enclosure of a larger one is the
+/// function's range.
 const ANGLE_LIMIT: f32 = 8_388_608.0;
 /// Angles known to stay within these bounds are reduced in fewer steps.
 const COMMON_LIMIT: f32 = 1_048_576.0;
@@ -30,7 +31,8 @@ pub struct Function {
     /// Lower and upper bound of all its values.
     range: [f64; 2],
     limit: f32,
-    /// Bound that the code may assume for its operand, if any. Floats beyond it are not checked.
+    /// Bound of the operand's magnitude that the code may assume, if any. Floats beyond it are not
+    /// checked.
     pub within: Option<f32>,
 }
 
@@ -75,7 +77,8 @@ pub fn functions() -> Vec<Function> {
             let is_exact = is_short && (root * root).mul_add(root, -f64::from(x)) == 0.0;
             where_defined(true, root, is_exact)
         }),
-        // At rationals other than 0 (1 for a logarithm) these have irrational values (Lindemann).
+        // The functions below have irrational values at all rationals except 0, or except 1 for a
+        // logarithm (Lindemann).
         all(Op::Exp, [0.0, f64::INFINITY], f32::MAX, |x| {
             where_defined(true, core_math::exp(f64::from(x)), x == 0.0)
         }),
@@ -90,7 +93,7 @@ pub fn functions() -> Vec<Function> {
         }),
         all(Op::Log10, REALS, f32::MAX, |x| {
             let value = core_math::log10(f64::from(x));
-            // 5¹⁰ is the last power of five with 24 bits.
+            // Float powers of 10 end here: 5¹⁰ is the last power of five with at most 24 bits.
             let is_power = (0..=10).any(|n| f64::from(x) == 10_f64.powi(n));
             where_defined(x > 0.0, value, is_power)
         }),
@@ -150,7 +153,7 @@ pub struct Report {
     /// Number of bounded enclosures that are wider than the tightest by more ulps than the
     /// function's row allows.
     pub wide: u64,
-    /// Operand of smallest magnitude with a wider enclosure than allowed.
+    /// Operand of smallest magnitude whose enclosure is wider than allowed.
     pub first_wide: Option<f32>,
     /// Greatest number of ulps by which a bounded enclosure is wider than the tightest.
     pub worst: u64,

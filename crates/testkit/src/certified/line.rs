@@ -17,9 +17,10 @@ pub struct Line {
 /// The range of t ≥ 0 inside a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Clip {
-    /// Bounds that contain every t inside.
+    /// Bounds that contain every t whose point is inside.
     pub(super) outer: [f64; 2],
-    /// Bounds between which every t is inside. Not in order if no t is certainly inside.
+    /// Bounds between which every point is certainly inside. Not in order if there is no such
+    /// point.
     pub(super) inner: [f64; 2],
 }
 
@@ -56,7 +57,7 @@ impl Line {
         (range.lo, range.hi)
     }
 
-    /// Returns the values of the parameters of an [`FunctionOnLine`].
+    /// Returns the values of the parameters of a [`FunctionOnLine`].
     pub(super) fn parameters(&self) -> Vec<(f64, f64)> {
         self.eye.iter().chain(&self.direction).map(|value| (*value, *value)).collect()
     }
@@ -64,7 +65,8 @@ impl Line {
 
 /// A function of t and of the six numbers of a line, and its derivative by t.
 ///
-/// t is the coordinate x. The numbers of the line are parameters, so one graph serves every line.
+/// The graph has t as the coordinate x. The numbers of the line are parameters, so one graph serves
+/// every line.
 #[derive(Clone, Debug)]
 pub struct FunctionOnLine {
     pub(super) graph: Graph,

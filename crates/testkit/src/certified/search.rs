@@ -5,21 +5,24 @@ use super::{Certificate, Crossing, Unresolved, UnresolvedReason};
 use crate::oracle::{BoxClaim, Defined, Oracle, Span};
 
 /// Least length of a piece, as a share of the ray's path through the box. Where the function is
-/// smooth, halving mostly ends earlier, when rounding errors exceed the function's changes.
+/// smooth, halving mostly ends at longer pieces, when rounding errors exceed the function's
+/// changes.
 const SMALLEST: f64 = f64::from_bits((1023 - 44) << 52); // 2^-44
 
-/// Most undecided pieces reported one by one. After that, the rest of the ray is one piece.
+/// Greatest number of undecided pieces that are reported one by one. The rest of the ray is one
+/// piece.
 const MOST_UNRESOLVED: usize = 64;
 
-/// Largest share of a piece that a Newton step may leave. Otherwise its remainders cost too much.
+/// Largest share of a piece that a Newton step may leave. A larger remainder is not worth the step,
+/// and the piece is halved.
 const NEWTON_LEAVES: f64 = 0.5;
-/// Margin added to either end of a Newton step's result, as a share of its width. It makes it
-/// possible to prove the parts cut off empty.
+/// Margin added to either end of a Newton step's result, as a share of the result's width. With it,
+/// the parts that are cut off can be proven empty.
 const NEWTON_MARGIN: f64 = 0.125;
 
 /// Result of evaluating the function on a piece.
 enum PieceResult {
-    /// The piece contains no zero. The sign is that of the values, if there are any.
+    /// The piece contains no zero. The sign is that of the function, if it has values there.
     Empty(Option<Sign>),
     /// The piece has to be cut at these distances.
     Cut(Vec<f64>),
@@ -33,7 +36,7 @@ enum Sign {
     Positive,
 }
 
-/// Adjacent leaves.
+/// A run of adjacent leaves.
 #[derive(Clone, Copy)]
 struct Cluster {
     near: f64,
@@ -119,7 +122,7 @@ impl<'a> Search<'a> {
         self.unresolved.push(Unresolved { near, far, reason: UnresolvedReason::Budget });
     }
 
-    /// Decides on adjacent leaves by the signs on either side.
+    /// Decides on a run of adjacent leaves by the signs on either side of it.
     ///
     /// A leaf in which the function is defined shares an end with an empty piece. The function has
     /// a value there, with the sign of the empty piece.
@@ -205,7 +208,8 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Returns cuts of a piece such that all zeros lie between them, or `None` if they gain too little.
+/// Returns cuts of a piece between which all its zeros lie, or `None` if they would cut off too
+/// little.
 fn newton(near: f64, far: f64, middle: f64, value: Span, slope: Span) -> Option<Vec<f64>> {
     if slope.has_zero() {
         return None;

@@ -36,7 +36,7 @@ fn simple_roots_cross() {
         assert!(certificate.unresolved.is_empty(), "{root}: {certificate:?}");
         assert!(certificate.crossing.is_some(), "{root}: {certificate:?}");
     }
-    // A triple root crosses, but is not simple.
+    // At a triple root the function changes its sign, but the root is not simple.
     let certificate = along_x("(x-1)^3");
     crosses_at(&certificate, 9.0);
     assert!(!certificate.crossing.is_some_and(|crossing| crossing.simple));

@@ -1,7 +1,7 @@
 //! Elementary functions over ranges of operands.
 //!
 //! For a non-zero rational operand, exp, ln, sin, cos, tan, atan and similar functions have an
-//! irrational value (Lindemann), except for ln 1. So the exact cases named here are all there are.
+//! irrational value (Lindemann), except for ln 1. So there are no exact cases besides those below.
 
 use super::rounded::Rounded;
 use super::span::Span;
@@ -32,7 +32,7 @@ pub(super) fn log2(a: Span) -> Span {
 /// Decimal logarithm of the positive members of `a`.
 pub(super) fn log10(a: Span) -> Span {
     logarithm(a, |x| {
-        // No other powers of ten are floats. Up to the 22nd power the products are exact.
+        // No other powers of ten are `f64`. Up to the 22nd power the products are exact.
         let is_power = (0..=22).scan(1.0, |power, _| {
             let this = *power;
             *power *= 10.0;
@@ -68,8 +68,9 @@ fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span
         _ => Rounded::inexact(f(x)),
     };
     let mut range = Span::hull(value(a.lo), value(a.hi));
-    // The slope has at most one zero here, so a change of its sign means one extremum. A correctly
-    // rounded slope has the right sign, and is 0 only if it is exactly 0, which happens at an end.
+    // The slope has at most one zero in this range, so a change of its sign means one extremum. A
+    // correctly rounded slope has the right sign. It is 0 only if it is exactly 0, and then the
+    // extremum is at an end.
     let (before, after) = (slope(a.lo), slope(a.hi));
     if before > 0.0 && after < 0.0 {
         range.hi = 1.0;
@@ -141,8 +142,8 @@ pub(super) fn atanh(a: Span) -> Span {
         .increasing(|x| Rounded::when(core_math::atanh(x), x == 0.0 || x.abs() == 1.0))
 }
 
-/// Angles of the points (x, y). Returns every angle if the points surround the origin or meet the
-/// branch cut from below.
+/// Angles of the points (x, y). Returns every angle if the rectangle of points contains the origin
+/// or meets the branch cut from below.
 pub(super) fn atan2(y: Span, x: Span) -> Span {
     let everything = Span::new(-core::f64::consts::PI.next_up(), core::f64::consts::PI.next_up());
     if x.has_zero() && y.has_zero() || x.lo < 0.0 && y.lo < 0.0 && y.hi >= 0.0 {

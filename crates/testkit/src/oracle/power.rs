@@ -1,4 +1,4 @@
-//! Powers. Their domain of definition depends on the kind of expression of the exponent.
+//! Powers. Their domain of definition depends on what kind of expression the exponent is.
 
 use super::rounded::{self, Rounded};
 use super::span::Span;
@@ -10,13 +10,14 @@ use zeroset_ir::Constant;
 /// Kind of an exponent, as far as the graph alone determines it.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Exponent {
-    /// An integer constant. Every base but 0 is allowed, and 0 if the exponent is not negative.
+    /// An integer constant. If it is negative, the base must not be 0; otherwise any base is
+    /// allowed.
     Integer {
         /// Bounds of the integer, which may be too large for a float to represent exactly.
         value: Span,
-        /// Whether it is odd.
+        /// Whether the integer is odd.
         odd: bool,
-        /// Whether it is below 0.
+        /// Whether the integer is below 0.
         negative: bool,
     },
     /// A constant that is not an integer.
@@ -42,7 +43,8 @@ impl Exponent {
     }
 }
 
-/// `base` to the power `power`, for a node with this kind of exponent.
+/// Bounds of `base` to the power `power`, and whether the power is defined. The kind of the
+/// exponent decides which bases are allowed.
 pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defined) {
     let (a, b) = (base.span(), power.span());
     match exponent {
@@ -64,7 +66,7 @@ pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defin
     }
 }
 
-/// Integer powers of the members of `a`, except 0 if `n` is negative.
+/// Integer powers of the members of `a`. If the exponent is negative, the member 0 is left out.
 fn integer_power(a: Span, n: Span, odd: bool) -> Span {
     if !odd || a.lo >= 0.0 {
         return magnitudes(a.abs(), n);
@@ -88,7 +90,7 @@ fn magnitudes(x: Span, y: Span) -> Span {
     Span::of(&x.corners(y, corner)).within(0.0, f64::INFINITY)
 }
 
-/// xʸ for x ≥ 0. Both may be infinite.
+/// xʸ for x ≥ 0. Both numbers may be infinite.
 fn corner(x: f64, y: f64) -> Rounded {
     if x == 0.0 || x == 1.0 || y == 0.0 || x.is_infinite() || y.is_infinite() {
         return Rounded::exact(core_math::pow(x.abs(), y));
@@ -98,7 +100,7 @@ fn corner(x: f64, y: f64) -> Rounded {
 
 /// xʸ by multiplication, if y is a small integer and no step rounds.
 fn exact_power(x: f64, y: f64) -> Option<f64> {
-    // With more than 64 factors only powers of two stay exact, and they soon overflow.
+    // With more factors, only powers of two stay exact, and they soon overflow.
     const MOST_FACTORS: f64 = 64.0;
     if y.fract() != 0.0 || y.abs() > MOST_FACTORS {
         return None;

@@ -1,8 +1,8 @@
-//! Single operations of `f64` with a flag whether the result is exact.
+//! Single operations of `f64`. A flag tells whether the result is exact.
 
 /// Magnitude below which exactness is not claimed, since the remainder of a product or quotient
-/// might underflow. A remainder is at most 2 · 53 bits below it, still above the smallest
-/// subnormal, 2⁻¹⁰⁷⁴.
+/// might underflow. A remainder is smaller by at most 2 · 53 bits, and that is still above the
+/// smallest subnormal, 2⁻¹⁰⁷⁴.
 const REMAINDER_IS_SAFE: f64 = f64::from_bits((1023 - 900) << 52); // 2^-900
 
 /// A result rounded to nearest. Infinite if it overflowed.
@@ -21,7 +21,8 @@ impl Rounded {
         Self { value, exact: false }
     }
 
-    /// `value`, which is exact if `exact`. An overflow must not be passed as exact.
+    /// A result with this `value`, which is exact if `exact` is true. An overflow must not be
+    /// passed as exact.
     pub(super) fn when(value: f64, exact: bool) -> Self {
         Self { value, exact }
     }
@@ -72,8 +73,8 @@ pub(super) fn mul(a: f64, b: f64) -> Rounded {
     Rounded::when(product, safe && a.mul_add(b, -product) == 0.0)
 }
 
-/// a/b. It is 0 for an infinite b, unbounded for b = ±0, and 0 for 0/0. The ends of a quotient
-/// whose divisor is not 0 need these conventions.
+/// a/b. By convention it is 0 for an infinite b, infinite for b = ±0, and 0 for 0/0. The ends of a
+/// quotient of ranges need this if the divisor has an end at 0 or infinity.
 pub(super) fn div(a: f64, b: f64) -> Rounded {
     if a == 0.0 || b.is_infinite() {
         return Rounded::exact(0.0);

@@ -6,8 +6,8 @@ use super::span::Span;
 use super::{Claim, Defined, elementary};
 use zeroset_ops::{Class, Continuity, Law, Op};
 
-/// Returns what is certain about `op` applied to `operands`, of which its arity says how many are
-/// used. `exponent` describes the last operand and matters only for powers.
+/// Returns what is certain about `op` applied to `operands`. Only as many operands are used as the
+/// operation has. `exponent` describes the last operand and matters only for powers.
 pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     if op == Op::SelectNegative {
         return select_negative(operands);
@@ -74,8 +74,8 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     Claim::new(value, defined)
 }
 
-/// Whether `op` is certainly continuous, given its `value`, and the values and continuity of its
-/// operands. `op` must be defined there.
+/// Whether `op` is certainly continuous, given its `value`, and the values and the continuity of
+/// its operands. `op` must be defined there.
 pub(super) fn is_continuous(
     op: Op,
     value: Claim,
@@ -96,7 +96,7 @@ pub(super) fn is_continuous(
         }
         (Continuity::Jumps, Class::Remainder) => all && one_step(a.div(b)),
         (Continuity::Jumps, Class::Function(Law::Fraction)) => all && one_step(a),
-        // Other operations with jumps are constant between them.
+        // Other operations with jumps are constant between their jumps.
         (Continuity::Jumps, _) => all && value.lo == value.hi,
     }
 }
@@ -145,7 +145,8 @@ fn modulo(a: Span, b: Span) -> Span {
     if whole != quotient.hi.floor() || !whole.is_finite() {
         return Span::new(least, most);
     }
-    // It is linear in a and b, with one rounding at each corner.
+    // With the same whole quotient, the remainder is linear in a and b. Each corner is rounded
+    // once.
     let corner = |a: f64, b: f64| rounded::mul_add(-whole, b, a);
     let corners = [corner(a.lo, b.lo), corner(a.lo, b.hi), corner(a.hi, b.lo), corner(a.hi, b.hi)];
     Span::of(&corners).within(least, most)

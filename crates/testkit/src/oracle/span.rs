@@ -69,7 +69,7 @@ impl Span {
         Self::new(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 
-    /// Returns the part between `lo` and `hi`, where the true value is known to lie.
+    /// Returns the part of the range between `lo` and `hi`, where the true value is known to lie.
     pub(crate) fn within(self, lo: f64, hi: f64) -> Self {
         Self::new(self.lo.clamp(lo, hi), self.hi.clamp(lo, hi))
     }
@@ -118,7 +118,7 @@ impl Span {
         Self::of(&self.corners(other, rounded::div))
     }
 
-    /// Returns `f` at the four pairs of ends.
+    /// Returns `f` at the four pairs of ends of both ranges.
     pub(super) fn corners(self, other: Self, f: fn(f64, f64) -> Rounded) -> [Rounded; 4] {
         [f(self.lo, other.lo), f(self.lo, other.hi), f(self.hi, other.lo), f(self.hi, other.hi)]
     }
@@ -129,13 +129,13 @@ impl Span {
     }
 }
 
-/// Returns two floats around a rational number, equal if it is one.
+/// Returns two floats around a rational number, which are equal if the number is a float.
 fn rational(value: &BigRational) -> Span {
     if value.is_integer() {
         return around(value.numer());
     }
     let exact = |x: f64| BigRational::from_float(x);
-    // The guess is corrected by exact comparisons.
+    // The rounded number is a guess, which exact comparisons correct.
     let Some(guess) = value.to_f64().filter(|x| x.is_finite()) else {
         let huge = Span::new(f64::MAX, f64::INFINITY);
         return if value.is_negative() { huge.neg() } else { huge };

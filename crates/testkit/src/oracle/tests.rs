@@ -19,7 +19,7 @@ fn digits(text: &str) -> BigRational {
     if negative { -value } else { value }
 }
 
-/// Returns the claim about `op` over up to three numbers, which are variables.
+/// Returns the claim about `op` applied to up to three numbers, which are the values of variables.
 fn claim(op: Op, operands: &[f64]) -> Claim {
     let mut graph = Graph::new();
     let ids: Vec<NodeId> =
@@ -30,7 +30,7 @@ fn claim(op: Op, operands: &[f64]) -> Claim {
     enclose_at(&graph, &[root], point, &[])[0]
 }
 
-/// Returns the claim about `op` over ranges, which are parameters.
+/// Returns the claim about `op` applied to ranges, which are the bounds of parameters.
 fn claim_over(op: Op, ranges: &[(f64, f64)]) -> Claim {
     let mut graph = Graph::new();
     let ids: Vec<NodeId> = (0..ranges.len() as u32).map(|number| graph.parameter(number)).collect();
@@ -207,7 +207,7 @@ fn published_values_are_enclosed() {
     }
     let third = Constant::ratio(1, 3).expect("a ratio");
     let root = digits("1.25992104989487316476721060727822835057025146470151");
-    // One third is a range, so the result is wider than usual.
+    // The constant one third is enclosed by a range, so the result is wider than usual.
     assert_tight(power_claim(2.0, third), &root, 4, "2^(1/3)");
     let root = digits("1.41421356237309504880168872420969807856967187537694");
     let half = Constant::ratio(1, 2).expect("a ratio");
@@ -431,8 +431,8 @@ fn powers_are_defined_as_the_table_says() {
     assert_eq!(at(0.0)[2].defined, No);
 }
 
-/// Every operation is undefined where an operand is, except for a branch that is not chosen and for
-/// operands of `otherwise`.
+/// Every operation is undefined where an operand is undefined. Exceptions are a branch that is not
+/// chosen, and operands of `otherwise`.
 #[test]
 fn undefined_operands_spread() {
     for row in zeroset_ops::TABLE {

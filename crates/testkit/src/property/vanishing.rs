@@ -16,8 +16,8 @@ const BUDGET: u32 = 2000;
 /// Compiles the kernel that finds the zeros of a formula; `None` if it has no surface.
 pub type CompileZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
 
-/// Checks the kernel of a formula on boxes around certain zeros: it must not report that there is
-/// none. `defined` counts the boxes.
+/// Checks the kernel of a formula on boxes around proven zeros: it must find a zero possible in
+/// each. In the tally, `compared` counts lines, and `defined` counts boxes.
 ///
 /// # Errors
 /// The first zero that the kernel denies.

@@ -114,7 +114,8 @@ fn bounded(rng: &mut Rng, end: f64) -> f64 {
     [1e300, f64::from(f32::MAX).next_up()][below(rng, 2)].copysign(end)
 }
 
-/// Returns zero, an integer, a half integer or about a multiple of π/2, near or inside [lo, hi].
+/// Returns 0, or the integer, half integer or multiple of π/2 (rounded) nearest to a random place
+/// in [lo, hi].
 fn special_between(rng: &mut Rng, lo: f64, hi: f64) -> f64 {
     use std::f64::consts::FRAC_PI_2;
     let share = uniform_f64(rng);

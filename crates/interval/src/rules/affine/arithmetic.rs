@@ -1,13 +1,15 @@
-//! Forms of sums, products and quotients.
+//! Affine forms of sums, products and quotients.
 //!
-//! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result, a product also by
-//! the least positive number. So the rounding of a form's centre and slopes together is a small
-//! number of units of the sum of their magnitudes. The factors here are a little larger, which
-//! covers the rounding of that sum itself. Units are added to the error only when it is used: once
-//! for a sum of sums, not once per sum.
+//! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result. A product errs by
+//! less than a unit of its result plus the least positive number. So the rounding of a form's
+//! center and slopes together is a small number of units of the sum of their magnitudes. The
+//! factors here are a little larger, which covers the rounding of that sum itself. A form counts
+//! its units and adds them to its error only when the error is used: once for a sum of sums, not
+//! once per sum.
 //!
-//! A sum that overflows downward rounds up to a finite number. No centre and no slope exceeds its
-//! form's magnitude, as rounded. So the magnitude is then infinite, and so is the error.
+//! A sum that overflows downward rounds up to a finite number, which is not a valid center. But
+//! neither the center nor a slope exceeds the form's rounded magnitude. So in that case the
+//! magnitude is infinite, and so is the error.
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -69,8 +71,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::sub, a, &b)
     }
 
-    /// a + b, or a − b if `a` varies. `op` combines centres and slopes; the bounds of `b` must be
-    /// negated for a difference.
+    /// a + b, or a − b if `a` varies, according to `op`, which combines centers and slopes. For a
+    /// difference the bounds of `b` must be negated.
     fn form_sum_by<const N: usize>(
         &mut self,
         op: impl Fn(&mut M, M::V, M::V) -> M::V + Copy,
@@ -89,8 +91,8 @@ impl<M: Machine> Rule<'_, M> {
             slopes,
             error: self.sum_of(a.error, b.error),
             magnitude: Some(magnitude),
-            // a's units apply to its share of the magnitude, b's to the rest: the larger number
-            // covers both.
+            // The units of a count for its part of the magnitude, those of b for the other part.
+            // The larger number of units covers both parts.
             units: a.units.max(b.units) + 1.25,
             bounds: match (a.bounds, b.bounds) {
                 (Some(a), Some(b)) => Some([self.m.add(a[0], b[0]), self.m.add(a[1], b[1])]),
@@ -150,7 +152,7 @@ impl<M: Machine> Rule<'_, M> {
         if exact.is_none()
             && let Some(factor_error) = b.error
         {
-            // All of a, including its error, times the error of the factor.
+            // The largest magnitude of a, including its error, times the error of the factor.
             let most = match a.error {
                 Some(error) => self.m.add(a_magnitude, error),
                 None => a_magnitude,
@@ -177,8 +179,8 @@ impl<M: Machine> Rule<'_, M> {
         let [a_size, b_size] = [a, b].map(|form| self.m.abs(form.centre));
         let a_magnitude = self.m.add(a_size, a_spread);
         let b_magnitude = self.m.add(b_size, b_spread);
-        // The last symbol is depth; its square is within [0, 1]. Half its coefficient goes to the
-        // centre.
+        // The last symbol is depth; its square is within [0, 1]. Half the coefficient of this
+        // square goes to the center.
         let half = self.number(0.5);
         let (depth, centre, slopes) = self.m.unrounded(|m| {
             let depth = m.mul(a_slopes[N - 1], b_slopes[N - 1]);
@@ -190,7 +192,8 @@ impl<M: Machine> Rule<'_, M> {
             });
             (depth, centre, slopes)
         });
-        // The error includes all products of symbols except that half, whose rounding still counts.
+        // The error bounds all products of symbols, less the half that went to the center. The
+        // rounding of that half still counts.
         let size = self.m.abs(depth);
         let tiny = self.tiny();
         let mut error = if N == 1 {
@@ -209,8 +212,8 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(b_most, a_error, error);
         }
-        // The error exceeds what the centre receives from it. So if the centre overflows, the
-        // magnitude is infinite.
+        // The error is larger than the part of the center that comes from the square of depth. So
+        // if the center overflows, the magnitude is infinite.
         let magnitude = self.m.mul_add(a_magnitude, b_magnitude, error);
         let form = Form::total(centre, Some(slopes), Some(error));
         Form { magnitude: Some(magnitude), units: 3.0, ..form }

@@ -89,7 +89,7 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The operand that is just the number `at`, which lies within `bounds`.
+    /// The operand that is the single number `at`, which lies within `bounds`.
     pub(super) fn point(&mut self, at: M::V, bounds: &Operand<M::V>) -> Operand<M::V> {
         Operand { value: Enclosure::total(self.m.neg(at), at), ..*bounds }
     }
@@ -129,7 +129,7 @@ impl<M: Machine> Rule<'_, M> {
             Some(spread) => self.m.add(size, spread),
             None => size,
         };
-        // The rounding of a − m is far below the units counted for a centre of this size.
+        // The subtraction errs by less than one unit of its result.
         let rounding = self.rounded(None, 1.0, size);
         let error = self.error_of(a);
         let error = self.sum_of(error, Some(rounding));

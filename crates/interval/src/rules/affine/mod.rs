@@ -24,9 +24,9 @@ use zeroset_ops::{Class, Op};
 
 pub use solve::{Contraction, contract};
 
-/// Lanes of affine forms of `N` symbols, with facts as of an [`Enclosure`].
+/// Lanes of affine forms of `N` symbols, with the same facts as an [`Enclosure`].
 ///
-/// A centre, slope or error that is not finite claims nothing.
+/// A form whose center, slope or error is not finite claims nothing about the value.
 #[derive(Clone, Copy, Debug)]
 pub struct Form<V, const N: usize> {
     /// The value where all symbols are 0.
@@ -36,11 +36,11 @@ pub struct Form<V, const N: usize> {
     /// At least the distance of the value from the linear function, without the rounding in
     /// `units`; `None` if that is 0.
     error: Option<V>,
-    /// At least |centre| + Σ |slopes|, if that is known without computing it.
+    /// At least |center| + Σ |slopes|, if that is known without computing it.
     magnitude: Option<V>,
-    /// Rounding that `error` does not include yet, in [units](Rule::unit) of the magnitude, which
-    /// must be known. Sums and products delay it, since a sum of many terms can add it once for all
-    /// of them.
+    /// Rounding that `error` does not include yet, in [units](Rule::unit) of `magnitude`, which
+    /// must be known. Sums and products delay this addition, so that a sum of many terms needs it
+    /// only once.
     units: f64,
     /// −lo and hi of bounds that were found without the form, if any.
     bounds: Option<[V; 2]>,
@@ -74,7 +74,7 @@ impl<V: Copy, const N: usize> Form<V, N> {
     }
 
     /// The form of a coordinate: defined everywhere, and linear up to `error`, which bounds the
-    /// rounding of its centre and slopes.
+    /// rounding of its center and slopes.
     pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
         Self::total(centre, Some(slopes), Some(error))
     }
@@ -130,7 +130,7 @@ pub fn linearise<M: Machine, const N: usize>(
     let mut rule = Rule { m, format };
     let including_rounding: Vec<_>;
     let operands = if matches!(op.row().class, Class::Negation | Class::Sum | Class::Product) {
-        // These operations pass delayed rounding on.
+        // These operations pass on the delayed rounding of their operands.
         operands
     } else {
         including_rounding =
@@ -284,7 +284,7 @@ impl<M: Machine> Rule<'_, M> {
         Some(rest.iter().fold(*first, |sum, size| self.m.add(sum, *size)))
     }
 
-    /// At least |centre| + Σ |slopes|.
+    /// At least |center| + Σ |slopes|.
     fn magnitude_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> M::V {
         if let Some(magnitude) = a.magnitude {
             return magnitude;
@@ -324,7 +324,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// The operand's bounds for an interval rule: the intersection of the form's bounds, the bounds
-    /// stored with it, and the range.
+    /// stored with the form, and the operand's range.
     fn operand<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let bounds = match (a.value.slopes, a.value.bounds) {
             (None, Some(bounds)) => bounds,
@@ -337,7 +337,7 @@ impl<M: Machine> Rule<'_, M> {
                     }
                     None => [self.m.neg(a.value.centre), a.value.centre],
                 };
-                // Where the form's bound is NaN, `min` returns the other.
+                // If the form's bound is NaN, `min` returns the stored bound.
                 if let Some([known_neg_lo, known_hi]) = known {
                     neg_lo = self.m.min(neg_lo, known_neg_lo);
                     hi = self.m.min(hi, known_hi);
@@ -348,7 +348,7 @@ impl<M: Machine> Rule<'_, M> {
         a.with(a.value.facts.with(bounds))
     }
 
-    /// As [`Self::operand`], but without the form's own bounds if bounds are stored with it.
+    /// Like [`Self::operand`], but ignores the form's own bounds if bounds are stored with it.
     fn operand_from_bounds<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let (Some(_), Some(bounds)) = (a.value.slopes, a.value.bounds) else {
             return self.operand(a);
@@ -363,7 +363,7 @@ impl<M: Machine> Rule<'_, M> {
         let neg_lo = self.m.min(neg_lo, range_neg_lo);
         let hi = self.m.min(hi, range_hi);
         // If bounds and range are disjoint there is no value, so any bounds are right. They must
-        // only be in order, as rules rely on that.
+        // still be in order, since rules rely on that.
         let range_lo = self.number(range.lo);
         let hi = self.m.max(hi, range_lo);
         let neg_hi = self.m.neg(hi);
@@ -413,7 +413,7 @@ mod tests {
                     assert_eq!(form.magnitude, Some(m.abs(form.centre)));
                     assert_eq!(form.error.is_none(), lo == hi);
                     let middle = Form::<_, 3>::between(m, format, &enclosure);
-                    // The sum of the ends may overflow, while a single number is its own centre.
+                    // The sum of the ends may overflow, while a single number is its own center.
                     if lo != hi || lo < 1e38 {
                         let zero = m.number(format, 0.0);
                         assert_eq!(form.centre, middle.centre, "{lo} to {hi}");

@@ -1,6 +1,7 @@
-//! Forms of functions made of pieces: magnitudes, extrema, remainders, choices, restrictions.
+//! Affine forms of functions made of pieces: magnitudes, extrema, remainders, choices,
+//! restrictions.
 //!
-//! In lanes where only one piece counts, its form is the result. In other lanes the result is a
+//! In lanes where only one piece applies, its form is the result. In other lanes the result is a
 //! line between the pieces, or bounds.
 
 use super::{Form, FormOperand};
@@ -32,8 +33,9 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The form of two linear pieces with slopes `pieces` that meet at 0. The value is between
-    /// `slope`·a and `slope`·a + `most`; in lanes where a has one sign it is just one piece.
+    /// The form of a function of two linear pieces with slopes `pieces` that meet at 0. The
+    /// function's value is between `slope`·a and `slope`·a + `most`. In lanes where a has one sign,
+    /// the form is that of the one piece.
     fn form_of_pieces<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -175,7 +177,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_select(defined, &operands[0].value, &plain)
     }
 
-    /// The first operand, defined only where the second allows it.
+    /// The first operand, defined only where the second meets the condition of the restriction
+    /// `op`.
     pub(super) fn form_restricted<const N: usize>(
         &mut self,
         op: Op,

@@ -5,7 +5,7 @@ use super::{Form, FormOperand};
 use crate::machine::Machine;
 use crate::rules::{NEAR_UNITS, Rule};
 
-/// Sine or cosine at one number.
+/// Sine or cosine of one number.
 #[derive(Clone, Copy)]
 struct WaveValue<V> {
     value: V,
@@ -15,7 +15,7 @@ struct WaveValue<V> {
     off: V,
 }
 
-/// The operand, as the forms of both functions use it.
+/// The parts of an operand that the forms of both sine and cosine need.
 struct CenteredOperand<V, const N: usize> {
     /// The operand's form minus the middle of its bounds.
     moved: Form<V, N>,
@@ -62,8 +62,8 @@ impl<M: Machine> Rule<'_, M> {
     /// α(x − m) is between −2p and 2q. Here p is reach²/4 times the greatest value, and q is
     /// −reach²/4 times the least. The form adds q − p ± (q + p).
     ///
-    /// Rounding, in units: centre and slopes err by less than two of |α|(|m| + Σ|slopes|), and the
-    /// centre by one of v + (q − p). This sum itself errs by one of v and two of q + p.
+    /// Rounding, in units: center and slopes err by less than two of |α|(|m| + Σ|slopes|), and the
+    /// center by one of v + (q − p). This sum itself errs by one of v and two of q + p.
     fn form_wave<const N: usize>(
         &mut self,
         place: &CenteredOperand<M::V, N>,

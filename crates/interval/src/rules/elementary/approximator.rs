@@ -1,4 +1,4 @@
-//! Routines for elementary functions on `f64` lanes, each for results in both formats.
+//! Routines that approximate elementary functions on `f64` lanes, for results in `f32` or `f64`.
 //!
 //! A routine approximates a function by a short sequence of lane operations that round up. It
 //! states a bound on its relative error, truncation and rounding included; adding that error gives
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn parts_of_ln_2_make_up_ln_2() {
-        // Its first 128 bits: OEIS A068426.
+        // The first 128 bits of ln 2: OEIS A068426.
         let ln_2 = 0xb172_17f7_d1cf_79ab_c9e3_b398_03f2_f6af_u128;
         let scaled = |part: f64| (part * 2_f64.powi(127) * 2.0) as u128;
         let sum = scaled(LN_2_HI) + scaled(LN_2_LO);

@@ -8,7 +8,8 @@ const F64: Format = Format::F64;
 const SIGN: u64 = 1 << 63;
 const TAN_EIGHTH_PI: f64 = std::f64::consts::SQRT_2 - 1.0;
 const TAN_THREE_EIGHTHS_PI: f64 = std::f64::consts::SQRT_2 + 1.0;
-/// π/4, π/2, 3π/4 and π, each as the nearest double and the rest. The tests compare them with π.
+/// π/4, π/2, 3π/4 and π, each as the nearest double and the difference from it. The tests compare
+/// them with π.
 const QUARTER: [f64; 2] = [std::f64::consts::FRAC_PI_4, f64::from_bits(0x3c81_a626_3314_5c07)];
 const HALF: [f64; 2] = [std::f64::consts::FRAC_PI_2, f64::from_bits(0x3c91_a626_3314_5c07)];
 const THREE_QUARTERS: [f64; 2] =
@@ -26,10 +27,11 @@ const SCALE: f64 = f64::from_bits((1023 + 500) << 52); // 2^500
 const TINY_RATIO: f64 = f64::from_bits((1023 - 800) << 52); // 2^-800
 
 impl<M: Machine> Approximator<'_, M> {
-    /// atan x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that of
-    /// [`Approximator::atan_reduced`].
+    /// atan x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`, which follows from the
+    /// error of [`Approximator::atan_reduced`].
     ///
-    /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t): the quotient is at most tan π/8.
+    /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t). The argument that is passed on is
+    /// at most tan π/8.
     pub(crate) fn atan(&mut self, x: M::V) -> Approximation<M::V> {
         let mut t = self.m.abs(x);
         if self.has_tails() {
@@ -86,12 +88,13 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
     }
 
-    /// acos x for |x| ≤ 1; exactly 0 at 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`: that
-    /// of [`Approximator::arc_sine`]. If another term is added to the arc, the arc is at most half
-    /// the result.
+    /// acos x for |x| ≤ 1; exactly 0 at 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`, which
+    /// follows from the error of [`Approximator::arc_sine`]. Where a constant is added to the arc,
+    /// the arc is at most half the result.
     pub(crate) fn acos(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
-        // π/2 − asin x; for x > ½ it is 2 asin √… itself, for x < −½ π minus that.
+        // acos x = π/2 − asin x. So it is 2 asin √((1 − x)/2) for x > ½, and π − 2 asin √((1 +
+        // x)/2) for x < −½.
         let sign_bit = self.m.bits(F64, SIGN);
         let sign = self.m.and(x, sign_bit);
         let flip = self.m.and(beyond, sign_bit);
@@ -107,8 +110,8 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
-    /// Returns asin |x| for |x| ≤ ½, 2 asin √((1 − |x|)/2) for larger |x|, and the mask of these
-    /// larger lanes. Error 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
+    /// Returns asin |x| for |x| ≤ ½, 2 asin √((1 − |x|)/2) for larger |x|, and the mask of the
+    /// lanes with larger |x|. Relative error 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
     ///
     /// The argument w of the series has w² ≤ ¼: its tails, 1.34·c₁₄·w²⁸ and 1.34·c₂₆·w⁵², are below
     /// 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on are at most 0.006 of w and are rounded
@@ -139,8 +142,8 @@ impl<M: Machine> Approximator<'_, M> {
     /// The angle of the point (x, y), at most one of which is infinite. −0 counts as negative: as y
     /// it is below the x-axis, as x left of the y-axis.
     ///
-    /// Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`; 2⁻⁵² more for angles below
-    /// [`TINY_RATIO`].
+    /// Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`. Angles below [`TINY_RATIO`] have another
+    /// 2⁻⁵² of error.
     pub(crate) fn angle(&mut self, y: M::V, x: M::V) -> Approximation<M::V> {
         let (t, c) = self.moderate(y, x);
         let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
@@ -178,7 +181,7 @@ impl<M: Machine> Approximator<'_, M> {
         let mut angle = self.plus(base, arc);
         let mut extra = None;
         if self.has_tails() {
-            // Next to the positive x-axis the angle is the rounded ratio. It errs by an ulp or the
+            // Next to the positive x-axis the angle is the ratio |y|/|x|. It errs by an ulp or the
             // least positive number, even if scaling down has rounded |y|.
             let tiny = self.number(TINY_RATIO);
             let magnitude = self.m.abs(angle.head);
@@ -230,7 +233,7 @@ mod tests {
 
     #[test]
     fn heads_and_tails_make_up_the_constants() {
-        // The first 121 bits of π/2: OEIS A062964, halved; and as many of 1/3 and 1/6.
+        // The first 121 bits of π/2, which are OEIS A062964 halved, and of 1/3 and 1/6.
         let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
         let third = (1_u128 << 120) / 3;
         let scaled = |part: f64| (part * 2_f64.powi(120)) as u128;

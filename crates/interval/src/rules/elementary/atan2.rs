@@ -11,9 +11,9 @@ use crate::machine::Machine;
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// The angle of (b, a) from (1, 0), in (−π, π]. It is cut on a = 0, b < 0 and undefined at the
-    /// origin. If a box meets the cut from both sides, its low branch is below the x-axis, the rest
-    /// on or above it.
+    /// The angle of (b, a) from (1, 0), in (−π, π]. It jumps at the cut a = 0, b < 0 and is
+    /// undefined at the origin. If a box meets the cut from both sides, its low branch lies below
+    /// the x-axis, the other branch on or above it.
     pub(in crate::rules) fn atan2(
         &mut self,
         a: &Operand<M::V>,
@@ -37,24 +37,26 @@ impl<M: Machine> Rule<'_, M> {
         let right = self.m.le(zero, x_lo);
         let mut reaches_right = self.gt(x_hi, zero);
         if b.range.lo >= 0.0 {
-            // The origin alone has no angle; its bounds must still lie within those of boxes around
-            // it.
+            // The origin alone has no angle, but its bounds must lie within the bounds of boxes
+            // around it.
             let flat = self.m.and(upper, lower);
             reaches_right = self.m.or(reaches_right, flat);
         }
         let sign_bit = self.sign_bit();
         // Above the axis the least angle is at the right end and the greatest at the left, each at
-        // the y that the sign of x selects. Below it, where angles are negative, this is mirrored.
+        // the y that the sign of x selects. Below the axis, where angles are negative, least and
+        // greatest swap.
         let at_right_upper = self.m.select(reaches_right, y_lo, y_hi);
         let at_left_upper = self.m.select(right, y_hi, y_lo);
         let at_right_lower = self.m.select(reaches_right, y_hi, y_lo);
         let at_left_lower = self.m.select(right, y_lo, y_hi);
         let at_right_lower = self.m.or(at_right_lower, sign_bit);
         let at_left_lower = self.m.or(at_left_lower, sign_bit);
-        // Left of the y-axis or on it, a zero end has the sign of negative numbers.
+        // If the box does not reach right of the y-axis, an upper end of 0 becomes −0, which counts
+        // as left.
         let negative = self.m.or(x_hi, sign_bit);
         let x_right = self.m.select(reaches_right, x_hi, negative);
-        // A box across the x-axis and right of the y-axis has both extremes at the left end.
+        // If a box crosses the x-axis right of the y-axis, both extremes are at its left end.
         let least_y = self.m.select(lower, at_left_lower, y_lo);
         let least_y = self.m.select(upper, at_right_upper, least_y);
         let least_x = self.m.select(upper, x_right, x_lo);
@@ -75,7 +77,7 @@ impl<M: Machine> Rule<'_, M> {
         let (off_x, off_y) = (self.nonzero(a), self.nonzero(b));
         let origin = off_x.nowhere.and(self.m, off_y.nowhere);
         if !matches!(origin, Fact::False) {
-            // Keep lo ≤ hi where nothing is defined.
+            // Keep lo ≤ hi in lanes where nothing is defined.
             let lo = self.m.neg(neg_lo);
             hi = self.m.max(hi, lo);
         }
@@ -110,7 +112,7 @@ impl<M: Machine> Rule<'_, M> {
 
     /// The least number of the format above π.
     fn pi_above(&mut self) -> M::V {
-        let (f32, f64) = (std::f32::consts::PI, std::f64::consts::PI); // above it, and below
+        let (f32, f64) = (std::f32::consts::PI, std::f64::consts::PI); // above π, below π
         self.number(self.format.pick(f64::from(f32), f64.next_up()))
     }
 }

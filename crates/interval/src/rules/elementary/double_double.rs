@@ -16,7 +16,7 @@ const F64: Format = Format::F64;
 /// Clears the low 27 bits of a significand, so that the product of two such numbers is exact.
 const UPPER_HALF: u64 = !((1 << 27) - 1);
 /// Below this magnitude, a function with f(x) = x + O(x³) equals x within any claimed relative
-/// error. Its routines would underflow.
+/// error, and the routines that approximate it would underflow.
 const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
 
 /// A number as the sum head + tail.
@@ -78,8 +78,8 @@ impl<M: Machine> Approximator<'_, M> {
         if !self.has_tails() {
             return head.into();
         }
-        // The head's part of b is exact, and the part it lacks is exact up to rounding of second
-        // order.
+        // The difference `held`, the part of b that the head contains, is exact. The part that the
+        // head lacks is exact up to rounding of second order.
         let held = self.m.sub(head, a.head);
         let lacking = self.m.sub(b.head, held);
         let tails = self.tails(a.tail, b.tail);
@@ -103,9 +103,9 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// a · b, to 2⁻⁷².
     ///
-    /// The first difference is exact: it is a multiple of the last place of a product of halves. It
-    /// is below 2⁻²³ of the product, and so are all terms that follow. Three additions of such
-    /// terms lose 2⁻⁵² of them each.
+    /// The difference `upper` − `head` is exact: it is a multiple of the last place of the product
+    /// of the upper halves. It is below 2⁻²³ of the product, and so are all terms that follow.
+    /// Three additions of such terms lose 2⁻⁵² of them each.
     pub(super) fn times(
         &mut self,
         a: impl Into<DoubleDouble<M::V>>,

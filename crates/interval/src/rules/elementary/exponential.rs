@@ -8,8 +8,8 @@ use crate::machine::{Format, Machine};
 const F64: Format = Format::F64;
 /// Clears all but 17 bits of a significand, so that a cube is exact.
 const UPPER_THIRD: u64 = !((1 << 36) - 1);
-/// With larger exponents a power of any base but 1 overflows or underflows. With smaller ones the
-/// product with a logarithm is finite.
+/// Limit on the magnitude of a power's exponent. Beyond it, a power of any base but 1 overflows or
+/// underflows. Up to it, the product of exponent and logarithm is finite.
 const HUGE_EXPONENT: f64 = f64::from_bits((1023 + 600) << 52); // 2^600
 
 impl<M: Machine> Approximator<'_, M> {
@@ -66,7 +66,7 @@ impl<M: Machine> Approximator<'_, M> {
         let low = self.m.mul(k, minus_lo);
         let mut rest = self.plus(rest, low);
         if let (Some(a), Some(b)) = (rest.tail, x.tail) {
-            // If x was clamped, its tail does not count.
+            // If x was clamped, its tail is dropped.
             let unlimited = self.m.eq(head, x.head);
             let b = self.m.and(unlimited, b);
             let tail = self.m.add(a, b);
@@ -76,8 +76,8 @@ impl<M: Machine> Approximator<'_, M> {
         (k, rest)
     }
 
-    /// exp(x) · factor in `f32`, with each operation on the product rounded up. Relative error
-    /// below [`EXP_ERROR_F32`].
+    /// exp(x) · factor for results in `f32`. The products are rounded up, so a negative factor
+    /// gives a negated lower bound. Relative error below [`EXP_ERROR_F32`].
     fn exp_times(&mut self, x: M::V, factor: M::V) -> M::V {
         // Beyond these limits, results overflow or underflow the target.
         let (k, r) = self.exponent_and_rest(x.into(), [-160.0, 128.0]);
@@ -134,8 +134,8 @@ impl<M: Machine> Approximator<'_, M> {
         let [lo, hi] = [lo, hi].map(|exponent| {
             let near = self.exp_of(exponent);
             let magnitude = self.m.abs(exponent.head);
-            // With a larger exponent the result is 0 or ∞, and a larger error does not widen its
-            // bounds.
+            // With an exponent beyond ±1024 the result is 0 or ∞, and a larger error would not
+            // widen its bounds.
             let limit = self.number(1024.0);
             let magnitude = self.m.min(magnitude, limit);
             let relative = self.number(2f64.powi(-59));
@@ -184,7 +184,7 @@ impl<M: Machine> Approximator<'_, M> {
             let root = self.m.add(guess, correction);
             return Approximation::new(self.odd_cbrt(root.into(), x), 2f64.powi(-34));
         }
-        // |x| = 8ʲ·y, where y is exact for every j.
+        // |x| = 8ʲ·y, where y is computed exactly.
         let (k, m) = self.significand(magnitude);
         let (third, three) = (self.number(1.0 / 3.0), self.number(3.0));
         let exponent = self.m.mul(k, third);
@@ -194,8 +194,8 @@ impl<M: Machine> Approximator<'_, M> {
         let power = self.power_of_two(rest);
         let y = self.m.mul(m, power);
         // A guess g of 17 bits has an exact cube, and y − g³ is exact. Then ∛y = g·∛(1 + w), with w
-        // = (y − g³)/g³ ≤ 2⁻¹⁴. The tail of the series is below 2⁻⁷². Its terms are below 2⁻¹⁵, and
-        // right to 2⁻⁵⁰.
+        // = (y − g³)/g³ ≤ 2⁻¹⁴. The tail of the series is below 2⁻⁷². Its terms are below 2⁻¹⁵ and
+        // have a relative error of 2⁻⁵⁰.
         let guess = Approximator { m: self.m, target: Format::F32 }.cbrt_guess(y);
         let mask = self.m.bits(F64, UPPER_THIRD);
         let guess = self.m.and(guess, mask);

@@ -11,7 +11,7 @@ use super::approximator::{Approximator, LN_2_HI, LN_2_LO, reciprocal_factorials}
 use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::Machine;
 
-/// The terms of e^|x|, as at the top of this file.
+/// The quantities k, q = 4⁻ᵏ, cosh r and sinh r of e^|x|, defined at the top of this file.
 struct ExponentialParts<V> {
     /// k.
     exponent: V,
@@ -39,16 +39,16 @@ impl<M: Machine> Approximator<'_, M> {
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
-    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: as for sinh, but
-    /// relative to at least 1.
+    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: derived as for sinh,
+    /// but here the sum 2¹⁻ᵏ cosh|x| is at least 0.7.
     pub(crate) fn cosh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let sum = self.half_sum(&parts, parts.q);
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
-    /// tanh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: the sum of those of
-    /// sinh and cosh.
+    /// tanh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: the sum of the errors
+    /// of sinh and cosh.
     pub(crate) fn tanh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
@@ -60,7 +60,8 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     fn exponential_parts(&mut self, x: M::V) -> ExponentialParts<M::V> {
-        // Beyond these limits, results overflow the target, and tanh is 1 to far below an ulp.
+        // Beyond these limits, sinh and cosh overflow the target, and tanh differs from 1 by far
+        // less than an ulp.
         let most = self.pick(128.0, 720.0);
         let most = self.number(most);
         let magnitude = self.m.abs(x);

@@ -17,12 +17,12 @@ const LARGE: f64 = 1_073_741_824.0;
 /// Above every `f32`; its square is finite in `f64`.
 const BEYOND_F32: f64 = f64::from_bits((1023 + 200) << 52); // 2^200
 
-/// The lanes where x is above [`LARGE`].
+/// The lanes where x is above [`LARGE`], for results in `f64`.
 #[derive(Clone, Copy)]
 struct LargeLanes<V> {
-    /// Their mask.
+    /// The mask of these lanes.
     lanes: V,
-    /// x, clamped to finite numbers.
+    /// x, clamped to the largest finite number.
     x: V,
 }
 
@@ -55,8 +55,8 @@ impl Base {
     }
 }
 
-/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶; `LOG10_2_HI` has 41 bits. The tests compare the
-/// constants with the numbers that they split.
+/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶, where `LOG10_2_HI` has 41 bits. The tests compare
+/// this sum and those of heads and tails with the exact numbers.
 const LOG10_2_HI: f64 = f64::from_bits(0x3fd3_4413_509f_7000);
 const LOG10_2_LO: f64 = f64::from_bits(0x3d43_fde6_23e2_566b);
 /// Differences of log₂ e, log₁₀ e and 1/3 from the nearest doubles.
@@ -182,7 +182,7 @@ impl<M: Machine> Approximator<'_, M> {
             let tail = self.m.mul(tail, power);
             f = self.plus(f, tail);
         }
-        // 1 + u lost digits of a small u; there f is u itself.
+        // If u is small, 1 + u has lost digits of it. In this case k = 0, and f is u itself.
         let near_one = self.m.eq(k, zero);
         let f = self.choose(near_one, u, f);
         if let Some(LargeLanes { lanes, .. }) = large {
@@ -192,7 +192,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.ln_of_parts(k, f, Base::E)
     }
 
-    /// Returns x clamped to [`LARGE`], and the lanes where x is above it.
+    /// Returns x clamped to [`LARGE`] in `f64`, and the lanes where x is above it. In `f32` no
+    /// lanes are returned, and x is clamped to [`BEYOND_F32`].
     fn large(&mut self, x: M::V) -> (M::V, Option<LargeLanes<M::V>>) {
         let limit = self.pick(BEYOND_F32, LARGE);
         let limit = self.number(limit);
@@ -269,8 +270,8 @@ mod tests {
 
     #[test]
     fn heads_and_tails_make_up_the_constants() {
-        // The first 127 bits after the point, or 128 with the one before: OEIS A007524, A007525,
-        // A002285.
+        // OEIS A007524, A007525 and A002285: the first 127 bits after the point, or for log₂ e,
+        // which is above 1, the first 128 bits.
         let log10_2 = 0x2688_26a1_3ef3_fde6_23e2_566b_02df_245e_u128;
         let log2_e = 0xb8aa_3b29_5c17_f0bb_be87_fed0_691d_3e88_u128;
         let log10_e = 0x3796_f62a_4dca_1c65_4d56_eaab_eb4c_f70c_u128;

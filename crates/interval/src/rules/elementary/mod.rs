@@ -38,7 +38,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Encloses sine or cosine. `f` approximates the function and counts quarter turns. `peak` and
-    /// `trough` are angles, in turns, at which it is 1 and −1.
+    /// `trough` are angles, in turns, at which the function is 1 and −1.
     fn wave(
         &mut self,
         a: &Operand<M::V>,
@@ -63,7 +63,8 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, ..a.value }
     }
 
-    /// [−lo, hi] of sine and of cosine of an operand that is one number of any magnitude.
+    /// [−lo, hi] of sine and of cosine. The operand is a single number, which may be arbitrarily
+    /// large.
     pub(super) fn waves_of_point(&mut self, a: &Operand<M::V>) -> [[M::V; 2]; 2] {
         let half_pi = HalfPi::for_angles(a.range);
         let bounds = by_halves(self.m, self.format, [a.value.hi], |approx, [x]| {
@@ -98,8 +99,9 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// Values and turns of a function over bounds: −lo and hi of its values at both ends, and the
-    /// ends as by [`turns`]. If it `rises`, its value at the lower end is the least.
+    /// Evaluates a function at both ends of its operand. Returns −lo and hi of its values there,
+    /// and −lo and hi of the angle as returned by [`turns`]. If the function `rises`, its value at
+    /// the lower end is the least.
     fn values_and_turns(
         &mut self,
         a: &Operand<M::V>,
@@ -140,10 +142,11 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// Lanes where the angle, given by [`turns`], passes j + `offset` for some integer j.
+    /// Lanes where the interval of angles, given by [`turns`], contains j + `offset` for some
+    /// integer j.
     fn has_turn(&mut self, [neg_lo, hi]: [M::V; 2], offset: f64) -> M::V {
-        // floor(hi − offset) ≥ ceil(lo − offset). Both are multiples of 1/8 below 2^21, exact in
-        // f32.
+        // Tests floor(hi − offset) ≥ ceil(lo − offset). Both differences are multiples of 1/8 below
+        // 2^21, exact in f32.
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
         let last = self.m.floor(last);
@@ -153,7 +156,8 @@ impl<M: Machine> Rule<'_, M> {
         self.m.le(zero, count)
     }
 
-    /// Lanes whose ends can be reduced; `None` if all can.
+    /// Lanes where both ends are within the limit of angle reduction; `None` if this holds for all
+    /// lanes.
     fn within_limit(&mut self, a: &Operand<M::V>, half_pi: &HalfPi) -> Option<M::V> {
         let limit = half_pi.limit(self.format);
         if (Interval { lo: -limit, hi: limit }).encloses(a.range) {
@@ -165,12 +169,11 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// Multiplies the quarter turns at both ends by `scale`, and returns them as [−lo, hi].
+/// Multiplies the counts of quarter turns at both ends by `scale`. Returns them as [−lo, hi].
 ///
-/// Both are half a quarter turn from an integer, on the side of the angle. The side can be wrong
-/// only if the angle is closer to a multiple of a quarter turn than the error of its reduction. In
-/// that case sine and cosine are ±1 within their own error, and no float is as close to a pole of
-/// the tangent.
+/// Each count is an integer ± ½, on the side of the angle. The side can be wrong only if the angle
+/// is closer to a multiple of a quarter turn than the error of its reduction. In that case sine and
+/// cosine are ±1 within their own error, and no float is as close to a pole of the tangent.
 fn turns<M: Machine>(m: &mut M, lo: M::V, hi: M::V, scale: f64) -> [M::V; 2] {
     let minus = m.number(Format::F64, -scale);
     let plus = m.number(Format::F64, scale);

@@ -1,14 +1,14 @@
-//! Sine and cosine of operands near 0, both from one reduction. In `f32`, four lanes are computed
-//! at a time, where [`approximator`](super::approximator) needs two halves of `f64`.
+//! Sine and cosine of operands near 0, both from one reduction. In `f32` this routine computes four
+//! lanes at a time, whereas [`approximator`](super::approximator) needs two vectors of `f64`.
 //!
 //! An angle is k·π/2 + s − n with a small correction n. The first two parts of π/2 have so few bits
 //! that their products with k are exact. So every step to s and n is exact except the last product.
-//! No `f32` up to its limit is closer than 2⁻²⁶·⁴ to a multiple of π/2; there n is 1.6 % of s. No
-//! `f64` is closer than 2⁻⁶⁰·⁵; there n is below 2⁻¹⁴ of s.
+//! No `f32` up to its limit is closer than 2⁻²⁶·⁴ to a multiple of π/2; at that distance n is 1.6 %
+//! of s. No `f64` is closer than 2⁻⁶⁰·⁵; at that distance n is below 2⁻¹⁴ of s.
 //!
 //! Results are an exact head and a small tail, so only their sum rounds at full size. The bounds on
-//! the tails' errors assume rounding up. Every `f32` up to the limit was tested with them (the
-//! example `exhaustive`).
+//! the tails' errors assume rounding up. The example `exhaustive` has tested them for every `f32`
+//! up to the limit.
 
 use super::Rule;
 use crate::bounds::Interval;
@@ -19,8 +19,8 @@ use crate::machine::Machine;
 struct NearConstants {
     /// Largest magnitude of an operand that can be reduced.
     limit: f64,
-    /// Operands whose range is narrower than this are almost constant. They are computed once, so
-    /// their last digits are worth the slower routine.
+    /// Operands with a narrower range than this are almost constant, so they are evaluated rarely
+    /// and use the slower routine, which is tighter.
     narrow: f64,
     /// π/2 in three parts, the last one rounded. The tests compare them with π.
     half_pi: [f64; 3],
@@ -34,7 +34,7 @@ struct NearConstants {
     half_ulp: f64,
 }
 
-/// k has 7 bits; the first parts of π/2 have 17 and 14. The polynomials err by 2⁻³¹ and 2⁻²⁸·⁵.
+/// k has 7 bits; the first two parts of π/2 have 17 and 14. The polynomials err by 2⁻³¹ and 2⁻²⁸·⁵.
 static NEAR_F32: NearConstants = NearConstants {
     limit: 192.0,
     narrow: 0.0,
@@ -49,7 +49,8 @@ static NEAR_F32: NearConstants = NearConstants {
     half_ulp: f64::from_bits((1023 - 24) << 52),
 };
 
-/// k has 11 bits; the first parts of π/2 have 41 and 42. The polynomials err by 2⁻⁶³ and 2⁻⁵⁷·⁸.
+/// k has 11 bits; the first two parts of π/2 have 41 and 42. The polynomials err by 2⁻⁶³ and
+/// 2⁻⁵⁷·⁸.
 static NEAR_F64: NearConstants = NearConstants {
     limit: 2048.0,
     narrow: 1.0 / (1 << 20) as f64,
@@ -102,7 +103,7 @@ struct EndBounds<V> {
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// Whether this routine computes sine and cosine of an operand within `range`.
+    /// Whether the routines of this file can compute sine and cosine of an operand within `range`.
     pub(crate) fn is_near(&self, range: Interval) -> bool {
         let NearConstants { limit, narrow, .. } = *self.constants();
         (Interval { lo: -limit, hi: limit }).encloses(range) && range.hi - range.lo >= narrow
@@ -116,10 +117,10 @@ impl<M: Machine> Rule<'_, M> {
     pub(crate) fn near_waves(&mut self, a: &Operand<M::V>) -> [Enclosure<M::V>; 2] {
         let lo = self.m.neg(a.value.neg_lo);
         let (lo, hi) = (self.near_end(lo), self.near_end(a.value.hi));
-        // Whole quarter turns between the ends are extrema: those congruent to 1 modulo 4 are
-        // maxima of the sine. The next three are minima of the cosine, minima of the sine and
-        // maxima of the cosine. All comparisons are of integers, read as subnormal floats with the
-        // same bits.
+        // At each whole number of quarter turns between the ends, sine or cosine has an extremum.
+        // The maxima of the sine are at numbers congruent to 1 modulo 4. The minima of the cosine,
+        // minima of the sine and maxima of the cosine follow at 2, 3 and 4. All comparisons are of
+        // integers, read as subnormal floats with the same bits.
         let passed = self.m.int_sub(hi.quarters, lo.quarters);
         let [zero, one, two, three] = [0, 1, 2, 3].map(|bits| self.m.bits(self.format, bits));
         let [to_first, to_second] = [zero, one].map(|from| {
@@ -146,7 +147,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Sine and cosine at points up to the limit. The relative error is at most [`NEAR_UNITS`]
-    /// units, and values exceed ±1 by at most one unit.
+    /// units of 2⁻²³ or 2⁻⁵², and values exceed ±1 by at most one unit.
     pub(crate) fn near_waves_at(&mut self, a: M::V) -> [M::V; 2] {
         let turned = self.near_reduce(a);
         let values = self.near_sums(&turned).map(|sum| [self.m.add(sum.head, sum.tail)]);
@@ -174,7 +175,8 @@ impl<M: Machine> Rule<'_, M> {
         let [sin, cos] = self.turn_back(&turned, bounds).map(|([neg_lo, hi], sign)| {
             [self.m.select_signed(sign, hi, neg_lo), self.m.select_signed(sign, neg_lo, hi)]
         });
-        // Lanes where the angle is below k quarters; a set mask is −1.
+        // Subtract 1 in lanes where the angle is below k quarter turns: a set mask is −1 as an
+        // integer.
         let zero = self.zero();
         let before = self.m.lt(turned.rest, zero);
         EndBounds { sin, cos, quarters: self.m.int_add(turned.bits, before) }
@@ -248,19 +250,21 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// How far the cosine's sum may be above the exact value and below it, in units of 2⁻²⁴ or 2⁻⁵³ =
-/// ulp(cos s). For z ≥ ½, −z/2 is a multiple of ½ and too low by less than that. So 1 − z/2 is too
-/// high by at most ½, and the tail adds less than ⅓. For smaller z, 1 − z/2 is too high by less
-/// than 1 − z/2, −z/2 is too low by less than ¼, and the tail errs by less than z/2. This covers
-/// six roundings of z²/24 by two units each, the polynomial, and n·s³/6 for an n of one unit.
+/// Largest amounts by which the cosine's sum is above and below the exact value, in units of 2⁻²⁴
+/// or 2⁻⁵³ = ulp(cos s). For z ≥ ½, −z/2 is a multiple of ½ and too low by less than ½. So 1 − z/2
+/// is too high by at most ½, and the tail adds less than ⅓. For smaller z, 1 − z/2 is too high by
+/// less than 1 − z/2, −z/2 is too low by less than ¼, and the tail errs by less than z/2. This
+/// covers six roundings of z²/24 by two units each, the polynomial, and n·s³/6 for an n of one
+/// unit.
 const COS_SLACK: [f64; 2] = [1.0, 0.75];
-/// Bound on the error of the sine's tail, in the same units times |s|. At most three roundings of
-/// 0.1 go in one direction, by two units each: 0.61. The polynomial adds 0.07, n·(cos s − 1 + z/2)
-/// 0.03.
+/// Bound on the error of the sine's tail, in units of 2⁻²⁴ or 2⁻⁵³ times |s|. At most three
+/// roundings of 0.1·|s| go in one direction, by two units each: 0.61. The polynomial adds 0.07, and
+/// n·(cos s − 1 + z/2) adds 0.03.
 const SIN_SLACK: f64 = 0.75;
 
-/// Rounding the value up adds less than one unit of 2⁻²³ or 2⁻⁵² of itself. Half of [`COS_SLACK`]
-/// is at most 0.708 of a cosine of π/4, half of [`SIN_SLACK`] 0.42 of a sine.
+/// Bound on the relative error of [`Rule::near_waves_at`], in units of 2⁻²³ or 2⁻⁵². Rounding the
+/// value up adds less than one unit. Half of [`COS_SLACK`] is at most 0.708 of a cosine of π/4,
+/// half of [`SIN_SLACK`] 0.42 of a sine.
 pub(crate) const NEAR_UNITS: f64 = 1.75;
 
 #[cfg(test)]
@@ -269,7 +273,7 @@ mod tests {
 
     #[test]
     fn parts_of_half_pi_make_up_half_pi() {
-        // Its first 121 bits and the next 24: OEIS A062964, halved.
+        // The first 121 bits of π/2 and the next 24: OEIS A062964, halved.
         let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
         let next = 0xa2_5204_u128;
         let bits = |part: f64| 53 - part.to_bits().trailing_zeros();

@@ -32,8 +32,8 @@ static COMMON: HalfPi = HalfPi {
     limits: [1_048_576.0; 2], // 2^20
 };
 
-/// Parts of 20 bits, for k of 33 bits. Turns of angles up to 2²³ are exact in `f32`; beyond,
-/// neighboring `f32` differ by more than half a radian.
+/// Parts of 20 bits, for k of 33 bits. In `f32` the number of turns is exact for angles up to 2²³;
+/// beyond, neighboring floats differ by more than half a radian.
 static LARGE: HalfPi = HalfPi {
     f32: &[
         f64::from_bits(0x3ff9_21fa_0000_0000),
@@ -52,8 +52,8 @@ static LARGE: HalfPi = HalfPi {
 };
 
 impl HalfPi {
-    /// Returns the shortest sum that reduces all angles within `range`, or the sum with the largest
-    /// limit.
+    /// Returns the shortest sum that reduces all angles within `range`. If no sum does, returns the
+    /// one with the largest limit.
     pub(crate) fn for_angles(range: Interval) -> &'static Self {
         let limit = COMMON.limits[0];
         if (Interval { lo: -limit, hi: limit }).encloses(range) { &COMMON } else { &LARGE }
@@ -205,8 +205,9 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54)))
     }
 
-    /// tan x and [`Angle::quarters`]. The tangent is arbitrary beyond the limit; up to it the
-    /// relative error is below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: the sum of those of sine and cosine.
+    /// tan x and [`Angle::quarters`]. The tangent is arbitrary beyond the limit. Up to the limit
+    /// the relative error is below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: the sum of the errors of sine and
+    /// cosine.
     pub(crate) fn tan(&mut self, x: M::V, half_pi: &HalfPi) -> (Approximation<M::V>, M::V) {
         let angle = self.reduce(x, half_pi);
         let (sin, cos) = (self.sin_reduced(angle.rest), self.cos_reduced(angle.rest));
@@ -247,7 +248,7 @@ mod tests {
 
     #[test]
     fn parts_of_half_pi_make_up_half_pi() {
-        // Its first 121 bits: OEIS A062964, halved.
+        // The first 121 bits of π/2: OEIS A062964, halved.
         let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
         let scaled = |part: &f64| (part * 2_f64.powi(120)) as u128;
         let sum = |parts: &[f64]| parts.iter().map(scaled).sum::<u128>();
@@ -259,7 +260,7 @@ mod tests {
                 assert!(zeros >= 53 - bits, "{part:e} has more than {bits} bits");
             }
         }
-        // The last part has the next bits, to the 156th.
+        // The last part has the following bits of π/2, up to the 156th.
         assert_eq!(COMMON.f64[3] * 2_f64.powi(156), 0x1b_839a_2520_49c1_u64 as f64);
     }
 }

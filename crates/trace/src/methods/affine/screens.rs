@@ -36,7 +36,7 @@ pub(super) const LANE_INDICES: [u8; LANES] = {
 #[inline(always)]
 pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
     let lanes = (S::f32s::LEN * size_of::<f32>() / size_of::<T>()) as u32;
-    // Usually one vector holds them already, which needs no counting.
+    // Usually the first vector holds the live lanes already, and nothing has to be counted.
     lanes < LANES as u32
         && live >> lanes != 0
         && live.count_ones().div_ceil(lanes) < (LANES as u32 - live.leading_zeros()).div_ceil(lanes)
