@@ -24,11 +24,10 @@ fn check_table(path: &str, heading: &str, expected: impl Iterator<Item = String>
     assert_eq!(rows, expected, "{path} must have:\n{}", expected.join("\n"));
 }
 
-/// The words of the list in backquotes that follows `before`.
+/// The words of the list in backquotes that follows `before` and a colon.
 fn list<'a>(text: &'a str, before: &str) -> Vec<&'a str> {
-    let (_, list) = text.split_once(&format!("{before}: `")).expect("a list");
-    let (list, _) = list.split_once('`').expect("its end");
-    list.split_whitespace().collect()
+    let (_, list) = text.split_once(&format!("{before}:")).expect("a list");
+    list.split('`').nth(1).expect("its words").split_whitespace().collect()
 }
 
 /// A text as a cell of a table shows it.
