@@ -9,6 +9,7 @@ mod cli_render;
 mod cli_sequence;
 mod cli_support;
 mod contributing;
+mod documents;
 #[cfg(unix)]
 #[path = "../edit_support/mod.rs"]
 mod edit_support;
@@ -16,7 +17,6 @@ mod edit_support;
 mod prompt;
 #[cfg(unix)]
 mod prompt_soak;
-mod readme;
 #[cfg(unix)]
 #[path = "../terminal_support/mod.rs"]
 #[allow(dead_code, reason = "the window's tests use the rest")]

@@ -29,7 +29,7 @@ pub struct Conditions {
 /// A row of results. Times are in milliseconds. Distances are in world units unless the name says
 /// pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs)] // names of columns; the README tells what is measured
+#[allow(missing_docs)] // names of columns; docs/performance.md says what is measured
 pub struct Row {
     pub surface: String,
     pub view: String,

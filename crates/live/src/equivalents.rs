@@ -1,4 +1,4 @@
-//! Equivalents of formulas from other programs: one table, for the help and the README.
+//! Equivalents of formulas from other programs: one table, for the help and the manual.
 
 /// Rows of program, formula as written there, and formula as written here.
 pub const EQUIVALENTS: &[(&str, &str, &str)] = &[
