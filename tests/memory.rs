@@ -1,5 +1,5 @@
-//! Compiling and dropping kernels leaks no memory. The test has a process of its own, since other
-//! tests' memory would count too.
+//! Compiling and dropping kernels leaks no memory. The test has a process of its own, since the
+//! memory of other tests would count, too.
 
 #![cfg(target_os = "linux")]
 
@@ -20,7 +20,8 @@ fn resident_kilobytes() -> i64 {
     line.trim().trim_end_matches("kB").trim().parse().expect("a number")
 }
 
-/// Compiles every kind of kernel of a document, runs one and drops all; returns their code size.
+/// Compiles every kind of kernel of a document, runs one and drops all. Returns the size of their
+/// code.
 fn cycle(document: &Document) -> usize {
     let program = Program::new(document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("simplifies");
     let kernels = program.kernels::<f32>(0);

@@ -24,7 +24,7 @@ const LINES: &[&str] = &[
     ":domain auto",
 ];
 
-/// A line, of which `typed` bytes are typed first; all of it is sent if it is `entered`.
+/// A line, of which `typed` bytes are typed first. The whole line is sent if `entered` is true.
 pub struct Edit {
     pub line: String,
     pub typed: usize,

@@ -1,4 +1,4 @@
-//! Cancelled work stops soon: between kernels, between tiles of a picture, between tiles of its
+//! Cancelled work stops soon: between kernels, between tiles of a picture, and between tiles of its
 //! shadows.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -36,7 +36,7 @@ fn a_compile_ends_between_kernels() {
     }
 }
 
-/// A picture that is cancelled after `last` calls of `advance`, and the number of calls.
+/// Returns a picture that is cancelled after `last` calls of `advance`, and the number of calls.
 fn picture(model: &Model, settings: &Settings, last: usize) -> (Picture, usize) {
     let (document, region) = document();
     let camera = view::camera(&document, &region, &CameraChoice::default()).expect("valid");
@@ -73,7 +73,7 @@ fn shadows_end_between_tiles() {
     assert!(drawn(&part) < drawn(&whole), "{} of {}", drawn(&part), drawn(&whole));
 }
 
-/// A pixel that was not reached is neither a miss nor a hit, whatever other surfaces show there.
+/// A pixel that was not reached is neither a miss nor a hit, whatever other surfaces show in it.
 #[test]
 fn what_is_left_off_claims_nothing() {
     let (document, region) = document();
@@ -96,12 +96,13 @@ fn what_is_left_off_claims_nothing() {
                 } else {
                     assert_eq!(part.status[pixel], whole.status[pixel], "{pixel}");
                 }
-                // The nearer surface may be the one that was not traced.
+                // A nearer surface may not have been traced, so the painted distance may be
+                // greater.
                 assert!(part.drawn[pixel] >= whole.drawn[pixel]);
             }
             unreached.push(count);
         }
-        // Before the second surface is traced, little is known about both together.
+        // Before the second surface is traced, few pixels are decided for both surfaces together.
         assert_eq!((unreached[0], unreached[4]), (256 * 64, 0), "{method:?}: {unreached:?}");
         assert!(unreached.is_sorted_by(|a, b| a >= b), "{method:?}: {unreached:?}");
         assert!(0 < unreached[3] && unreached[3] < 256 * 64, "{method:?}: {unreached:?}");

@@ -1,4 +1,4 @@
-//! Sliders and time change the picture without another compilation, and the result equals that of a
+//! Sliders and time change the picture without another compilation. The result equals that of a
 //! fresh compilation.
 
 use crate::live_support::{LIMIT, settled, start};
@@ -15,7 +15,7 @@ fn assert_as_compiled_afresh(frame: &Rendering) {
     let options = Options { time: request.time, ..Options::default() };
     let document = zeroset_syntax::read(&request.text, &options).expect("reads");
     let (region, _) = view::region(&document, request.domain, None).expect("a region");
-    // A slider keeps the domain found before, as long as the surface fits into it.
+    // After a slider moves, the domain found before stays, as long as the surface fits into it.
     let before = *frame.model.region();
     let inside = before.low().cmple(region.low()).all() && region.high().cmple(before.high()).all();
     assert!(region == before || frame.searched.is_some() && inside, "{}", request.text);
@@ -27,7 +27,7 @@ fn assert_as_compiled_afresh(frame: &Rendering) {
     assert!(fresh.buffer.drawn == frame.picture.buffer.drawn, "{}: elsewhere", request.text);
 }
 
-/// Enters each line in turn; returns for each whether the code was reused.
+/// Enters each line in turn. Returns for each line whether the code was reused.
 fn code_reused(text: &str, lines: &[&str]) -> Vec<bool> {
     let live = start(text, 28);
     let mut last = settled(&live);
@@ -60,8 +60,8 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
         // These values fit into a domain found earlier.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 1", ":set r = 1.9", ":set r = 0.6"]),
         ("r = 1 in [1, 4]\nx^2+y^2+z^2 <= 1+0*r", &[":set r = 4", ":set r = 2"]),
-        // These values need another domain, since that of the value before is too small or far too
-        // large.
+        // These values need another domain, since that of the previous value is too small or far
+        // too large.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 0.1", ":set r = 3", ":set r = 5"]),
     ] {
         assert_eq!(code_reused(text, lines), vec![true; lines.len()], "{text}");
@@ -71,10 +71,11 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
 #[test]
 fn what_other_code_is_needed_for_is_compiled() {
     for (text, line) in [
-        // A value outside its range, which is extended, and a value without a range.
+        // The first value is outside its range, which must be extended. The second one has no
+        // range.
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", ":set r = 7"),
         ("domain 2\nr = 2\nx^2+y^2+z^2 = r^2", ":set r = 1"),
-        // The exponent selects the operation.
+        // The value is an exponent, which selects the operation.
         ("domain 2\nn = 2 in [1, 5]\nx^n+y^2+z^2 = 1", ":set n = 3"),
         ("x^2+y^2+z^2 = 1+t", ":time 3"),
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", "domain 3"),
@@ -98,7 +99,7 @@ fn a_slider_changes_the_picture_and_the_status_tells_that_nothing_was_compiled()
     assert!(after.summary().contains("not compiled again"), "{}", after.summary());
     let times = after.picture.statistics.times;
     assert_eq!((times.simplify, times.compile), (Duration::ZERO, Duration::ZERO));
-    // A document without a surface at one value may have one at another.
+    // A document without a surface at one value of a parameter may have one at another value.
     live.enter("r = 2 in [-4, 4]").expect("valid");
     live.load(DocumentSource::Typed, "r = 2 in [-4, 4]\ndomain 2\nsqrt(-r - x^2) + y", false);
     assert!(live.wait(LIMIT));

@@ -63,7 +63,7 @@ fn other_light_traces_nothing() {
     assert!(night.picture.rgb == rendered(&night) && night.picture.rgb != plain.picture.rgb);
     assert!(night.command("out.png").contains(" --look night "));
     assert!(night.revision > plain.revision && night.picture.buffer == plain.picture.buffer);
-    // Shadows trace rays to the lights, but none from the eye.
+    // Shadows trace rays to the lights, but no rays from the eye.
     live.enter(":shadows on").expect("valid");
     let shadowed = settled(&live);
     assert_eq!(shadowed.picture.statistics.times.trace, after.times.trace);
@@ -95,7 +95,7 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
     }
     let refusal = live.enter("x^2+y^2+foo = 1").expect_err("wrong");
     assert!(refusal.render(false).contains('^'), "no caret: {}", refusal.render(false));
-    // A formula without a surface is refused, too.
+    // A line that gives no surface is refused, too.
     for (line, expected) in [("3", "is constant: it is 3"), ("sqrt(-1)", "defined nowhere")] {
         let refusal = live.enter(line).expect_err(line).render(false);
         assert!(refusal.contains(expected), "{line}: {refusal}");
@@ -108,7 +108,7 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
 
 #[test]
 fn while_a_line_is_wrong_the_picture_before_is_finished_and_turned() {
-    // Slow enough that the full picture is not finished at once.
+    // This surface is so slow that the full picture is not finished at once.
     let live = start("(x^2+y^2+z^2-1)^2", 200);
     while live.snapshot().rendering.is_none() {
         std::thread::sleep(std::time::Duration::from_millis(1));
@@ -137,7 +137,7 @@ fn while_a_line_is_wrong_the_picture_before_is_finished_and_turned() {
 fn typing_goes_on_from_the_last_text_that_could_be_read() {
     let live = start("r = 0.5\nx^2+y^2+z^2 = r", 32);
     settled(&live);
-    // The text of a file that was saved half written.
+    // This is the text of a file that was half saved.
     live.load(DocumentSource::Typed, "r = 0.5\nx^2+(", true);
     assert!(live.wait(LIMIT) && live.snapshot().fault.is_some());
     live.type_line("z = r");
@@ -145,7 +145,7 @@ fn typing_goes_on_from_the_last_text_that_could_be_read() {
     live.enter("r = 0.7").expect("valid");
     settled(&live);
     assert_eq!(live.text(), "r = 0.7\nx^2+y^2+z^2 = r");
-    // A new document with an error replaces the old one all the same.
+    // A new document replaces the old one even if it has an error.
     live.load(DocumentSource::Typed, "y^2+(", false);
     live.enter("x = y").expect("valid");
     assert_eq!(live.text(), "x = y");
@@ -153,7 +153,7 @@ fn typing_goes_on_from_the_last_text_that_could_be_read() {
 
 #[test]
 fn the_latest_edit_ends_the_work_for_those_before() {
-    // A picture that takes at least seconds.
+    // This picture takes several seconds at least.
     let heavy = gallery::example("barth-decic").expect("there").text;
     let settings = Settings {
         options: TraceOptions { depth: 16, ..TraceOptions::default() },
@@ -202,7 +202,7 @@ fn the_view_survives_edits_until_it_is_reset() {
     assert_eq!(settled(&live).camera, turned);
     live.load(DocumentSource::Typed, "domain 2\nx^4+y^4+z^4 = 1", true);
     assert_eq!(settled(&live).camera, turned);
-    // Without a chosen camera, the view is fitted to the visible part.
+    // After a reset, the view is fitted to the visible part.
     let fresh = |text: &str| settled(&start(text, 32)).camera;
     live.reset_view();
     assert_eq!(settled(&live).camera, fresh("domain 2\nx^4+y^4+z^4 = 1"));
@@ -245,14 +245,14 @@ fn commands_are_answered() {
     let coarse = settled(&live);
     assert!(coarse.command("out.png").contains(" --method knoll --precision f32 --max-depth 12"));
     assert!(say(":status").contains("undecided   this method proves misses"));
-    // Doubles allow a greater depth, which is reduced when floats return.
+    // Doubles allow a greater depth. It is reduced when the precision is set to floats again.
     assert!(say(":precision").starts_with("precision f32"));
     assert!(say(":precision f64").starts_with("precision f64"));
     assert!(say(":depth 33").contains("depth 33"));
     let fine = settled(&live);
     assert!(fine.picture.precision == Precision::F64 && fine.picture.rgb == rendered(&fine));
     assert!(
-        fine.summary().contains(" f64 0.1 px · ") && say(":status").contains(", precision f64")
+        fine.summary().contains(" f64 33 0.1 px · ") && say(":status").contains(", precision f64")
     );
     let command = fine.command("out.png");
     assert!(command.contains("--precision f64"), "{command}");
@@ -343,7 +343,8 @@ fn a_refused_value_leaves_the_one_from_the_command_line() {
     assert!(settled(&live).request.overrides.is_empty());
 }
 
-/// A refused line of one thread does not undo what another thread enters, whatever the order.
+/// A line that is refused on one thread does not undo an edit by another thread, whatever the
+/// order.
 #[test]
 fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
     let text: Arc<str> = "r = 1\nq = 1\nx^2+y^2+z^2 = r^2+q".into();
@@ -374,7 +375,8 @@ fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
     }
 }
 
-/// The picture's lock is free while a long formula is simplified, so dragging and reading go on.
+/// The picture's lock is free while a long formula is simplified, so dragging and reading are not
+/// blocked.
 #[test]
 fn a_long_formula_is_simplified_without_the_lock() {
     let live = start("x+y+z", 16);

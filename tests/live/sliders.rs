@@ -1,4 +1,4 @@
-//! Dragged values, and time: they are stored in the text only, and need no compilation.
+//! Dragged values, and time. They change only the text, and need no compilation.
 
 use crate::live_support::{LIMIT, settled, start};
 use zeroset_live::{DocumentSource, Live, Rendering, Request, Slider};
@@ -15,12 +15,12 @@ fn drag(live: &Live, name: &str, value: f64) {
     live.drag(&slider, value);
 }
 
-/// Number of kernels of a picture, shared ones included.
+/// Number of kernels that were compiled so far for a picture's program.
 fn made(seen: &Rendering) -> usize {
     seen.model.program().made().len()
 }
 
-/// Number of kernels of a picture in single precision.
+/// Number of single-precision kernels that were compiled so far for a picture's program.
 fn singles(seen: &Rendering) -> usize {
     let made = seen.model.program().made();
     made.iter().filter(|one| format!("{one:?}").contains("F32")).count()
@@ -99,7 +99,8 @@ fn a_reload_keeps_a_dragged_value_unless_the_file_gives_it_another() {
     assert_eq!(live.text(), given);
     settled(&live);
     assert!(!live.restore(&slider(&live, "r")) && live.restore(&slider(&live, "s")));
-    // After a value is set, typed or saved, the document's own value is that one.
+    // A value that is set, typed or loaded becomes the document's own value, to which sliders are
+    // reset.
     drag(&live, "r", 1.5);
     live.enter(":set r = 0.75").expect("valid");
     assert!(!live.restore(&slider(&live, "r")));
@@ -157,7 +158,7 @@ fn time_passes_without_code_and_without_steps() {
     }
     assert!(live.text().ends_with("t = 5.85 in [0, 2pi]"), "{}", live.text());
     assert!(start.ends_with("t = 0 in [0, 2pi]"));
-    // Turning the view during that is an undo step, but the passing of time is not.
+    // A turn of the view while time passes is an undo step, but the passing of time is not.
     live.hold(true);
     for frame in 1..4 {
         live.turn(|orbit| orbit.turn(3.0, 0.0, 100));
@@ -201,14 +202,14 @@ fn a_letter_that_lacks_a_value_is_named() {
         let refusal = live.enter(line).expect_err(line);
         assert_eq!(refusal.missing_letter(), letter, "{line}");
     }
-    // An error in a typed line must not name the file, which has no error.
+    // An error in a typed line must not name the file, since the file has no error.
     live.type_line("x^2+y^2 = r");
     assert!(live.wait(LIMIT));
     let said = live.snapshot().fault.expect("wrong").render(false);
     assert!(said.contains("formula:") && !said.contains("test:"), "{said}");
 }
 
-/// The number of dragged values affects neither the text's length nor the number of kernels.
+/// However many values are dragged, the text's length and the number of kernels stay the same.
 #[test]
 fn thousands_of_values_leave_nothing_behind() {
     let live = start("domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2", 16);
@@ -230,7 +231,7 @@ fn thousands_of_values_leave_nothing_behind() {
     assert_eq!(live.text(), "domain 4\nr = 1 in [0, 3]\nx^2+y^2+z^2 = r^2");
 }
 
-/// A slider accepts any float: the value stays within its range.
+/// A slider accepts any float, and the value stays within its range.
 #[test]
 fn a_drag_beyond_everything_stays_within_the_range() {
     let live = start("domain 4\nr = 1 in [0.5, 3]\nx^2+y^2+z^2 = r^2", 16);

@@ -1,5 +1,5 @@
 //! Surfaces are hidden, made translucent, moved and deleted. These are edits of the text that
-//! compile no kernel. A document may also say that a surface is hidden.
+//! compile no kernel. A line of a document may also hide a surface.
 
 use crate::live_support::{settled, start};
 use zeroset_live::{Axes, Live, Rendering};
@@ -35,7 +35,7 @@ fn hiding_and_showing_changes_the_picture_and_the_text_and_makes_no_kernel() {
     let hid: Vec<bool> = listed.iter().map(|surface| surface.hidden).collect();
     assert_eq!(hid, [false, true, false]);
     assert_eq!(listed[0].colors, [[255, 0, 0]]);
-    // The hidden plane occludes nothing and reflects no light.
+    // The hidden plane is not drawn at any pixel.
     let buffer = &hidden.picture.buffer;
     let is_plane = |pixel: usize| buffer.is_drawn(pixel) && buffer.surface[pixel] == 1;
     assert!(!(0..buffer.status.len()).any(is_plane));
@@ -113,7 +113,8 @@ fn document(text: &str) -> Document {
     zeroset_syntax::read(text, &Options::default()).expect("reads")
 }
 
-/// In a file, `hidden` acts like leaving out the formula, except for the domain.
+/// A file with a `hidden` surface gives the picture of the file without that surface, in the same
+/// domain.
 #[test]
 fn a_picture_of_a_file_lacks_what_is_hidden() {
     let settings = start(THREE, 64).settings();
@@ -150,7 +151,7 @@ fn axes_have_room_unless_the_document_wants_none() {
     assert_eq!(live.text(), "x^2+y^2+z^2 = 1");
 }
 
-/// An automatic view is still while a value is dragged, and then glides until the surface fits.
+/// An automatic view does not move while a value is dragged. Then it glides until the surface fits.
 #[test]
 fn a_view_does_not_jump_while_a_value_moves() {
     let live = start("r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", 64);

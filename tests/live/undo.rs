@@ -1,5 +1,5 @@
-//! Every edit can be undone and redone. Surfaces and the whole document can be removed, and the
-//! part that faces the eye cut off.
+//! Every edit can be undone and redone. Surfaces and the whole document can be removed. The part
+//! that faces the eye can be cut off.
 
 use crate::live_support::{LIMIT, settled, start};
 use glam::DVec3;
@@ -111,7 +111,7 @@ fn what_faces_the_eye_is_cut_off_moved_and_given_back() {
     assert!((normal - DVec3::X).length() < 1e-12 && offset.abs() < 1e-12);
     let cut = settled(&live);
     assert!(cut.picture.rgb != whole.picture.rgb, "the same picture");
-    // The front is gone: no painted point is on the eye's side of the plane.
+    // The front is cut off: no painted point is on the eye's side of the plane.
     let nearest = cut.picture.buffer.drawn.iter().copied().fold(f64::INFINITY, f64::min);
     assert!(nearest >= 6.0 - 1e-6, "{nearest}");
     live.move_cut(5.0);
@@ -146,7 +146,7 @@ fn a_plane_of_the_document_is_told_taken_away_and_given_back() {
     assert_eq!(kept(), "nothing is cut away");
     assert!(settled(&live).picture.rgb != cut.picture.rgb, "the same picture");
     assert!(settled(&live).command("a.png").contains(" --clip off"));
-    // The key removes any clip plane, even the document's.
+    // Toggling the cut removes any clip plane, even the document's.
     assert!(live.undo());
     settled(&live);
     assert!(!live.toggle_cut());
@@ -171,7 +171,7 @@ fn what_replaces_a_surface_of_the_gallery_is_not_seen_through_its_window() {
     enter(&live, "q = 4");
     enter(&live, "x^2+y^2+z^2 = q");
     assert_eq!(live.text().trim(), "q = 4\nx^2+y^2+z^2 = q");
-    // Lines that the user enters stay, and `:add` keeps the example's lines, too.
+    // Lines that the user enters stay. `:add` keeps the example's lines, too.
     live.load(DocumentSource::Gallery(example), text, false);
     enter(&live, "domain 4");
     enter(&live, "x = y");

@@ -1,4 +1,4 @@
-//! A pixel does not depend on which other pixels are traced.
+//! The result of a pixel does not depend on which other pixels are traced.
 
 use glam::DVec3;
 use zeroset_scene::program::Program;
@@ -15,9 +15,9 @@ const SIZE: [usize; 2] = [96, 80];
 fn a_pixel_is_the_same_whichever_others_are_followed() {
     let affine = METHODS.iter().find(|method| method.name == "affine").expect("there is one");
     let mut compared = 0;
-    // The methods trace some rays one by one: for a rational form, whose numerator may vanish where
-    // the function does not, and at the edge of a ball. The near eye makes pixels as narrow as the
-    // resolution of f32 on some rays of a tile only.
+    // Methods trace some rays one by one. These are rays of a rational form, whose numerator may
+    // vanish where the function does not, and rays at the edge of a ball. With the near eye, only
+    // some rays of a tile have pixels as narrow as the resolution of f32.
     let [inside, near, far] = [[1.02, 0.3, 0.4], [1.3, 0.3, 0.2], [2.4, 1.8, 3.6]];
     for (text, is_ball, eyes, tolerance) in [
         ("x^2+y^2+z^2=1", false, [inside, far], 0.02),
@@ -49,7 +49,7 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
                 buffer
             };
             let whole = picture(&[]);
-            // Fractions of a tile's pixels, from half to few.
+            // Steps between traced pixels, from half of a tile's pixels to few of them.
             for step in [2, 3, 7, 41] {
                 let only: Vec<bool> = (0..SIZE[0] * SIZE[1]).map(|n| n % step == 0).collect();
                 let part = picture(&only);
@@ -67,7 +67,8 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
     assert!(compared > 10_000, "{compared}");
 }
 
-/// Two balls above a floor: no shadow ray is traced to one if the other already blocks the light.
+/// Two balls above a floor. No shadow ray is traced to a ball if the other one already blocks the
+/// light.
 #[test]
 fn what_is_dark_already_is_followed_to_the_light_no_more() {
     let text = "x^2+y^2+(z-1)^2=0.3; x^2+y^2+(z-1.9)^2=0.2; z=-0.9";

@@ -77,7 +77,7 @@ fn apart(one: &Picture, other: &Picture) -> usize {
 
 #[test]
 fn what_f32_cannot_tell_is_not_painted_along_edges() {
-    // Jumps, a cut, and functions beyond the range of `f32`.
+    // Surfaces with jumps, with a cut, and with functions beyond the range of `f32`.
     for text in [
         "floor-steps",
         "mod(x,1)=z",
@@ -124,7 +124,7 @@ fn colors_do_not_depend_on_threads_or_on_when_they_are_made() {
 
 #[test]
 fn rows_that_are_colored_at_once_are_as_those_that_are_colored_later() {
-    // A width that is no multiple of a tile, and more than sixteen tiles of 16×16 in a row.
+    // The width is no multiple of a tile, and a row has more than sixteen tiles of 16×16 pixels.
     let settings = Settings { width: 277, height: 37, ..Settings::default() };
     let hatched = "(x^2+y^2+z^2-1)^2=0";
     for text in ["tangle", "gyroid", "x^2+y^2+z^2<=1 where x<=0.3", hatched] {
@@ -141,7 +141,8 @@ fn rows_that_are_colored_at_once_are_as_those_that_are_colored_later() {
 fn normals_that_are_not_kept_are_found_for_colors() {
     let settings = Settings { width: 93, height: 70, ..Settings::default() };
     let central = Settings { normals: Some(Normals::Central), ..settings.clone() };
-    // A surface with gradients everywhere, one without some, and a solid with a cap.
+    // The first surface has gradients everywhere, and the second one lacks some. The third is a
+    // solid with a cap.
     let (smooth, creased, halved) =
         ("tangle", "abs(x)+abs(y)+abs(z)=1", "x^2+y^2+z^2<=1 where x<=0.3");
     for (text, kept) in
@@ -152,7 +153,7 @@ fn normals_that_are_not_kept_are_found_for_colors() {
         let kept = picture(&model, &camera, kept);
         let picture = picture(&model, &camera, &settings);
         assert!(picture.rgb == kept.rgb, "{text}");
-        // A cap sets its normals when it is traced, so these are kept.
+        // The normals of a cap are set when it is traced, so its buffer of normals remains.
         assert_eq!(picture.buffer.normal.is_empty(), text != halved, "{text}");
         // Passes that need normals compute them again.
         let lit = model.relight(&picture, &camera, &settings, &|_| true).expect("compiled");

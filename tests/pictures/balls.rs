@@ -1,4 +1,5 @@
-//! Domains that are clipped to a ball: their claims equal those of the box, restricted to the ball.
+//! Domains that are clipped to a ball. Claims about their rays equal those for the box, restricted
+//! to the ball.
 
 use glam::DVec3;
 use zeroset_render::model::render;
@@ -12,12 +13,12 @@ use zeroset_trace::{
     Camera, Driver, GBuffer, METHODS, Projection, Proves, RayGrid, Status, TraceOptions,
 };
 
-/// Size that covers tiles of both sizes, and incomplete ones.
+/// This size gives tiles of both sizes, and incomplete ones.
 const SIZE: [usize; 2] = [46, 38];
 
 type Function = fn(DVec3) -> f64;
 
-/// Surfaces that extend beyond the ball, with their functions in plain floats.
+/// Surfaces that extend beyond the ball, and their functions in double precision.
 const SURFACES: [(&str, Function); 4] = [
     ("x^2+y^2-z^2=1", |p| p.x * p.x + p.y * p.y - p.z * p.z - 1.0),
     ("x*y*z=1", |p| p.x * p.y * p.z - 1.0),
@@ -103,7 +104,7 @@ fn what_is_claimed_is_true_of_the_ball() {
                     let reach = 0.05 + slack;
                     assert!(near - reach <= t && t <= far + reach, "{what:?}");
                 }
-                // A ray with a change of sign well inside is no miss.
+                // A ray on which the function changes its sign well inside the ball is no miss.
                 let at = |n: usize| {
                     near + slack + (far - near - 2.0 * slack) * n as f64 / SAMPLES as f64
                 };
@@ -113,7 +114,7 @@ fn what_is_claimed_is_true_of_the_ball() {
                 if crosses && method.proves != Proves::Nothing {
                     assert_ne!(status, Status::Miss, "{what:?}");
                 }
-                // A miss in the box is no hit in the ball.
+                // A ray that misses in the box does not hit in the ball.
                 if whole.status[pixel] == Status::Miss {
                     assert_ne!(status, Status::Hit, "{what:?}");
                 }

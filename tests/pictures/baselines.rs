@@ -1,5 +1,5 @@
 //! The baseline methods. Each finds roots within its tolerance, proves what its row in the table of
-//! methods says, and fails where its idea fails.
+//! methods says, and fails where its approach must fail.
 
 use glam::DVec3;
 use zeroset_render::model::render;
@@ -58,12 +58,13 @@ fn every_method_draws_the_sphere_within_its_tolerance() {
                 let foot = frame.ray_of(pixel).at(8.0);
                 let square = 1.0 - foot.y * foot.y - foot.z * foot.z;
                 let found = picture.buffer.drawn[pixel];
-                // Near the rim a ray runs along the surface.
+                // Near the rim the root is not compared, since a ray runs along the surface there.
                 if square < -0.02 {
                     assert_eq!(found, f64::INFINITY, "{method:?}, through {foot}");
                 } else if square > 0.02 {
                     let off = (found - (8.0 - square.sqrt())).abs();
-                    // A tolerance finer than this is limited by samples in 32 bits.
+                    // The constant covers the errors of samples in 32 bits, which limit a finer
+                    // tolerance.
                     let room = tolerance * frame.footprint(found) + 1e-5;
                     assert!(off <= room, "{method:?}, {tolerance}: off by {off}, through {foot}");
                     seen += 1;
@@ -107,7 +108,7 @@ fn march_passes_over_what_is_thinner_than_its_steps() {
     assert!(there > 700, "{there}");
     assert!(coarse(32) < there / 10, "{} of {there}", coarse(32));
     assert!(coarse(16384) > there * 9 / 10, "{} of {there}", coarse(16384));
-    // Rays without a sampled change of sign are undecided, not misses.
+    // Rays on which no samples differ in sign are undecided, not misses.
     let (_, picture) = picture(SHELL, "march", |settings| settings.options.steps = 32);
     assert_eq!(picture.buffer.reasons()[UndecidedReason::Unproven as usize], SIDE * SIDE);
     assert!(picture.why_undecided().expect("all").contains("proves nothing"));
@@ -145,7 +146,7 @@ fn mitchell_proves_a_torus() {
 
 #[test]
 fn mitchell_leaves_open_what_only_touches() {
-    // The function is nowhere negative, and has no simpler factor with the same zeros.
+    // The function is nowhere negative. It cannot be reduced to a simpler one with the same zeros.
     let touching = "sqrt(1 + (x^2+y^2+z^2-1)^2) = 1";
     let (_, picture) = picture(touching, "mitchell", |_| {});
     let (counts, buffer) = (picture.buffer.counts(), &picture.buffer);
@@ -157,11 +158,11 @@ fn mitchell_leaves_open_what_only_touches() {
 
 #[test]
 fn sphere_says_where_it_has_no_bound() {
-    // The slope is infinite at z = 0.
+    // At z = 0 the slope is infinite.
     let (frame, picture) = picture("cbrt(z)+x", "sphere", |_| {});
     let steep = |pixel: usize| picture.buffer.reason(pixel) == UndecidedReason::Steep;
     assert!((0..SIDE * SIDE).all(|pixel| steep(pixel) != picture.buffer.is_drawn(pixel)));
-    // Rays past that place have a bound, once their segments are short enough.
+    // Elsewhere the slope has a bound, once a ray's segments are short enough.
     for pixel in (0..SIDE * SIDE).filter(|&pixel| steep(pixel)) {
         assert!(frame.ray_of(pixel).origin.z.abs() < 1e-5);
     }
@@ -177,8 +178,8 @@ fn sphere_takes_no_more_steps_than_it_may() {
     assert_eq!(few.buffer.counts().hit, 0);
 }
 
-/// On rays parallel to no axis, intervals lose how coordinates depend on each other. Affine forms
-/// keep it.
+/// On rays that are parallel to no axis, intervals lose how coordinates depend on each other, but
+/// affine forms do not.
 #[test]
 fn raa_is_tighter_than_knoll_across_the_axes() {
     let by = |method: &str| picture_from(DVec3::new(4.0, 3.0, 6.0), SPHERE, method, |_| {}).1;

@@ -13,7 +13,7 @@ use zeroset_testkit::property::{Formula, Pixel, RayClaim, Scene, picture as chec
 use zeroset_testkit::{Adversarial, Effort, Rng};
 use zeroset_trace::METHODS;
 
-/// Width and height of a picture. They give tiles of every size, and incomplete ones.
+/// Width and height of a picture. This size gives tiles of every size, and incomplete ones.
 const SIZE: [usize; 2] = [84, 60];
 /// Rays per picture and method that the certified tracer checks.
 const RAYS: u32 = 48;
@@ -127,7 +127,8 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Some pixels of each method's picture. Half of them are undecided ones, if there are any.
+    /// Chooses some pixels of each method's picture. Half of them are undecided pixels, if there
+    /// are any.
     fn chosen(&mut self, scene: &Scene, rng: &mut Rng) -> Vec<Pixel> {
         let mut chosen = Vec::new();
         for method in &METHODS {
@@ -154,10 +155,10 @@ impl Survey {
         chosen
     }
 
-    /// Compares a scene's claims, and counts them.
+    /// Compares the claims of a scene's pictures, and counts them.
     ///
     /// # Panics
-    /// If a claim is false. The message names it and how to repeat the case.
+    /// If a claim is false. The message names the claim and how to repeat the case.
     pub fn add(&mut self, scene: &Scene, case: u64, rng: &mut Rng) {
         let pixels = self.chosen(scene, rng);
         let tally = check_claims(scene, &|_| Some(pixels.clone()))

@@ -12,8 +12,8 @@ use zeroset_scene::gallery::example;
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_testkit::certified::{BUDGET, Certificate, Function, Line, UnresolvedReason};
 
-/// Tolerance of distances. The reference rounded its rays in another way, which moves the root of a
-/// grazing ray by more than the rounding error.
+/// Tolerance of distances, relative to 1 + distance. The reference rounded its rays differently,
+/// which moves the root of a grazing ray by more than the rounding error.
 const ROUNDING: f64 = 1e-9;
 
 /// Step between traced rays.
@@ -63,13 +63,13 @@ fn line(view: &View, index: usize) -> Line {
 /// Result of comparing a certificate with the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Outcome {
-    /// The reference leaves the ray open.
+    /// The reference does not decide the ray.
     Open,
-    /// Both have the same first root, or none.
+    /// Certificate and reference have the same first root, or none.
     Agrees,
-    /// The certificate leaves open whether there is an earlier root. This is its first reason.
+    /// The certificate does not decide whether there is an earlier root. This is its first reason.
     CannotKnow(UnresolvedReason),
-    /// The two contradict each other.
+    /// Certificate and reference contradict each other.
     Differs,
 }
 
@@ -87,7 +87,7 @@ fn judge(certificate: &Certificate, pixel: &Pixel) -> Outcome {
     let crosses = |d: f64| certificate.crossing.is_some_and(|c| within(c.near, c.far, d));
     let known = |d: f64| d.is_infinite() || open(d) || crosses(d);
     let crossing = match certificate.crossing {
-        // The reference has the certain crossing, too, or one before it.
+        // The reference has the certificate's crossing, too, or one before it.
         Some(crossing) => pixel.crossing <= crossing.far + ROUNDING * (1.0 + crossing.far),
         None => true,
     };

@@ -40,8 +40,8 @@ pub fn rows() -> Vec<Row> {
     lines.map(row).collect()
 }
 
-/// Whether the interval, grown by [`TOLERANCE`] about its middle and by `spare` on each side, holds
-/// the other.
+/// Whether an interval contains the other one, if it is grown by [`TOLERANCE`] about its middle and
+/// by `spare` on each side.
 fn holds([low, high]: [f64; 2], other: [f64; 2], spare: f64) -> bool {
     let (middle, half) = (low.midpoint(high), TOLERANCE * (high - low) / 2.0 + spare);
     middle - half <= other[0] && other[1] <= middle + half
@@ -72,7 +72,7 @@ fn difference(row: &Row, found: &AutoDomain) -> Option<&'static str> {
     None
 }
 
-/// Known rows whose automatic domain differs.
+/// Rows whose automatic domain is known to differ.
 const MISSES: &[&str] = &[];
 
 /// Least number of rows, of a hundred, that must agree.
@@ -92,7 +92,8 @@ fn domains_are_those_that_a_mathematician_would_choose() {
         let why = difference(row, &found);
         let name = row.text.lines().last().unwrap_or_default();
         let _ = writeln!(report, "{:18} {ms:6.2} ms {name}: {found:?}", why.unwrap_or("agrees"));
-        // Other differences are a matter of judgment, but a bounded surface must not be cut.
+        // Other differences are a matter of judgment, but the domain must not cut a bounded
+        // surface.
         assert!(!(row.bounded && why == Some("cut")), "{report}");
         missed.extend(why.map(|_| name.to_owned()));
     }
@@ -104,7 +105,7 @@ fn domains_are_those_that_a_mathematician_would_choose() {
     assert!(rows.len() - missed.len() >= LEAST);
 }
 
-/// Unbounded surfaces, each with something particular that moving it must preserve.
+/// Unbounded surfaces, each with something that moving the surface must preserve.
 const UNBOUNDED: &[&str] = &[
     // Quadrics.
     "x^2+y^2-z^2=1",
@@ -127,7 +128,7 @@ const UNBOUNDED: &[&str] = &[
     "x*y*z=1+3x",
     "4(phi^2*x^2-y^2)*(phi^2*y^2-z^2)*(phi^2*z^2-x^2)=(1+2phi)*(x^2+y^2+z^2-1)^2",
     "(x^2+y^2+z^2-1.3^2)^2=4.07/1.31*(1-z-sqrt(2)*x)*(1-z+sqrt(2)*x)*(1+z+sqrt(2)*y)*(1+z-sqrt(2)*y)",
-    // Necks and nodes off the axes through the middle.
+    // Surfaces whose necks and nodes are off the axes through the middle.
     "((x-2)^2+(y-1)^2-z^2-0.1)*((x+2)^2+(y+1)^2-z^2-0.1)=1",
     "(x^2-1)^2+(y^2-1)^2=z^2",
     "z*((x^2-25)^2+(y^2-25)^2+z^2-4)=0.05",
@@ -182,8 +183,8 @@ fn what_is_moved_has_its_domain_moved() {
     assert!(report.is_empty(), "{report}of {count}");
 }
 
-/// A power of each axis, and some mixed terms. Terms of a single axis are not repeated, so that
-/// none cancels.
+/// A polynomial with one power of each axis, and some mixed terms. There is only one term per axis,
+/// so that none cancels.
 fn polynomial(rng: &mut Rng) -> String {
     let factor = |rng: &mut Rng| {
         let sign = if rng.bool() { '+' } else { '-' };
@@ -220,8 +221,8 @@ fn random_polynomials_that_are_moved_have_their_domains_moved() {
     assert!(report.is_empty(), "{report}of {unbounded}, seed {seed}");
 }
 
-/// Checks that moving an unbounded surface moves its domain alike, and reports differences. Returns
-/// `false` if the surface is bounded.
+/// Checks that moving an unbounded surface moves its domain by the same vector, and reports
+/// differences. Returns `false` if the surface is bounded.
 fn check_move(text: &str, place: [f64; 3], report: &mut String) -> bool {
     let find = |text: &str| {
         let document = read(text, &Options::default()).expect(text);

@@ -17,10 +17,10 @@ use zeroset_trace::{Camera, Projection};
 /// Pixels of the picture's shorter side.
 const SIDE: usize = 96;
 
-/// Range of shares that the visible part should take.
+/// Range that the visible part's share of the picture should be in.
 const SHARES: [f64; 2] = [0.55, 0.95];
 
-/// Share of all pictures that must be in the range.
+/// Least share of all pictures whose visible part must be in that range.
 const LEAST: f64 = 0.95;
 
 /// The larger extent of the painted part, as a share of the picture's shorter side, and whether the

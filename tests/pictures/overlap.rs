@@ -1,5 +1,5 @@
-//! Surfaces in front of and behind one another: hidden parts are not traced, and nothing else
-//! changes.
+//! Surfaces in front of and behind one another. Hidden parts are not traced, and this changes
+//! nothing else.
 
 use glam::DVec3;
 use zeroset_render::model::Model;

@@ -64,7 +64,7 @@ fn assert_near(one: [u8; 3], other: [u8; 3], what: &str) {
     assert!(off <= Some(2), "{what}: {one:?} and {other:?}");
 }
 
-/// Keeps the half-space behind the plane through this x.
+/// The half-space behind the plane through this x.
 fn behind(x: f64) -> HalfSpace {
     HalfSpace { normal: DVec3::NEG_X, offset: -x }
 }
@@ -91,7 +91,7 @@ fn translucent_surfaces_are_mixed_from_front_to_back() {
         let mut checked = 0;
         for n in 0..SIDE * SIDE {
             let foot = rays().ray_of(n).origin;
-            // Rays farther out leave one sphere before they enter the other.
+            // Rays farther from the axis leave one sphere before they enter the other.
             if foot.y.hypot(foot.z) > 0.84 {
                 continue;
             }
@@ -136,7 +136,7 @@ fn an_opaque_surface_hides_what_is_behind_it() {
         }
     }
     assert!(checked > 100, "{checked}");
-    // Smoothing changes pixels along edges only.
+    // Smoothing changes only pixels along edges.
     let smooth = Settings { antialias: Pattern::of(16).expect("a pattern"), ..settings() };
     let smooth = picture_of(&format!("color tomato 25%\nx^2+y^2+z^2=1\n{inner}"), None, &smooth);
     let middle = SIDE * SIDE / 2 + SIDE / 2;
@@ -175,7 +175,7 @@ fn colors_are_those_of_values() {
     assert!(legend.low < -1.9 && legend.high > 1.9 && legend.high <= 2.0, "{legend:?}");
     assert!(legend.value == "2*z" && legend.step.is_none(), "{legend:?}");
     assert!(picture(sphere).legends.is_empty());
-    // A value that is constant up to the error of painted points has the middle color.
+    // If a value is constant up to the errors of painted points, the surface has the middle color.
     let flat = picture("color viridis(x)\nx = y/1e9 + 0.3");
     let [one] = &flat.legends[..] else { panic!("one scale") };
     assert!(one.low == one.high && (one.low - 0.3).abs() < 0.01, "{one:?}");

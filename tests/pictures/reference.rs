@@ -1,4 +1,4 @@
-//! Pictures by the reference evaluator equal those by native code bit for bit.
+//! Pictures by the reference evaluator equal pictures by native code bit for bit.
 
 use glam::DVec3;
 use zeroset_jit::vector_widths;
@@ -10,7 +10,7 @@ use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Projection, TraceOptions};
 
-/// Size that covers tiles of both sizes, and incomplete ones.
+/// This size gives tiles of both sizes, and incomplete ones.
 const SIZE: [usize; 2] = [22, 18];
 
 #[test]
@@ -25,7 +25,8 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, region.centre(), DVec3::Y, projection).expect(example.slug);
         let rays = camera.rays(SIZE[0], SIZE[1]);
-        // The default method runs in all precisions, the others in one of them in turn.
+        // The default method runs in all precisions. The other methods run in one, which
+        // alternates.
         let precisions = [Precision::Auto, Precision::F32, Precision::F64];
         let runs = METHODS.iter().flat_map(|method| {
             let all = if method.name == "affine" { 0..3 } else { number % 3..number % 3 + 1 };
@@ -54,7 +55,7 @@ fn the_reference_evaluator_draws_the_same_pictures() {
                 (buffer, work)
             });
             hits += native.0.counts().hit;
-            // Distances that are NaN make no bracket, and their bits may differ.
+            // A bracket whose ends are NaN is no bracket, and the bits of NaN may differ.
             let brackets = |buffer: &GBuffer| -> Vec<[u64; 2]> {
                 buffer
                     .bracket

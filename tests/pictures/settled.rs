@@ -1,4 +1,4 @@
-//! A preview whose open pixels are refined equals the picture of a single pass.
+//! A preview whose undecided pixels are refined equals the picture of a single pass.
 
 use glam::DVec3;
 use zeroset_render::model::Model;

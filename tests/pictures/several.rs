@@ -35,8 +35,8 @@ fn function(rng: &mut Rng) -> String {
     }
 }
 
-/// A second function, whose zeros coincide with those of `other`, lie next to them, touch them
-/// along a curve, or are anywhere.
+/// A second function. Its zeros coincide with those of `other`, lie next to them, touch them along
+/// a curve, or are anywhere.
 fn beside(other: &str, rng: &mut Rng) -> String {
     match rng.u32(0..5) {
         0 => other.to_owned(),
@@ -83,7 +83,7 @@ fn pictures_of_several_surfaces_claim_nothing_false() {
         }
     }
     println!("{survey}; {none} cameras see nothing");
-    // A single case that is repeated need not reach the averages of many.
+    // A single repeated case need not reach the averages that many cases reach.
     if effort.cases > 1 {
         let each = effort.cases / 2;
         assert!(survey.crossings > survey.compared() / 3 && none < effort.cases / 4);

@@ -62,7 +62,7 @@ fn settings() -> Settings {
     }
 }
 
-/// A picture of the formula from the reference's camera.
+/// A picture of the formula, drawn from the reference's camera.
 fn picture(case: &Case, truth: &Truth) -> Picture {
     picture_with(case, truth, &settings())
 }
@@ -86,7 +86,7 @@ struct Tally {
     painted: usize,
     walls: usize,
     blank: usize,
-    /// Claims that contradict a root, or the lack of one.
+    /// Number of claims that contradict a root, or the lack of one.
     false_claims: Vec<String>,
 }
 
@@ -122,14 +122,14 @@ impl Tally {
         }
     }
 
-    /// Painted rays without a root, as a share of all.
+    /// Rays that are painted without a root, as a share of all rays.
     fn share_of_walls(&self) -> f64 {
         self.walls as f64 / (SIDE * SIDE) as f64
     }
 }
 
-/// A description of the ray's claim, if its roots contradict it. A miss claims that there is no
-/// root, a distance that there is none before it, and a hit that there is one at it.
+/// Describes the ray's claim, if its roots contradict the claim. A miss claims that there is no
+/// root, a distance that there is none before it, and a hit that there is one at its distance.
 fn contradiction(
     pixel: &Pixel,
     status: Status,
@@ -145,7 +145,7 @@ fn contradiction(
     is_false.then(|| format!("{status:?} at {distance}, but"))
 }
 
-/// Cases that paint more without a root than wanted, each with the reason.
+/// Cases that paint more pixels without a root than they should, each with the reason.
 const TOO_MUCH: [(&str, &str); 2] = [
     ("chebyshev-12", "the last slabs are too thick for its large coefficients"),
     ("endpoint-extremum", "the domain is some thousand f32 steps wide"),
@@ -209,7 +209,7 @@ pub fn check_zero_throughout(case: &Case, frame: &RayGrid, picture: &Picture) {
     let region = region(case);
     let is_inside = |point: DVec3| match case.slug.as_str() {
         "zero-times-inf" => true,
-        // The radius is 9, less a margin for rounding.
+        // The radius is 9, and a margin for rounding is subtracted.
         "solid-zero" => point.x.hypot(point.y) < 8.999,
         other => panic!("what is the solid of {other}?"),
     };
@@ -305,8 +305,8 @@ fn every_painted_point_has_a_normal() {
                 assert!((normal.length() - 1.0).abs() < 1e-5, "{formula}, {method:?}: {normal}");
                 painted += 1;
             }
-            // Sampling misses roots without a change of sign, and nothing is drawn where the slope
-            // has no bound.
+            // Two exceptions: sampling misses roots without a change of sign, and nothing is drawn
+            // where the slope has no bound.
             let touches = formula.contains("z^2-1)");
             let is_blind = touches && method.proves == Proves::Nothing
                 || buffer.reasons()[UndecidedReason::Steep as usize] > 0;
@@ -315,7 +315,7 @@ fn every_painted_point_has_a_normal() {
     }
 }
 
-/// No claim in `f64` is false, and fewer misses are left unproven by rounding than in `f32`.
+/// No claim in `f64` is false. Rounding leaves fewer misses unproven than in `f32`.
 #[test]
 fn no_claim_in_double_precision_is_false() {
     let mut false_claims = Vec::new();
@@ -342,7 +342,7 @@ fn no_claim_in_double_precision_is_false() {
     assert!(walls[1] < walls[0], "{walls:?}");
 }
 
-/// Each halving halves the error of a painted point, even where slabs are too thin for `f32`.
+/// Each halving of slabs halves the error of a painted point, even if slabs are too thin for `f32`.
 #[test]
 fn finer_slabs_in_double_precision_are_nearer_to_the_root() {
     for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {

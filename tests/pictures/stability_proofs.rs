@@ -23,7 +23,7 @@ fn settings() -> Settings {
     }
 }
 
-/// A description of the ray's claim, if its roots contradict it.
+/// Describes the ray's claim, if its roots contradict the claim.
 fn contradiction(pixel: &Pixel, picture: &Picture, index: usize) -> Option<String> {
     let buffer = &picture.buffer;
     let (status, distance, drawn) =
@@ -45,7 +45,7 @@ fn contradiction(pixel: &Pixel, picture: &Picture, index: usize) -> Option<Strin
     })
 }
 
-/// Cases with more undecided pixels than wanted, each with the reason.
+/// Cases with more undecided pixels than they should have, each with the reason.
 const TOO_MUCH: [(&str, &str); 1] =
     [("steps", "surfaces lie in faces of the domain: no sign is known beyond")];
 

@@ -58,8 +58,8 @@ fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     (camera.rays(SIDE, SIDE), picture.buffer)
 }
 
-/// Whether the drawn function was simplified to one with the same zeros. It has no multiple zeros
-/// from squares, so all its zeros are crossings.
+/// Whether the drawn function was simplified to one with the same zeros. The simplified function
+/// has no double zeros from squares, so all its zeros are crossings.
 fn is_simple(truth: &Truth) -> bool {
     let document =
         read_document(example(&truth.view.slug).expect("there").text, &Options::default());
@@ -119,7 +119,7 @@ fn no_claim_contradicts_an_exact_root_and_the_table_is_as_before() {
     compare("truth_table.txt", &Table(&rows).to_string());
 }
 
-/// At the greatest depth, slabs are as thin as the floats can resolve.
+/// At the greatest depth, slabs are as thin as floats can resolve.
 #[test]
 fn no_claim_of_thinner_slabs_contradicts_an_exact_root() {
     let methods = [
@@ -184,13 +184,13 @@ const DISTANCE: f64 = 1e-5;
 /// Counts of undecided rays with a root at which the function changes sign.
 #[derive(Clone, Copy, Debug, Default)]
 struct UndecidedCounts {
-    /// All such rays.
+    /// Number of all such rays.
     rays: usize,
-    /// Rays on which nothing is painted.
+    /// Number of rays on which nothing is painted.
     blank: usize,
-    /// Rays painted before the first root by more than the tolerance.
+    /// Number of rays painted before the first root by more than the tolerance.
     early: usize,
-    /// Rays painted behind it by more than the tolerance.
+    /// Number of rays painted behind the first root by more than the tolerance.
     late: usize,
 }
 
@@ -329,8 +329,8 @@ fn what_affine_forms_prove_is_true_and_nearly_all_is_proven() {
                 wrong.push(format!("{slug}, {precision}: {:?}, {known:?}", proofs.open));
             }
             wrong.extend(found);
-            // At most half a percent may be needlessly undecided. Exempt are surfaces in faces of
-            // the domain, where the sign beyond the face is unknown.
+            // At most half a percent may be needlessly undecided. A surface with parts in faces of
+            // the domain is exempt, since the sign beyond a face is unknown.
             if proofs.needless > SIDE * SIDE / 200 && slug != "floor-steps" {
                 wrong.push(format!("{slug}: {} undecided", proofs.needless));
             }

@@ -1,5 +1,5 @@
-//! Pictures of piecewise functions, coordinates, sums and vectors. A jump is no wall, a gap stays a
-//! gap, and every painted point is a zero of the typed function.
+//! Pictures of piecewise functions, coordinates, sums and vectors. A jump is not painted as a wall,
+//! and a gap stays a gap. Every painted point is a zero of the typed function.
 
 use glam::DVec3;
 use zeroset_render::model::render;
@@ -76,15 +76,15 @@ fn what_is_undecided_hides_no_root_behind_it() {
             early += usize::from(drawn < root - 0.05);
         }
         println!("{formula}: {behind} roots behind gaps, {early} hidden by a gap that is painted");
-        // Where signs become certain soon, a part beside a gap is not always distinguished from a
-        // zero.
+        // In these formulas, a part beside a gap is not always distinguished from a zero, and a few
+        // rays are painted too early.
         let most = if formula.contains("x^2") || formula.contains("e^x") { 8 } else { 0 };
         assert!(behind > 50 && early <= most, "{formula}: {early} of {behind}");
     }
 }
 
-/// A function is undefined where numerator and denominator vanish together, and nothing is painted
-/// there.
+/// Where numerator and denominator vanish together, the function is undefined, and nothing is
+/// painted.
 #[test]
 fn a_gap_in_a_function_is_no_wall() {
     for (formula, height, _) in with_gaps() {
@@ -128,7 +128,7 @@ fn what_is_drawn_is_a_zero_and_no_wall() {
         assert!(points.len() > 100, "{formula}: {}", points.len());
         assert_eq!(undecided, 0, "{formula}");
         for point in points {
-            // Painted points are within half a pixel of the root, perhaps on the other side of a
+            // Painted points are within half a pixel of the root, but may be on the other side of a
             // jump.
             let near = [-0.05, -0.02, 0.0, 0.02, 0.05];
             let heights = near.iter().flat_map(|a| near.iter().map(move |b| (a, b)));

@@ -44,7 +44,7 @@ fn a_slope_without_bounds_has_its_sign() {
 
 #[test]
 fn a_point_where_there_is_no_value_is_told_from_others() {
-    // Rounding alone would give each of these a value at 0, where it is undefined.
+    // Each of these is undefined at 0, where rounding alone could give it a value.
     for formula in ["1/x", "atan(1/x)", "max(-1/x, 5)", "min(sqrt(-1-x^2), 3)", "0*ln(x-1)"] {
         for precision in ["f32", "f64"] {
             for arguments in [&["-"][..], &["-", "--reference"]] {
@@ -58,7 +58,7 @@ fn a_point_where_there_is_no_value_is_told_from_others() {
     }
     let found = answer(&json!({"f": "atan(1/x)", "at": [1, 0, 0]}));
     assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(true)), "{found}");
-    // The point rounds to 0 in f32, where there is no logarithm, but is not 0 itself.
+    // The point is not 0, but rounds to 0 in f32, where the logarithm is undefined.
     let found = answer(&json!({"f": "ln(x)", "at": [7e-61, 0, 0]}));
     assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(false)), "{found}");
     // The bounds cannot tell whether sin is 0 there, so nothing is proven.

@@ -30,14 +30,14 @@ fn a_formula_becomes_a_picture() {
     assert_eq!(place.files(), ["sphere.png"]);
     let sphere = picture(&place, "sphere.png");
     assert_eq!(sphere.dimensions(), (64, 48));
-    // The outside, f > 0, is warm; the corner shows the background.
+    // The outside, f > 0, has a warm color. The corner shows the background.
     let [red, _, blue] = sphere.get_pixel(32, 24).0;
     assert!(red > blue + 50, "{:?}", sphere.get_pixel(32, 24));
     assert_eq!(sphere.get_pixel(0, 0).0, [244, 244, 246]);
 }
 
 /// Cameras near the limits of floats. A ray that certainly meets the surface is no miss, unless the
-/// camera is refused.
+/// camera is rejected.
 #[test]
 fn no_extreme_camera_hides_what_its_rays_meet() {
     let place = Sandbox::new();
@@ -55,7 +55,7 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
         assert_ne!(by("affine"), 0, "{camera}");
         by("knoll")
     };
-    // Along an axis even rays from very far are exact, and 101 of them meet the ball.
+    // Along an axis even rays from very far are exact. Of 17² rays, 101 meet the ball.
     for eye in ["3e38", "4e38", "1e100"] {
         for precision in ["f32", "f64"] {
             let camera = format!(
@@ -151,7 +151,7 @@ fn arrays_hold_what_the_picture_shows() {
     assert!((found - exact).abs() < 0.003, "{found} is not {exact}");
     let [near, far] = [0, 1].map(|end| bracket[2 * (4 * 20 + 10) + end]);
     assert!(near <= exact && exact <= far, "{exact} is not from {near} to {far}");
-    // At the hit, x and y are about 4 · 0.1 · s.
+    // At the hit, x and y are about 4 · 0.1 · s, so this is about the normal's third component.
     assert!((normal[3 * (4 * 20 + 10) + 2] - 0.978).abs() < 0.005);
 }
 
@@ -187,7 +187,8 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
 #[test]
 fn rays_that_stay_undecided_are_given_up_with_a_reason() {
     let place = Sandbox::new();
-    // (x - 1)^7: near x = 1 the terms cancel, and slabs stay undecided however thin they are.
+    // This is (x - 1)^7. Near x = 1 its terms cancel, and slabs stay undecided however thin they
+    // are.
     let formula = "x^7 - 7x^6 + 21x^5 - 35x^4 + 35x^3 - 21x^2 + 7x - 1 + 0*y + 1e-9";
     let render = |depth: &str| {
         let knoll = ["--method", "knoll"];
@@ -322,7 +323,8 @@ fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
     ]);
     let (_, status) = array::<u8>(&place, "s.npy");
     let (_, distance) = array::<f64>(&place, "d.npy");
-    // The plane y = 0 cuts the ball; on it the solid is proven, 2·√15.25 from the eye.
+    // The plane y = 0 cuts the ball. The face on it is proven, at the distance 2·√15.25 from the
+    // eye.
     let middle = 16 * 32 + 16;
     assert_eq!(status[middle], 1);
     let exact = 2.0 * 15.25_f64.sqrt();
@@ -391,7 +393,7 @@ fn a_function_that_may_be_0_everywhere_is_remarked_on() {
     };
     assert!(note("sin(x)^2 + cos(x)^2 - 1"));
     assert!(note("(x+y)^2 - x^2 - 2x y - y^2"));
-    // A small function is not 0, and neither is one that is 0 on a half-space only.
+    // A small function is not reported as 0. Neither is a function that is 0 on a half-space only.
     assert!(!note("1e-20*(x^2+y^2+z^2-1)"));
     assert!(!note("x + abs(x)"));
     assert!(!note("x+y+z"));
@@ -709,8 +711,8 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     assert_eq!([far("auto", &fine), far("f64", &fine)], [0, 0]);
     let (_, finished) = array::<f64>(&place, "far.npy");
     assert!((finished[middle] - 50.0).abs() < 1e-6, "{}", finished[middle]);
-    // In f32 alone, the signs around a hit prove it, and its position is only as accurate as they
-    // are.
+    // In f32 alone, a hit is proven by the signs around it. Its position is only as accurate as
+    // these signs.
     far("f32", &fine);
     let (_, coarse) = array::<f32>(&place, "far.npy");
     let off = (f64::from(coarse[middle]) - 50.0).abs();
@@ -769,8 +771,8 @@ fn a_method_that_proves_nothing_says_so() {
     assert!(!run.stderr.contains("are not drawn"), "{}", run.stderr);
 }
 
-/// A formula without a surface on this domain leaves the others as they are. One without a surface
-/// anywhere is refused.
+/// If a formula has no surface on this domain, the other surfaces are drawn as usual. A formula
+/// without a surface anywhere is refused.
 #[test]
 fn what_is_constant_on_this_domain_only_is_noted() {
     let place = Sandbox::new();

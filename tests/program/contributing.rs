@@ -1,5 +1,5 @@
-//! Checks the worked example of CONTRIBUTING.md: it names exactly the files that name a similar
-//! operation.
+//! Checks the worked example of CONTRIBUTING.md. It must name exactly the files that name an
+//! existing operation of the same kind.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -19,7 +19,7 @@ fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The section on a native function: its prose, and its row of the table.
+/// Returns the section on a native function: its prose, and its row of the table.
 fn native_section() -> (String, String) {
     let text = std::fs::read_to_string(root().join("CONTRIBUTING.md")).expect("there");
     let section = text.split("**Natively**").nth(1).expect("the section");
@@ -61,8 +61,8 @@ fn the_worked_example_names_every_place_and_no_other() {
         .into_iter()
         .filter(|path| {
             let text = std::fs::read_to_string(path).expect("readable");
-            // Lines with an arm, row or variant for `atan`, which like `sinh` is odd, increasing
-            // and elementary. Tests about `atan` alone do not count.
+            // Lines with a match arm, row or variant for `atan`. Like `sinh`, this operation is
+            // odd, increasing and elementary. Tests about `atan` alone do not count.
             let is_place = |line: &str| {
                 let places =
                     ["Op::Atan =>", "op: Op::Atan,", "(Op::Atan, f64::", "case(Op::Atan, "];
@@ -78,8 +78,8 @@ fn the_worked_example_names_every_place_and_no_other() {
     assert_eq!(named(), arms);
 }
 
-/// A file that the `main.rs` beside it does not name would not be compiled, and its tests would not
-/// run.
+/// Checks that each test file is named in the `main.rs` beside it. Otherwise it would not be
+/// compiled, and its tests would not run.
 #[test]
 fn every_file_of_a_test_binary_is_a_part_of_it() {
     let mut files = Vec::new();
@@ -102,8 +102,8 @@ fn every_file_of_a_test_binary_is_a_part_of_it() {
     }
 }
 
-/// The binary of the window has a runner of its own. There the compiler drops functions that are
-/// marked `#[test]`.
+/// The test binary of the window has a runner of its own, so the compiler would drop functions
+/// marked `#[test]` there.
 #[test]
 fn no_test_of_the_window_is_dropped() {
     let mut files = Vec::new();

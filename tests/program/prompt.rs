@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 /// Whether the output has a picture made of letters.
 fn has_letters(shown: &str) -> bool {
-    // Sixel data has no such runs, since sixels of equal value are counted.
+    // Sixel data has no such runs, since it stores a run as a number and one character.
     ["@@@@@", "%%%%%", "#####", "*****"].iter().any(|row| shown.contains(row))
 }
 
@@ -43,7 +43,7 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     terminal.shows("did you mean :status?");
     // A line with an open bracket continues on the next.
     terminal.type_in("max(abs(x),\rabs(y), abs(z)) = 1\r");
-    // A command ends an open line.
+    // A command ends a line whose bracket is still open.
     terminal.type_in("sin(x\r:status\r");
     terminal.shows("is never closed");
     terminal.shows("surface     max(abs(x), abs(y), abs(z)) = 1");
@@ -78,7 +78,7 @@ fn without_a_window_the_gallery_is_a_list() {
     terminal.shows("undecided");
     terminal.type_in(":gallery\r");
     terminal.shows("heart-taubin");
-    // Commands replace the window's list of surfaces.
+    // The commands do what the window's list of surfaces does.
     for (line, shown) in [
         (":hide 2\r", "hidden\r\nx = y"),
         (":opacity 1 25%\r", "opacity 25%\r\nx+y+z"),
@@ -319,9 +319,9 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     let exact = image::load_from_memory(&file).expect("a picture").to_rgb8();
     // The picture has 90 columns and 26 rows of characters in a small font.
     assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
-    // With 256 colors, every dot is near its color, and most are very near. Blended colors along
-    // edges cover too few dots to get their own color. A picture without smooth edges would be off
-    // by more than 100 there.
+    // With 256 colors, every dot is near its exact color, and most dots are very near. Blended
+    // colors along edges cover too few dots to get palette entries of their own. Without smooth
+    // edges the picture would be off by more than 100 there.
     let mut apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
     apart.sort_unstable();
     let (most, worst) = (apart[apart.len() * 999 / 1000], apart[apart.len() - 1]);

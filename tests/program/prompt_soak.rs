@@ -2,8 +2,8 @@
 //! must keep running within bounded memory, and show what was entered last.
 //!
 //! Memory grows by 2.5 MB in the first hundreds of edits: code and stacks at their first use, and a
-//! heap per thread. It grows by 4 MB with the last picture, the largest of all, whose memory the
-//! allocator keeps. Thousands of edits in between add almost nothing.
+//! heap per thread. It grows by 4 MB with the last picture, which is the largest, and whose memory
+//! the allocator keeps. Thousands of edits in between add almost nothing.
 //!
 //! A long run, of 10,000 edits and 1,000 saves: `ZEROSET_CASES=10000 cargo test --release --test
 //! program prompt_soak -- --nocapture`.
@@ -48,7 +48,7 @@ fn save(path: &Path, text: &str, style: usize) {
     }
 }
 
-/// Whether Enter ends the line. An open bracket would continue it on another line.
+/// Whether Enter ends the line. After an open bracket, the input continues on another line.
 fn is_closed(line: &str) -> bool {
     let count = |letters: [char; 3]| line.matches(letters).count();
     count(['(', '[', '{']) <= count([')', ']', '}'])
@@ -87,7 +87,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
             terminal.type_in(&"\u{7f}".repeat(letters));
         }
     }
-    // First the last save takes effect, then the last line.
+    // First the last save takes effect, and then the last line that was entered.
     save(&path, "# the end\nr = 0.5\ndomain 2\nx^2+y^2+z^2 = r", 1);
     until("the last save is followed", || {
         terminal.type_in(":list\r");
@@ -97,8 +97,8 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     println!("before the last picture: {:?} kB", terminal.resident());
     terminal.type_in(":png end.png\r");
     terminal.shows("saved 'end.png'");
-    // A picture for a file is larger than that for the terminal. The latter returns with the next
-    // line.
+    // A picture for a file is larger than a picture for the terminal. The small one returns with
+    // the next line.
     let file = terminal.shown().len();
     until("the small picture is there again", || {
         terminal.type_in(":status\r");

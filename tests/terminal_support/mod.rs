@@ -39,7 +39,7 @@ impl Log {
     const END: &[u8] = b"\x1b[?2004l";
 
     fn add(&mut self, part: &[u8]) {
-        // A sequence that marks a line may be split over two parts.
+        // The sequence that marks a line may be split over two parts of the output.
         let start = self.shown.len().saturating_sub(Self::BEGIN.len() - 1);
         self.shown.extend_from_slice(part);
         let count = |what: &[u8]| {
@@ -57,7 +57,8 @@ pub struct Terminal {
     master: File,
     log: Arc<Mutex<Log>>,
     directory: tempfile::TempDir,
-    /// Flag that ends the reading thread, which is the terminal's last user.
+    /// Flag that ends the thread that reads the terminal. That thread is the last user of the
+    /// terminal.
     closed: Arc<AtomicBool>,
 }
 
@@ -101,7 +102,7 @@ impl Terminal {
         let data = directory.path().join("data/zeroset");
         std::fs::create_dir_all(&data).expect("made");
         std::fs::write(data.join("tips"), "off").expect("written");
-        // A program that inherits the terminal's other end would keep it open.
+        // A program that inherits the other end of the pseudo-terminal would keep it open.
         let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
         let master = openpt(flags).expect("a terminal");
         grantpt(&master).expect("granted");
@@ -182,8 +183,8 @@ impl Terminal {
         self.master.write_all(bytes).expect("sent");
     }
 
-    /// Types while a line is being read, since earlier input is dropped. After the end of a line,
-    /// waits until it has been read.
+    /// Types text while a line is being read, since the program drops earlier input. After the end
+    /// of each line, waits until the line has been read.
     pub fn type_in(&mut self, text: &str) {
         let lines = || {
             let log = self.log.lock().expect("whole");

@@ -1,12 +1,12 @@
-//! A harness that behaves like libtest, except that it ignores tests whose programs are missing. It
-//! does not know what the tests are.
+//! A harness that behaves like libtest, except that it ignores tests whose programs are missing.
+//! The tests are passed to it.
 
 use clap::{CommandFactory, FromArgMatches};
 use libtest_mimic::{Arguments, Completion, Trial};
 use std::collections::BTreeSet;
 use std::process::ExitCode;
 
-/// A program, and the Debian packages that bring what it needs.
+/// A program that tests run, and the Debian packages that provide it and what it needs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Program {
     name: &'static str,
@@ -33,8 +33,8 @@ pub struct Group {
     pub tests: &'static [(&'static str, fn())],
 }
 
-/// The arguments, and the filters among them. The library takes a single filter and one spelling of
-/// `--no-capture`, where libtest takes more.
+/// Returns the arguments, and the filters among them. The library takes a single filter and one
+/// spelling of `--no-capture`; libtest takes several filters and both spellings.
 fn arguments() -> (Arguments, Vec<String>) {
     let command = Arguments::command()
         .mut_arg("filter", |filter| filter.num_args(0..))

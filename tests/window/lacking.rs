@@ -26,7 +26,7 @@ pub fn tests_without_their_programs_are_ignored_with_the_reason() {
     assert_eq!(stdout.matches(reason).count(), number, "{stdout}");
     assert!(stdout.contains(&format!("0 passed; 0 failed; {number} ignored")), "{stdout}");
     assert!(stderr.contains("apt-get install xvfb "), "{stderr}");
-    // Runners that list tests before they run them learn from the list what is ignored.
+    // Some runners list the tests first, and the list must show which tests are ignored.
     let (_, listed, _) = run(&["gallery::", "--list", "--ignored"], false);
     assert_eq!(listed.lines().count(), number, "{listed}");
 }

@@ -1,8 +1,9 @@
 //! Tests of the program in a real window.
 //!
-//! They run programs that a computer may lack, and `#[test]` cannot ignore a test at run time. This
-//! harness does: it ignores the tests whose programs are missing, and says what to install. Under
-//! CI, and for tests that are asked for by `--ignored` or `--include-ignored`, it fails instead.
+//! They run programs that a computer may lack, and `#[test]` cannot ignore a test at run time. So
+//! this binary has a harness of its own. It ignores the tests whose programs are missing, and says
+//! what to install. Under CI, and with `--ignored` or `--include-ignored`, these tests fail
+//! instead.
 
 #[cfg(unix)]
 mod display;

@@ -55,7 +55,7 @@ impl Scene {
         self.display.tool(&["mousemove", "--window", &self.window, &x, &y]);
     }
 
-    /// Acts, waits until the picture changes and rests, and returns it.
+    /// Calls `act`, and waits until the picture has changed and rests again. Returns the picture.
     pub fn changes(&self, what: &str, act: impl FnOnce()) -> RgbImage {
         let before = self.rest();
         act();

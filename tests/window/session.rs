@@ -83,11 +83,13 @@ pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
         type_in(&scene, "z = x^3");
     });
     scene.key("Return");
-    // The window reads keys when it next polls, but the prompt reads them at once.
+    // The window reads keys when it next polls, but the prompt reads them at once. So this waits
+    // for the window.
     scene.rest();
     scene.terminal.type_in(":list\r");
     scene.terminal.shows("z = x^3");
-    // The prompt was waiting while the line was entered in the window, and records it, too.
+    // The line was entered in the window while the prompt was waiting. The prompt records it in the
+    // history, too.
     let history = scene.terminal.place().join("data/zeroset/history");
     let history = std::fs::read_to_string(history).expect("kept");
     let lines: Vec<&str> = history.lines().filter(|line| !line.starts_with('#')).collect();

@@ -7,8 +7,8 @@ use std::time::Duration;
 const BALL: &[&str] =
     &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "400x320"];
 
-/// The ends of the first slider's track, and the heights of the first two sliders. Names have one
-/// letter, which is 8 pixels wide.
+/// Columns of the ends of the first slider's track, and rows of the first two sliders. Names have
+/// one letter, which is 8 pixels wide.
 const TRACK: (i32, i32) = (20, 180);
 const ROWS: [i32; 2] = [36, 56];
 

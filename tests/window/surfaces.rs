@@ -50,7 +50,7 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
     assert!(scene.changes("shown", || click(&scene, SWATCH, ROWS[1])) == start);
-    // A key does the same, and it can be undone.
+    // A key also hides the surface, and that can be undone.
     assert!(scene.changes("by key", || scene.key("2")) == hidden);
     assert!(scene.changes("undo hiding", || scene.key("ctrl+z")) == start);
     // Drag to the middle of the track, as one step.

@@ -7,7 +7,8 @@ use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
 use zeroset_interval::{Facts, Interval};
 
-/// Memory that a kernel reads or writes; it begins with the quantities.
+/// Memory that a kernel reads or writes. It begins with a number of quantities, each a value per
+/// lane.
 ///
 /// Only the types of this module implement this trait. They are `repr(C)`: quantity k starts `k`
 /// times the size of [`Lanes`] after the beginning.
@@ -28,8 +29,8 @@ pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'stat
 pub trait Input<T: Real>: Batch<T> {
     /// Number of lanes in use, from the first on: 1 to [`LANES`].
     fn count(&self) -> usize;
-    /// Returns whether the lanes in use are within `domain`; always true if the query does not need
-    /// it.
+    /// Returns whether the lanes in use are within `domain`. Always true for queries that do not
+    /// need this.
     fn is_within(&self, domain: &[Interval; 3]) -> bool;
 }
 
@@ -131,9 +132,9 @@ batch! {
 }
 
 batch! {
-    /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. Each
-    /// coordinate of the real point is within `error` of that sum, computed exactly from these
-    /// floats. The error includes the rounding in kernels ([`Segments::allow_rounding`]).
+    /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. `error`
+    /// bounds, per coordinate, how far the real point may be from that sum, computed exactly from
+    /// these floats. It includes the rounding in kernels ([`Segments::allow_rounding`]).
     Segments {
         /// Per axis, the point at t = 0.
         origin: [Lanes<T>; 3] = 3,
@@ -267,7 +268,8 @@ impl<T: Real> Batch<T> for Zeros {
 }
 
 batch! {
-    /// Bounds of a function and its gradient over boxes. Masks have a bit per lane, as elsewhere.
+    /// Bounds of a function and its gradient over boxes. Masks have a bit per lane, the lowest for
+    /// the first.
     GradientEnclosures {
         /// Negated lower ends of the function.
         neg_lo: Lanes<T> = 1,
@@ -308,12 +310,13 @@ batch! {
 }
 
 /// Largest rounding error of a coordinate in a kernel, in units ([`Real::UNIT`]) of the summed
-/// magnitudes of its terms. Each term is rounded up to six times, by up to one unit of itself.
+/// magnitudes of its terms. Each term is rounded up to six times. Each rounding errs by at most one
+/// unit of the term.
 pub const PATH_UNITS: f64 = 8.0;
 
-/// Adds the rounding error of a coordinate in a kernel to `error`. The magnitudes of its terms add
-/// up to `magnitude`, intermediate results are at most `met`, and underflow is scaled by up to
-/// `scale`.
+/// Adds the rounding error of a coordinate in a kernel to `error`. `magnitude` is the sum of its
+/// terms' magnitudes, and `met` the largest magnitude of an intermediate result. Errors by
+/// underflow are at most `scale` times the least normal number.
 #[inline]
 fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
     let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);
@@ -384,7 +387,7 @@ impl<T: Real> Enclosures<T> {
 }
 
 impl<T: Real> Boxes<T> {
-    /// Batches of these boxes, in order, with ends rounded outward.
+    /// Returns batches of `boxes`, in order, with ends rounded outward.
     pub fn around(boxes: &[[Interval; 3]]) -> Vec<Self> {
         let batches = boxes.chunks(LANES).map(|chunk| {
             let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
@@ -399,7 +402,7 @@ impl<T: Real> Boxes<T> {
         batches.collect()
     }
 
-    /// A batch of the boxes in these lanes, in order; there must be at least one.
+    /// Returns a batch of the boxes in `lanes`, in order. There must be at least one.
     pub(crate) fn gathered(&self, lanes: u16) -> Self {
         let mut out = Self { count: lanes.count_ones(), ..Self::default() };
         for (to, lane) in (0..LANES).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
@@ -413,7 +416,7 @@ impl<T: Real> Boxes<T> {
 }
 
 impl<T: Real> Points<T> {
-    /// Batches of these points, in order, with coordinates rounded to nearest.
+    /// Returns batches of `points`, in order, with coordinates rounded to nearest.
     pub fn near<P: Copy + Into<[f64; 3]>>(points: &[P]) -> Vec<Self> {
         let batches = points.chunks(LANES).map(|chunk| {
             let mut batch = Self { count: chunk.len() as u32, ..Self::default() };

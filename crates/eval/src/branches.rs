@@ -1,8 +1,8 @@
-//! Zero tests of functions that jump: enclosures over the branches of a box, one at a time.
+//! Zero tests of functions that jump: the function is enclosed over one branch of a box at a time.
 //!
 //! At a jump, the enclosure of a function is the hull of both branches, and contains 0 even if
-//! neither does. If branches cover a box and none of them contains a zero, neither does the box.
-//! The rules define which operations split a box, and how.
+//! neither branch does. If the branches cover the box and none of them contains a zero, neither
+//! does the box. The interval rules define which operations split a box, and how.
 
 use crate::real::Real;
 use crate::tape::{Step, Tape, may_vanish};
@@ -21,18 +21,18 @@ const OPERATIONS: usize = 4_000;
 /// The steps of a tape that split boxes, and how their branches are combined.
 #[derive(Clone, Debug)]
 pub(crate) struct Branches {
-    /// The choices between branches; a combination has one branch of each.
+    /// The choices between branches. A combination selects one branch of each choice.
     choices: Vec<Choice>,
     /// Per step, the choice that it makes, if any.
     makes: Vec<Option<usize>>,
-    /// Per step, the choices that its value depends on, one bit each.
+    /// Per step, the choices that its value depends on, one bit for each choice.
     depends: Vec<u32>,
     /// Number of enclosures to compute, over all combinations.
     operations: usize,
 }
 
-/// A choice between the branches of a split. Several steps may share one: then the first of them
-/// that jumps in a box makes it, and the others are enclosed over the whole box.
+/// A choice between the branches of a split. Several steps may share a choice. In each box, the
+/// first of them that jumps then makes the choice, and later ones are enclosed over the whole box.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
     split: Split,
@@ -69,8 +69,8 @@ impl Branches {
         let mut choices: Vec<Choice> = Vec::new();
         let mut makes = vec![None; splits.len()];
         let mut left = combinations;
-        // Jumps before poles: most poles have been cleared already, or are no jumps of the whole
-        // function.
+        // Split jumps before poles: the rational form has cleared most poles already, or they are
+        // no jumps of the whole function.
         for poles in [false, true] {
             let first = choices.len();
             let mut next = first;
@@ -96,7 +96,7 @@ impl Branches {
     }
 
     fn find_dependences<T: Real>(&mut self, tape: &Tape<T>) {
-        // Per choice, the choices that decide whether an earlier step has made it.
+        // Per choice, the choices that determine whether one of the earlier steps has made it.
         let mut made = vec![0_u32; self.choices.len()];
         for (index, step) in tape.steps().iter().enumerate() {
             let Step::Apply(_, operands) = step else {
@@ -113,13 +113,13 @@ impl Branches {
         }
     }
 
-    /// Number of combinations that differ in a set of choices.
+    /// Number of combinations that differ in the choices of the bit set `depends`.
     fn variants(&self, depends: u32) -> usize {
         let chosen = self.choices.iter().enumerate().filter(|(k, _)| depends >> k & 1 == 1);
         chosen.map(|(_, choice)| choice.parts().len()).product()
     }
 
-    /// Number of enclosures to compute.
+    /// Number of enclosures to compute, over all combinations.
     pub fn operations(&self) -> usize {
         self.operations
     }
@@ -142,7 +142,7 @@ impl Branches {
     }
 }
 
-/// Finds one of `choices` that has this split, in turn from `next` on.
+/// Finds one of `choices` with this split. The search starts at `next` and wraps around.
 fn shared(choices: &[Choice], split: Split, next: usize) -> Option<usize> {
     let mut turn = (0..choices.len()).map(|k| (next + k) % choices.len());
     turn.find(|&k| choices[k].split == split)
@@ -158,19 +158,18 @@ fn split<T: Real>(tape: &Tape<T>, index: usize) -> Split {
     }
 }
 
-/// The state in which a tape is computed for one combination.
+/// The evaluation of a tape in one combination of branches.
 struct Combination<V> {
     parts: Vec<Branch>,
-    /// Per step, its value.
     values: Vec<Operand<V>>,
-    /// Per choice that is shared, the lanes in which a step has made it.
+    /// Per shared choice, the lanes in which a step so far has made it.
     made: Vec<Fact<V>>,
-    /// Per step that makes a shared choice, the lanes in which it is made after the step.
+    /// Per step of a shared choice, the lanes in which the choice is made after that step.
     made_at: Vec<Fact<V>>,
 }
 
 impl<V: Copy> Combination<V> {
-    /// Returns whether `other` has the same branches for a set of choices.
+    /// Returns whether `other` has the same branches for the choices of a bit set.
     fn agrees(&self, other: &Self, choices: u32) -> bool {
         let mut pairs = self.parts.iter().zip(&other.parts).enumerate();
         pairs.all(|(choice, (a, b))| choices >> choice & 1 == 0 || a == b)
@@ -232,7 +231,8 @@ impl<T: Real> Tape<T> {
     }
 }
 
-/// Encloses an operation in one combination. Also returns the lanes where its choice is then made.
+/// Encloses an operation in one combination. Also returns the lanes in which its choice is made
+/// afterwards.
 fn enclose_step<T: Real, M: Machine>(
     m: &mut M,
     branches: &Branches,
@@ -251,7 +251,7 @@ fn enclose_step<T: Real, M: Machine>(
     }
     let whole = enclose(m, T::FORMAT, op, &operands);
     let made = now.made[choice];
-    // Where the operation does not jump, no choice is made.
+    // In lanes where the operation does not jump, it makes no choice.
     let jumps = whole.facts.continuous.not(m, T::FORMAT);
     (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
 }
@@ -326,9 +326,9 @@ mod tests {
         }
     }
 
-    /// Seven jumps share three choices. The fourth and the seventh share one, and the fourth jumps
-    /// in only one branch of the second. There the seventh must not choose again, so it depends on
-    /// the second as well.
+    /// Seven jumps have three choices between them. The fourth and the seventh share one, and the
+    /// fourth jumps in only one branch of the second. In this branch the seventh must not choose
+    /// again, so it depends on the second as well.
     #[test]
     fn a_choice_already_made_by_another_jump_is_not_made_again() {
         let mut builder = GraphBuilder::default();
@@ -357,7 +357,7 @@ mod tests {
         // At x = 1.1, z = 0.9: 100·1 + 10·0 + 1.
         let root = builder.plus(sum, -101);
         assert!(!builder.is_empty(root, near));
-        // The values taken are 0, 1, 101 and 110 (and 111 at z = 1).
+        // The function takes the values 0, 1, 101 and 110 (and 111 at z = 1).
         for (value, is_taken) in [(0, true), (1, true), (50, false), (110, true), (115, false)] {
             let root = builder.plus(sum, -value);
             assert_eq!(!builder.is_empty(root, near), is_taken, "{value}");

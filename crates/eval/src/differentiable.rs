@@ -19,7 +19,7 @@ pub(crate) struct Smooth<V> {
     pub differentiable: Fact<V>,
 }
 
-/// The domain of intervals with these facts.
+/// The domain of enclosures with the facts of [`Smooth`].
 pub(crate) struct SmoothnessDomain<'a, I>(pub Bounds<'a, I>);
 
 fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
@@ -67,8 +67,8 @@ where
     }
 }
 
-/// The value and facts of an operation. A fact must hold for the operands, and for the operation
-/// over their bounds.
+/// The value of an operation with its facts. A fact holds if it holds for the operands, and for the
+/// operation over the operands' bounds.
 fn smooth<T: Real, M: Machine>(
     m: &mut M,
     op: Op,
@@ -91,8 +91,8 @@ fn smooth<T: Real, M: Machine>(
                 let differs = differs::<T, M>(m, a, f64::from(corner));
                 away = away.and(m, differs);
             }
-            // At the corner of a magnitude the slopes are 1 and −1. At other corners they are
-            // infinite.
+            // The magnitude has slopes 1 and −1 at its corner. At the corners of other functions
+            // slopes are infinite.
             let is_magnitude = row.class == Class::Function(Law::Magnitude);
             (if is_magnitude { continuous } else { away }, away)
         }
@@ -103,7 +103,7 @@ fn smooth<T: Real, M: Machine>(
         },
         Class::Extremum => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
         Class::Choice => {
-            // If the condition is undefined at some points, its bounds say nothing about these.
+            // The bounds of the condition hold only at points where it is defined.
             let defined = a.value.value.facts.defined;
             let negative = below::<T, M>(m, a, 0.0).and(m, defined);
             let other = at_least::<T, M>(m, a, 0.0).and(m, defined);
@@ -118,7 +118,7 @@ fn smooth<T: Real, M: Machine>(
                 differentiable: choose(b.differentiable, c.differentiable),
             };
         }
-        // Where both are defined, the result equals the first operand.
+        // Where the first operand and the result are defined, they are equal.
         Class::Fallback | Class::Restriction(_) => {
             let defined = value.facts.defined.and(m, a.value.value.facts.defined);
             return Smooth {

@@ -13,7 +13,7 @@ pub fn enclose(graph: &Graph, root: NodeId, assumptions: &Assumptions) -> (Inter
     enclose_all(graph, &[root], assumptions)[0]
 }
 
-/// As [`enclose`], for several roots in one pass.
+/// Like [`enclose`], for several roots in one pass.
 ///
 /// # Panics
 /// If `assumptions` has no bounds for a parameter that is used.

@@ -46,7 +46,6 @@ pub(crate) struct RayRange<V> {
 }
 
 impl<V: Copy> RayRange<V> {
-    /// The range between two ends.
     fn between<M: Machine<V = V>>(m: &mut M, format: Format, ends: [V; 2]) -> Self {
         let half = m.number(format, 0.5);
         let middle = m.unrounded(|m| {
@@ -69,7 +68,7 @@ impl Path<1> for SegmentPath {
     ) -> Form<M::V, 1> {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
-        // `error` includes the rounding of these operations.
+        // The rounding of these operations is included in the batch's `error`.
         let (centre, slope) = m.unrounded(|m| {
             let slope = m.mul(depth.half, direction);
             (m.mul_add(direction, depth.middle, origin), slope)
@@ -87,7 +86,7 @@ impl Path<3> for TilePath {
         depth: RayRange<M::V>,
         axis: Axis,
     ) -> Form<M::V, 3> {
-        // Read again for each axis: a value that lives long is written to memory and read back.
+        // Load again for each axis: a value that lives longer would be spilled and reloaded.
         let centre = [0, 1].map(|quantity| loader.input(m, quantity));
         let reach = [2, 3].map(|quantity| loader.input(m, quantity));
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
@@ -99,7 +98,7 @@ impl Path<3> for TilePath {
         let spread = m.mul(reach[0], sizes[0]);
         let spread = m.mul_add(sizes[1], reach[1], spread);
         let error = m.mul_add(spread, half, error);
-        // `error` includes the rounding of these operations, too.
+        // The rounding of these operations, too, is included in the batch's `error`.
         let (centre, slopes) = m.unrounded(|m| {
             let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
                 let per_unit = m.mul_add(middle, d, o);
@@ -117,7 +116,8 @@ impl Path<3> for TilePath {
     }
 }
 
-/// The first output of a tape on a path: its form, where it may be 0, and the range of t.
+/// Evaluates the first output of a tape on a path. Returns its affine form, the part of the path
+/// where it may be 0, and the range of t.
 pub(crate) fn evaluate_and_contract<
     P: Path<N>,
     T: Real,
@@ -133,7 +133,7 @@ pub(crate) fn evaluate_and_contract<
     let depth = RayRange::between(m, T::FORMAT, ends);
     let form =
         tape.evaluate(m, &mut AffineDomain::<_, _, P, N> { loader, depth, path: PhantomData })[0];
-    // Read again: a value that lives long is written to memory and read back.
+    // Load again: a value that lives longer would be spilled and reloaded.
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
     let new = contract(m, T::FORMAT, &form, [depth.middle, depth.half], ends);
     (form, new, depth)

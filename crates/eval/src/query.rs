@@ -108,22 +108,22 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
 pub struct Enclose;
 
 /// A test whether a box may hold a zero of the function. If the bit of a lane in
-/// [`Zeros::possible`] is clear, the box holds no zero. Nothing is claimed about other lanes or
-/// about values.
+/// [`Zeros::possible`] is clear, its box holds no zero. A set bit claims nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct FindZeros;
 
-/// Bounds of the function's gradient over a box, and whether the function is differentiable there.
-/// The tape computes the function and its three partial derivatives.
+/// Bounds of the function's gradient over a box, and whether the function is differentiable in the
+/// box. The tape computes the function and its three partial derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct EncloseGradient;
 
-/// Narrows a segment of a ray to a part that contains all its zeros in the domain. Also tells
+/// Narrows a segment of a ray to a part that contains all zeros on it in the domain. Also tells
 /// whether the signs at the ends of the segment prove a zero.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractSegments;
 
-/// The same as [`ContractSegments`] for all rays of a tile, with a linear approximation.
+/// Like [`ContractSegments`], but for all rays of a tile at once. Also returns a linear
+/// approximation of the function.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractTiles;
 
@@ -166,7 +166,7 @@ impl Query for FindZeros {
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
         let masks = if let Some(possible) = tape.vanishing_together(m, loader) {
-            // Only the mask `possible` is known; the other two claim nothing.
+            // Only the mask `possible` is computed; the other two claim nothing.
             vec![possible, Fact::False, Fact::False]
         } else {
             let value = tape.evaluate(m, &mut Bounds(loader))[0];
@@ -199,7 +199,8 @@ impl Query for EncloseGradient {
         let (function, derivatives) = values.split_first().expect("a function");
         let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
         for derivative in derivatives {
-            // Where the formula of a derivative is undefined, it does not bound the derivative.
+            // At points where the formula of a derivative is undefined, its bounds do not bound the
+            // derivative.
             lipschitz = lipschitz.and(m, derivative.value.facts.defined);
             differentiable = differentiable.and(m, derivative.value.facts.defined);
         }

@@ -34,11 +34,11 @@ pub trait Real:
     fn nearest(value: f64) -> Self;
     /// Returns `value` rounded up.
     fn above(value: f64) -> Self;
-    /// Loads vector number `index` of `lanes`.
+    /// Loads the vector with this index from `lanes`, which hold several vectors.
     fn load(lanes: &Lanes<Self>, index: usize) -> Vector;
-    /// Stores `vector` as number `index` of `lanes`.
+    /// Stores `vector` in `lanes` as the vector with this index.
     fn store(vector: Vector, index: usize, lanes: &mut Lanes<Self>);
-    /// The lanes in which a mask is set, a bit each, the lowest for the first.
+    /// Returns a bit per lane, the lowest for the first lane: set if the mask is.
     fn bits(mask: Vector) -> u32;
 }
 
@@ -105,7 +105,7 @@ pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
 
 /// Returns a number of `T` within the bounds and near their middle; 0 if the bounds are infinite.
 pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
-    // Some constants have no known bounds, such as 0 times one beyond all floats.
+    // Some constants are known only to be real, such as 0 times a number beyond all floats.
     let middle = if bounds == Interval::ENTIRE { 0.0 } else { 0.5 * bounds.lo + 0.5 * bounds.hi };
     let most = T::LARGEST.into();
     let nearest: f64 = T::nearest(middle.clamp(-most, most)).into();

@@ -68,7 +68,7 @@ pub struct Tape<T: Real = f32> {
     steps: Vec<Step>,
     ranges: Vec<Interval>,
     outputs: Vec<usize>,
-    /// Their ends are in `T`, as are those of constants and ranges.
+    /// Bounds that the steps rely on. Like constants and ranges, they have ends in `T`.
     assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
     branches: Option<Arc<Branches>>,
@@ -234,13 +234,13 @@ pub(crate) fn may_vanish<M: Machine>(
     holds_zero.and(m, somewhere)
 }
 
-/// Values that were computed together with their twins and not used yet, by operation and the step
-/// of its operand.
+/// Values of operations that were computed together with their [twin](zeroset_ops::OpRow::twin) and
+/// are not used yet. Keys are the operation and the step of its operand.
 struct Twins<V>(HashMap<(Op, usize), V>);
 
 impl<V> Twins<V> {
-    /// Returns the value of `op` at a step: a stored one, or the first that `both` computes. The
-    /// second is stored for the twin. `None` if the two are not computed together.
+    /// Returns the value of `op` at a step, either stored or computed by `both`. In the latter case
+    /// the twin's value is stored. `None` if the two are not computed together.
     fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
         let twin = op.row().twin?;
         if let Some(value) = self.0.remove(&(op, operand)) {
@@ -252,13 +252,13 @@ impl<V> Twins<V> {
     }
 }
 
-/// Largest relative amount by which bounds of an elementary function over a part may exceed those
-/// over the whole, since approximations are not exactly monotone. Far above twice the error of
-/// each.
+/// Limit on the relative amount by which bounds of an elementary function over part of a box may
+/// exceed its bounds over the whole box. They may, since approximations are not exactly monotone.
+/// The limit is far above twice the error of each bound.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 
-/// A step's value over everything that `assumptions` allow. Since rules are isotone, it bounds
-/// every later value.
+/// A step's value over everything that `assumptions` allow. Since rules are isotone, it contains
+/// the step's value in every kernel.
 fn range_of<T: Real>(
     step: &Step,
     values: &[Operand<Vector>],
@@ -276,7 +276,7 @@ fn range_of<T: Real>(
         Step::Apply(op, operands) => {
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
             let value = enclose(&mut Software::new(), T::FORMAT, *op, &operands);
-            // 0 − x makes a zero of either sign +0.
+            // Subtracting from 0 and adding to 0 turn a zero of either sign into +0.
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
             let nowhere =
                 T::bits(value.facts.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
@@ -296,16 +296,15 @@ fn range_of<T: Real>(
     }
 }
 
-/// The number in the first lane of a vector.
 fn first<T: Real>(vector: Vector) -> f64 {
     let mut lanes = Lanes::default();
     T::store(vector, 0, &mut lanes);
     lanes[0].into()
 }
 
-/// Widens a range to contain the bounds over a branch, which may exceed it. The widening is
-/// relative to each end, but at least `excess`, the largest error of an enclosure below the normal
-/// numbers. An end at 0 stays, because no approximation changes the sign of a value.
+/// Widens a range to contain the bounds over a branch, which may exceed it. Each end moves by a
+/// share of its magnitude, but at least by `excess`, the largest error of an enclosure below the
+/// normal numbers. An end at 0 stays, because no approximation changes the sign of a value.
 fn inflate(range: Interval, excess: f64) -> Interval {
     let out = |end: f64, sign: f64| match end {
         0.0 => end,

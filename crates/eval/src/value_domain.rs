@@ -23,8 +23,8 @@ pub trait ValueDomain<T: Real, M: Machine> {
     fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value;
     /// Applies an operation to earlier values.
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value;
-    /// Applies an operation and its [twin](zeroset_ops::OpRow::twin) to the same value, such as sine
-    /// and cosine. `None` if they share no work.
+    /// Applies an operation and its [twin](zeroset_ops::OpRow::twin) to the same value, such as
+    /// sine and cosine. `None` if the two share no work.
     fn apply_twins(
         &mut self,
         m: &mut M,
@@ -39,7 +39,7 @@ pub trait ValueDomain<T: Real, M: Machine> {
 
 /// Loads the inputs and parameters of a kernel.
 pub trait Loader<M: Machine> {
-    /// Returns the next lanes of the input's quantity with this number.
+    /// Returns the input's quantity with this number, in the lanes that are being evaluated.
     fn input(&mut self, m: &mut M, quantity: usize) -> M::V;
     /// Returns the quantity with this number of the [`Binding`](crate::Binding).
     fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V;
@@ -51,7 +51,8 @@ pub(crate) struct Bounds<'a, I>(pub &'a mut I);
 /// The domain of values at points in memory, without error bounds.
 pub(crate) struct Samples<'a, I>(pub &'a mut I);
 
-/// Number of quantities per parameter in a [`Binding`](crate::Binding): −lo, hi, a value between.
+/// Number of quantities per parameter in a [`Binding`](crate::Binding): −lo, hi, and a value
+/// between them.
 pub(crate) const PARAMETER_QUANTITIES: usize = 3;
 
 impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {

@@ -1,4 +1,5 @@
-//! Builders of expressions that simplify on the spot: zeros, ones and exact numbers vanish.
+//! Builders of expressions that simplify at once: they drop factors 1 and terms 0, and compute with
+//! exact numbers.
 //!
 //! They serve passes that create many trivial terms. A factor 0 removes the other factor together
 //! with its domain of definition. So these builders are for derivatives and rational forms, not for
@@ -26,7 +27,6 @@ pub(crate) fn is_one(graph: &Graph, id: NodeId) -> bool {
     is_integer(graph, id, 1)
 }
 
-/// `-a`
 pub(crate) fn neg(graph: &mut Graph, a: NodeId) -> NodeId {
     if let Some(value) = graph.exact(a).cloned() {
         return graph.constant(Constant::rational(-value));
@@ -37,12 +37,10 @@ pub(crate) fn neg(graph: &mut Graph, a: NodeId) -> NodeId {
     }
 }
 
-/// `a + b`
 pub(crate) fn add(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     sum(graph, Op::Add, a, b)
 }
 
-/// `a - b`
 pub(crate) fn sub(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     sum(graph, Op::Sub, a, b)
 }
@@ -66,7 +64,6 @@ pub(crate) fn sum(graph: &mut Graph, op: Op, a: NodeId, b: NodeId) -> NodeId {
     }
 }
 
-/// `a * b`
 pub(crate) fn mul(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     if is_zero(graph, a) || is_one(graph, b) {
         return a;
@@ -90,7 +87,7 @@ pub(crate) fn mul(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     graph.apply(Op::Mul, &[a, b])
 }
 
-/// `a / b`, left as written if `b` is the number 0.
+/// `a / b`; not simplified if `b` is the number 0.
 pub(crate) fn div(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     if is_one(graph, b) || (is_zero(graph, a) && !is_zero(graph, b)) {
         return a;
@@ -104,7 +101,6 @@ pub(crate) fn div(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     graph.apply(Op::Div, &[a, b])
 }
 
-/// `a ^ b`
 pub(crate) fn pow(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     match graph.number(b).and_then(Constant::as_integer) {
         Some(n) => powi(graph, a, n),

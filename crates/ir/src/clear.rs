@@ -9,8 +9,8 @@ use crate::variability::{Variability, variabilities};
 use std::collections::{BTreeMap, BTreeSet};
 use zeroset_ops::{Class, Op};
 
-/// Largest number of distinct factors in a denominator. Quotients with more are not cleared: each
-/// further factor costs a product of all others.
+/// Largest number of distinct factors in a denominator. Quotients with more are left as they are:
+/// each further factor would cost a product of all others.
 const FACTOR_LIMIT: usize = 16;
 /// Largest exponent of a factor; higher powers are not cleared.
 const EXPONENT_LIMIT: u32 = 64;
@@ -28,17 +28,18 @@ pub struct RationalForm {
     pub denominator: NodeId,
 }
 
-/// Bases and their exponents.
+/// Product of powers: the exponent of each base.
 type Factors = BTreeMap<NodeId, u32>;
 
-/// `numerator · Π above / Π below`. No base in `above`, `below` or `excluded` is 0 in the domain.
+/// The fraction `numerator · Π above / Π below`. No base in `above`, `below` or `excluded` is 0 in
+/// the domain.
 #[derive(Clone)]
 struct Fraction {
     numerator: NodeId,
-    /// Factors from the denominators of divisors.
+    /// Factors of the numerator that were denominators of a divisor.
     above: Factors,
     below: Factors,
-    /// Bases that have cancelled.
+    /// Bases that were both above and below, and have been cancelled.
     excluded: BTreeSet<NodeId>,
 }
 
@@ -52,7 +53,8 @@ impl Fraction {
         self.above.is_empty() && self.below.is_empty() && self.excluded.is_empty()
     }
 
-    /// Cancels bases that are both above and below. `None` if the fraction has grown too large.
+    /// Cancels bases that are both above and below. Returns `None` if the fraction has grown too
+    /// large.
     fn reduced(mut self) -> Option<Self> {
         let common: Vec<(NodeId, u32)> = self
             .above
@@ -97,11 +99,12 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
     node
 }
 
-/// Adds the rational form of `root` to `graph`. `None` if `root` has no pole that can be cleared.
+/// Adds the rational form of `root` to `graph`. Returns `None` if `root` has no pole that can be
+/// cleared.
 ///
 /// Poles of divisions, negative powers and tangents are cleared, also within sums, products,
-/// quotients and integer powers. Poles inside other functions stay. So do divisions by expressions
-/// without coordinates, which are not poles in space.
+/// quotients and integer powers. Poles inside other functions stay. Divisions by expressions
+/// without coordinates stay as well, since these have no poles in space.
 pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
     let mut variabilities = variabilities(graph);
     variabilities.truncate(root.index() + 1);
@@ -121,8 +124,8 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
         fractions[id.index()] = fraction.and_then(Fraction::reduced).filter(|f| !f.is_whole());
     }
     let fraction = fractions[root.index()].take()?;
-    // Factors above the line have no zero in the domain. The numerator omits them; they count as
-    // poles.
+    // No base in `above` or `excluded` is 0 in the domain. So the numerator omits these bases, and
+    // the denominator includes them.
     let mut below = fraction.below;
     for base in fraction.above.into_keys().chain(fraction.excluded) {
         below.entry(base).or_insert(1);
@@ -190,7 +193,8 @@ fn combine(
     }
 }
 
-/// The sum or difference over the least common denominator: shared factors are not multiplied.
+/// The sum or difference over the least common denominator: factors that both denominators share
+/// occur once.
 fn added(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
     let mut below = a.below.clone();
     for (base, n) in &b.below {
@@ -237,7 +241,7 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
 
 /// `1/a`, or `None` if `a` is the number 0 or has too many factors.
 fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> Option<Fraction> {
-    // The numerator splits into factors of the denominator, which other denominators can share.
+    // Split the numerator into factors, so that other denominators can share them.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
     let mut pending = vec![(a.numerator, 1_u32)];
@@ -246,7 +250,8 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
             return None;
         }
         let node = graph.node(id).clone();
-        // Nodes beyond the table are new: they are exact, or at least one operand varies.
+        // Nodes beyond the table are new. They are exact numbers, or at least one of their operands
+        // varies.
         let fixed = variabilities.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
             || matches!(node, Node::Constant(_));
         let class = match &node {
@@ -332,7 +337,8 @@ mod tests {
 
     #[test]
     fn poles_with_the_same_bounds_are_not_the_same_pole() {
-        // Both are 1/3 to 157 digits: too many to be kept exactly, and with the same bounds.
+        // The two numbers are 1/3 to 157 digits, which is too long to be kept exactly. They have
+        // the same bounds.
         let digits = "3".repeat(157);
         let builder = TestGraphBuilder::default();
         let [x, y, z] = builder.xyz();
@@ -394,8 +400,8 @@ mod tests {
                 }
                 compared += 1;
                 assert!(d != 0.0 || ed > 0.0, "{}", context());
-                // If the value is clearly not 0, the numerator may not be 0, and the other way
-                // round.
+                // If the function is clearly not 0, the numerator must not be exactly 0, and vice
+                // versa.
                 assert!(f.abs() <= ef || n.abs() + en > 0.0, "{}", context());
                 assert!(n.abs() <= en || f.abs() + ef > 0.0, "{}", context());
             }

@@ -46,7 +46,7 @@ pub(crate) fn copy_node(
     }
 }
 
-/// The new id of a node that has been copied already.
+/// The id of a node's copy in the new graph. The node must have been copied already.
 pub(crate) fn place(places: &[Option<NodeId>], id: NodeId) -> NodeId {
     places[id.index()].expect("operands come before their users")
 }

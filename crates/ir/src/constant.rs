@@ -10,8 +10,9 @@ pub(crate) const EXACT_BITS: u64 = 512;
 /// Largest order of magnitude of an exact decimal. Beyond it, up or down, decimals are far outside
 /// the floats, and are enclosed at once.
 const EXPONENT_LIMIT: i64 = 2000;
-/// Further digits cost quadratic time, but move either end of an `f64` enclosure by at most its
-/// last place. The enclosure is widened to cover them instead.
+/// Largest number of digits that are evaluated. Further digits would cost quadratic time, but move
+/// either end of an `f64` enclosure by at most its last place. The enclosure is widened to cover
+/// them instead.
 const KEPT_DIGITS: usize = 1200;
 
 /// A real constant. It is exact while it is a rational number of moderate size or has a name;

@@ -1,9 +1,10 @@
 //! Symbolic partial derivatives.
 //!
 //! Forward accumulation: one loop over the nodes finds the three partial derivatives of each, as
-//! nodes of the same graph. Unlike reverse accumulation it keeps the branches of a choice apart, so
-//! the derivative of the branch not taken need not exist. It also encloses derivatives of min and
-//! max by a hull, not by a sum. The rules are the column `derivative` of the table of operations.
+//! nodes of the same graph. Unlike reverse accumulation, it keeps the branches of a choice apart,
+//! so the derivative of the branch not taken need not exist. It also encloses derivatives of min
+//! and max by a hull, not by a sum. The rules are the column `derivative` of the table of
+//! operations.
 
 use crate::algebra::{add, div, is_zero, mul, neg, pow, sub};
 use crate::graph::{Axis, Graph, Node, NodeId};
@@ -13,8 +14,9 @@ use zeroset_ops::{Class, Op, TABLE};
 ///
 /// Each is the derivative wherever `root` is differentiable and the rules' intermediate results
 /// exist. Where two operands of min or max are equal, it is the mean of their derivatives. At other
-/// kinks it is the derivative of one side or lies between both. Jumps count as flat. Its domain of
-/// definition may be smaller than that of `root` (`sqrt` at 0) or larger.
+/// kinks it is the derivative of one side or lies between both. Jumps contribute nothing. A
+/// partial derivative may be defined in a smaller domain than `root` (`sqrt` at 0) or in a larger
+/// one.
 ///
 /// The graph grows by at most a small constant times the number of nodes that `root` needs.
 ///
@@ -64,7 +66,6 @@ fn chain(graph: &mut Graph, op: Op, operands: &[NodeId], inner: &[NodeId]) -> No
     derivative
 }
 
-/// Builds a node from two operands.
 type Combine = fn(&mut Graph, NodeId, NodeId) -> NodeId;
 
 /// Parses the derivative of a row into nodes. Panics if the formula is malformed.
@@ -97,7 +98,8 @@ impl FormulaParser<'_> {
         self.joined(first, Self::power, [("*", mul), ("/", div)])
     }
 
-    /// Combines `first` with all parts that follow it, each after one of the symbols.
+    /// Combines `first` with all parts that follow it. Each part follows one of the two symbols in
+    /// `by`.
     fn joined(
         &mut self,
         first: NodeId,

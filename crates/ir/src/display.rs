@@ -56,7 +56,7 @@ pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
     text
 }
 
-/// The text of one node: how tightly it binds, and its pieces.
+/// The text of one node: its precedence and its pieces.
 fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Precedence, Vec<Piece>) {
     let text = |text: &str| Piece::Text(text.into());
     match graph.node(id) {
@@ -118,8 +118,8 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Precedence, Vec<Piece>) 
     }
 }
 
-/// The text of a number and how tightly it binds: a decimal of few digits, a quotient, a name, or
-/// bounds `[lo, hi]`.
+/// The precedence and text of a number: a decimal of few digits, a quotient, a name, or bounds
+/// `[lo, hi]`.
 fn number(constant: &Constant) -> (Precedence, String) {
     let value = match constant {
         Constant::Exact(value) => value,

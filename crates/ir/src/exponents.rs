@@ -29,7 +29,7 @@ pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (G
         .collect();
     let in_exponent = graph.reachable(&exponents);
     let mut fixed = Graph::new();
-    // Each node is copied twice: as it stands, and with its parameters replaced.
+    // Each node is copied twice: once unchanged, once with its parameters replaced.
     let mut places: Vec<Option<NodeId>> = Vec::with_capacity(graph.len());
     let mut replaced: Vec<Option<NodeId>> = Vec::with_capacity(graph.len());
     for (id, node) in graph.iter() {

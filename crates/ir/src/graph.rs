@@ -77,9 +77,9 @@ impl std::ops::Deref for Operands {
     }
 }
 
-/// A growing set of expressions, each stored once, so that passes may take equal nodes for equal
-/// numbers. A constant known only by its bounds may be any number within them, so each one has a
-/// node of its own.
+/// A growing set of expressions. Each is stored once, so passes may take equal nodes for equal
+/// numbers. A constant known only by its bounds may be any number within them, so each such
+/// constant gets a node of its own.
 ///
 /// Two graphs are equal if they hold the same nodes in the same order.
 #[derive(Clone, Debug, Default)]
@@ -110,7 +110,7 @@ impl Graph {
         self.nodes.is_empty()
     }
 
-    /// The operation, constant or input that `id` is.
+    /// Returns the node with this id.
     ///
     /// # Panics
     /// If `id` belongs to a larger graph.

@@ -1,6 +1,7 @@
-//! Hoisting of expressions of parameters alone, which are the same at every point of a picture.
+//! Hoisting of expressions that depend on parameters alone, and so are the same at every point of a
+//! picture.
 //!
-//! This pass only finds and replaces such expressions. It does not know who evaluates them, or how.
+//! This pass only finds and replaces such expressions. The caller evaluates them.
 
 use crate::compact::{compact, replaced};
 use crate::graph::{Graph, Node, NodeId};
@@ -47,7 +48,7 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
     for (id, node) in graph.iter() {
         match node {
             Node::Parameter(number) => fresh = fresh.max(number.saturating_add(1)),
-            // A maximal expression is an operand of a node that depends on coordinates.
+            // An expression is maximal if it is an operand of a node that depends on coordinates.
             Node::Apply(_, operands)
                 if needed[id.index()] && variabilities[id.index()] == Variability::Varying =>
             {

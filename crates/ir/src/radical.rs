@@ -1,8 +1,10 @@
-//! Replacement of a function by one that has the same zeros, but simple ones, for equations.
+//! Replacement of the function of an equation by one with the same zeros, all of them simple where
+//! possible.
 //!
 //! At a double root a function touches 0 without a change of sign, so no evaluation can prove the
 //! zero. The zeros of a square, or of a factor that is a square, are those of its base. A sum of
-//! even powers is 0 where all of them are. So is the sum of squares, which is less flat there.
+//! even powers is 0 where all of them are. The sum of the bases' squares is 0 at the same points,
+//! and less flat there.
 
 mod sum;
 
@@ -11,11 +13,11 @@ use crate::univariate;
 use sum::of_even_powers;
 use zeroset_ops::Op;
 
-/// Functions with more factors than this stay as they are.
+/// Functions with more factors than this are not changed.
 const FACTOR_LIMIT: usize = 256;
 
 /// Operations that are 0 exactly where their operand is, but touch 0, bend or are steep there.
-/// Powers with a positive integer exponent are treated alike.
+/// Powers with a positive integer exponent are handled in the same way.
 const ZERO_WITH_OPERAND: [Op; 7] =
     [Op::Abs, Op::Sqr, Op::Cbrt, Op::Sinh, Op::Tanh, Op::Asinh, Op::Atan];
 
@@ -29,7 +31,7 @@ const ZERO_WITH_FIRST_OPERAND: [Op; 5] =
 ///
 /// The sign may differ from that of `root`: it is that of a product in which squares count once.
 pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
-    // Divisors and restrictions stay.
+    // Divisors and restrictions are kept, so that the domain stays the same.
     let mut around = Vec::new();
     let mut inner = root;
     while let Node::Apply(op, operands) = graph.node(inner)
@@ -45,7 +47,8 @@ pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
     simple
 }
 
-/// The product of the distinct factors of `root`; `None` if it is not simpler, or has no factors.
+/// The product of the distinct factors of `root`. `None` if this is not simpler than `root`, or if
+/// there are no factors.
 fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     let mut found = Vec::new();
     let mut is_simpler = factors(graph, root, &[Op::Neg], &ZERO_WITH_OPERAND, &mut found)?;
@@ -69,9 +72,10 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
 }
 
-/// Adds the factors of `root` to `found`, each once. Their operands replace operations of `same`
-/// and `simpler`, and positive integer powers. Returns whether this is simpler: a repeated factor,
-/// a power or an operation of `simpler` was dropped. `None` if there are too many factors.
+/// Adds the distinct factors of `root` to `found`. Factors that apply an operation of `same` or
+/// `simpler`, or a positive integer power, are replaced by their operand. Returns whether a
+/// repeated factor, a power or an operation of `simpler` was dropped. `None` if there are too many
+/// factors.
 fn factors(
     graph: &Graph,
     root: NodeId,

@@ -4,7 +4,6 @@ use crate::{Axis, Constant, Graph, NamedConstant, Node, NodeId};
 use std::cell::RefCell;
 use zeroset_ops::{Op, TABLE};
 
-/// A graph under construction.
 #[derive(Default)]
 pub(crate) struct TestGraphBuilder(pub(crate) RefCell<Graph>);
 
@@ -117,7 +116,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
             Node::Apply(Op::SelectNegative, operands) => {
                 values[operands[0].index()].and_then(|(a, e)| {
                     let chosen = values[operands[if a < 0.0 { 1 } else { 2 }].index()];
-                    // If the sign is uncertain, the choice is unstable, not wrong.
+                    // If the sign is uncertain, an infinite error marks the choice as unstable.
                     chosen.map(|(v, w)| (v, if a.abs() <= e { f64::INFINITY } else { w }))
                 })
             }

@@ -45,7 +45,7 @@ impl Code {
         Self { _memory: memory, entry, bytes, width }
     }
 
-    /// KernelEntry point of the function. It must not be called after this value is dropped.
+    /// Entry point of the function. It must not be called after this value is dropped.
     #[inline]
     pub fn entry(&self) -> KernelEntry {
         self.entry

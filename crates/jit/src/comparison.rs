@@ -1,8 +1,8 @@
-//! The same kernels in other arithmetics, to measure what rigor costs.
+//! Kernels in other arithmetics than [`Native`](crate::Native) uses, to measure what rigor costs.
 //!
-//! Results of these kernels must never be shown. So they are behind a feature, and not of type
-//! [`Native`](crate::Native). The rules are those of the product, over a [`Machine`] that moves
-//! results.
+//! A picture must never be based on results of these kernels. So they have a type of their own, and
+//! exist only with a feature of the crate. They use the same rules as [`Native`](crate::Native),
+//! but over a [`Machine`] that rounds in another way.
 
 use crate::code::Code;
 use crate::compiler::{BatchPointers, compile_for_comparison};
@@ -19,15 +19,15 @@ pub enum Arithmetic {
     /// To nearest, without counting the rounding in affine forms. **Not sound**: bounds may miss
     /// values.
     Unsound,
-    /// To nearest, with further operations that move each bound up to the next float, as is done
+    /// To nearest, with further operations that move each bound up to the next float. This is usual
     /// where no rounding mode can be set. Sound.
     Widened,
-    /// Up, by the processor's rounding mode, as in the product.
+    /// Up, by the processor's rounding mode, as [`Native`](crate::Native) does.
     Upward,
 }
 
 impl Arithmetic {
-    /// All arithmetics, from the one that guarantees least.
+    /// All arithmetics, from the weakest guarantee to the strongest.
     pub const ALL: [Self; 3] = [Self::Unsound, Self::Widened, Self::Upward];
 }
 
@@ -88,12 +88,12 @@ impl<Q: Query, T: Real> Kernel<Q, T> for ComparisonKernel<Q, T> {
     }
 }
 
-/// A machine for code that runs while rounding to nearest.
+/// A machine that emits code to be run while rounding to nearest.
 struct Nearest<'a, 'b, 'c> {
     emitter: &'a mut Emitter<'b, 'c>,
-    /// Whether any results are moved up.
+    /// Whether this arithmetic moves bounds up to the next float.
     widens: bool,
-    /// Whether the next results are moved up.
+    /// Whether the results emitted next are moved up.
     is_widening: bool,
 }
 
@@ -215,7 +215,7 @@ impl Machine for Nearest<'_, '_, '_> {
         self.widened(once)
     }
 
-    /// Limits a bound only where rules rely on it: for signs, domains from −1 to 1, and finiteness.
+    /// Clamps a bound only where rules rely on it: for signs, domains from −1 to 1, and finiteness.
     fn clamp_to(&mut self, format: Format, bound: LaneVector, most: f64) -> LaneVector {
         let huge = match format {
             Format::F32 => f64::from(f32::MAX / 2.0),

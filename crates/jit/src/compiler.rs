@@ -25,8 +25,8 @@ use zeroset_interval::Fact;
 
 /// Largest number of operations in a kernel: with more, even the fast tier takes too long.
 const OPERATION_LIMIT: usize = 20_000;
-/// Largest number of instructions in a kernel; some operations take a hundred and more. This many
-/// make 2 MB of code.
+/// Largest number of instructions in a kernel, which make 2 MB of code. Some operations take more
+/// than a hundred instructions.
 const INSTRUCTION_LIMIT: usize = 200_000;
 /// Largest stack of a kernel, in bytes: a quarter of a thread's default stack.
 const STACK_LIMIT: u32 = 512 << 10;
@@ -45,12 +45,12 @@ enum Tier {
     Fast,
 }
 
-/// Which code probes the stack before it is used, so that a large frame cannot skip the guard page.
+/// The code that probes the stack before use, so that a large frame cannot skip the guard page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum StackProbe {
     /// The code that Cranelift generates.
     Code,
-    /// The code that is added when Cranelift's is widened.
+    /// Code that is added when Cranelift's code is widened.
     #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "nobody does"))]
     Widened,
 }
@@ -91,7 +91,7 @@ fn target(tier: Tier, probe: StackProbe) -> Result<OwnedTargetIsa, Error> {
 fn check_processor() -> Result<(), Error> {
     #[cfg(target_arch = "x86_64")]
     if !std::arch::is_x86_feature_detected!("sse4.1") {
-        // Without it, rounding to integers would be a library call in the wrong rounding mode.
+        // Without SSE4.1, rounding to integers would be a library call in the wrong rounding mode.
         return Err(Error::Unsupported("SSE4.1"));
     }
     if cfg!(any(target_arch = "x86_64", target_arch = "aarch64")) {
@@ -119,8 +119,8 @@ pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code,
     generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
-/// Like [`compile`], but `other` computes the result on a machine that wraps the emitter. The
-/// slower tier compiles it, whatever its size.
+/// Like [`compile`], but `other` computes the result on a machine that wraps the emitter. Always
+/// uses the optimizing tier.
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Query, T: Real>(
     tape: &Tape<T>,
@@ -131,7 +131,8 @@ pub fn compile_for_comparison<Q: Query, T: Real>(
 }
 
 /// Generates code in memory. `write` creates intermediate code for vectors of a given number of
-/// bytes. The widest vectors come first, up to `widest`. Without a `tier`, the code's size decides.
+/// bytes. The widest vectors up to `widest` are tried first. Without a `tier`, the code's size
+/// decides which one to use.
 fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,
@@ -172,7 +173,6 @@ fn generate_wide(
     wider.map(|bytes| place(&bytes, width.bytes() as u64, width.bytes())).transpose()
 }
 
-/// Compiles intermediate code to machine code.
 fn machine_code(
     function: Function,
     tier: Option<Tier>,
@@ -234,7 +234,7 @@ fn signature() -> Signature {
     signature
 }
 
-/// The addresses that a kernel reads from in the current iteration of its loop.
+/// The addresses that a kernel reads from in one iteration of its loop.
 pub struct BatchPointers<T> {
     input: Value,
     parameters: Value,
@@ -297,8 +297,8 @@ fn build_with<Q: Query, T: Real>(
         unreachable!("the signature has five parameters");
     };
     let (body, end) = (builder.create_block(), builder.create_block());
-    // Parameters of the block: both batches, advanced to the next lanes; the first of these lanes;
-    // and the masks so far.
+    // Parameters of the block: the input and output batch, advanced to the next lanes; the number
+    // of the first of these lanes; and the masks so far.
     let [input, output, lane, masks] = [(); 4].map(|()| builder.append_block_param(body, I64));
     let zero = builder.ins().iconst(I64, 0);
     builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));

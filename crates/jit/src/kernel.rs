@@ -93,7 +93,7 @@ impl<Q: Query, T: Real> Native<Q, T> {
         Ok(Compiled::new(tape)?.bind(binding))
     }
 
-    /// The code without bound values.
+    /// The compiled code, without parameter values.
     pub fn compiled(&self) -> &Compiled<Q, T> {
         &self.compiled
     }

@@ -25,21 +25,22 @@ pub enum LaneVector {
     Constant(Format, u128),
 }
 
-/// Emits each operation into the current block of a function.
+/// A machine that emits each operation into the current block of a function.
 ///
 /// Vectors always have a float type; integer operations reinterpret them. No operation is a library
 /// call on x86-64 with SSE4.1 or on `AArch64`: multiply-adds are fused only if [`has_fma`].
 ///
-/// A constant is one value wherever it is used. Separate loads would not become operands of
-/// instructions whose results are used twice, as nearly all results in affine forms are. Frames
-/// would take 3 % more instructions on Barth's sextic, 7 % on the gyroid.
+/// Each constant is a single value, loaded once. If it were loaded at each use, the loads would not
+/// become operands of instructions whose results are used twice, as nearly all results in affine
+/// forms are. Frames would take 3 % more instructions on Barth's sextic, 7 % on the gyroid.
 pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
     /// Bytes of a vector when the code runs: a multiple of [`VECTOR`].
     width: usize,
     /// Constants in use, by type and bits.
     constants: HashMap<(Type, u128), Value>,
-    /// Fused multiply-adds, by operands: each use of an affine form computes its error again.
+    /// Fused multiply-adds, by operands. They are reused, since each use of an affine form computes
+    /// its error again.
     fused: HashMap<[Value; 3], Value>,
 }
 
@@ -78,13 +79,12 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder.ins().vhigh_bits(I32, integers)
     }
 
-    /// Returns both vectors as values of the function.
     fn values(&mut self, a: LaneVector, b: LaneVector) -> (Value, Value) {
         (self.value(a), self.value(b))
     }
 
     fn cast(&mut self, to: Type, value: Value) -> Value {
-        // The order of bytes matters only where lanes change size; both targets are little-endian.
+        // The byte order matters only where lanes change size; both targets are little-endian.
         let flags = MemFlagsData::new().with_endianness(Endianness::Little);
         self.builder.ins().bitcast(to, flags, value)
     }
@@ -139,7 +139,6 @@ pub struct RowLoop {
     /// The address of the row.
     row: Value,
     last: Value,
-    /// Bytes of a row.
     width: usize,
 }
 
@@ -315,8 +314,8 @@ impl Machine for Emitter<'_, '_> {
     integer! { int_add => iadd, int_sub => isub }
     shift! { shift_left => ishl_imm_u, shift_right => ushr_imm_u }
 
-    // The mask of sign bits stays in a register, since most formulas negate often. The instructions
-    // fneg and fabs would build theirs each time.
+    // The mask of sign bits stays in a register, since most formulas negate often. The Cranelift
+    // instructions fneg and fabs would load the mask each time.
     fn neg(&mut self, a: LaneVector) -> LaneVector {
         let format = self.format(a);
         let sign = sign_bits(format);
@@ -354,8 +353,8 @@ impl Machine for Emitter<'_, '_> {
     fn eq(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
         self.comparison(FloatCC::Equal, a, b)
     }
-    // A set lane of a mask has its sign bit set. A blend by sign bits is faster than the code for
-    // bitselect.
+    // A set lane of a mask has its sign bit set, so a blend by sign bits works for masks too. It is
+    // faster than the code for bitselect.
     fn select(&mut self, mask: LaneVector, a: LaneVector, b: LaneVector) -> LaneVector {
         self.select_signed(mask, a, b)
     }
@@ -374,7 +373,8 @@ impl Machine for Emitter<'_, '_> {
         LaneVector::Value(self.cast(ty, chosen))
     }
 
-    // Only these two shuffles move halves of vectors: `wide` knows no others.
+    // Halves of vectors are moved only by the two shuffles of `widen` and `narrow`: the module
+    // `wide` knows no others.
     fn widen(&mut self, a: LaneVector) -> [LaneVector; 2] {
         let a = self.value(a);
         let upper = self.shuffle(a, a, [8, 8]);

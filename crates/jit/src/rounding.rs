@@ -5,8 +5,8 @@
 /// number of lanes in use, the parameters, and guard words (reserved, null).
 pub type KernelEntry = *const u8;
 
-/// Values of MXCSR that mask all exceptions and keep subnormals. They round to +∞ or, as everywhere
-/// else, to nearest.
+/// Values of MXCSR that mask all exceptions and keep subnormals. The first rounds to +∞, the second
+/// to nearest, which is the default.
 #[cfg(target_arch = "x86_64")]
 static ROUND_UP: u32 = 0x5f80;
 #[cfg(target_arch = "x86_64")]
@@ -37,7 +37,7 @@ pub unsafe fn call_rounding_to_nearest(
     }
 }
 
-/// Calls `entry` with the rounding mode set to +∞, and restores the default mode.
+/// Calls `entry` with the rounding mode set to +∞, then restores the default mode.
 ///
 /// # Safety
 /// `entry` must be a kernel that may read and write behind these pointers. It must not unwind.

@@ -1,11 +1,12 @@
-//! Widening of code from vectors of 128 bits, all that Cranelift has, to 256 and 512 bits.
+//! Widening of machine code from vectors of 128 bits, the widest that Cranelift generates, to 256
+//! and 512 bits.
 //!
 //! A kernel does the same to each lane, so an instruction for more lanes is the same instruction in
-//! a wider encoding. Batches have the further lanes next in memory. Each constant is repeated, and
-//! spilled values lie farther apart on the stack. Only moves of halves of vectors differ: the
-//! [emitter](crate::lanes) does two kinds, which are recognized here. With 512 bits a comparison
-//! gives a bit per lane, which is expanded to a vector. Code with an unknown instruction is not
-//! widened.
+//! a wider encoding. The further lanes are next in the memory of a batch. Each constant is
+//! repeated, and spilled values lie farther apart on the stack. Only instructions that move halves
+//! of vectors differ. The [emitter](crate::lanes) uses two kinds of them, which are recognized
+//! here. With 512 bits a comparison gives a bit per lane, which is expanded to a vector. Code with
+//! an unknown instruction is not widened.
 
 mod bytes;
 mod encodings;
@@ -19,7 +20,7 @@ use iced_x86::{
 };
 use std::collections::HashMap;
 
-/// Bytes of the vectors in Cranelift's code.
+/// Bytes of a vector in Cranelift's code.
 const NARROW: usize = 16;
 
 /// Address that is assumed for code while it is decoded. All references in it are relative.
@@ -49,7 +50,7 @@ impl Width {
     }
 
     /// Returns whether this processor has instructions for such vectors, and keeps its clock rate
-    /// for them. The first ones with 512 bits, before Ice Lake, lower it.
+    /// while it runs them. The first processors with 512 bits, before Ice Lake, lower it.
     pub fn is_possible(self) -> bool {
         match self {
             Self::Zmm => {
@@ -59,12 +60,12 @@ impl Width {
         }
     }
 
-    /// Number of Cranelift's vectors in one of these.
+    /// Number of Cranelift's vectors that fit in a vector of this width.
     fn times(self) -> usize {
         self.bytes() / NARROW
     }
 
-    /// The register whose lowest part is `register`.
+    /// The register of this width whose lowest part is `register`.
     fn whole(self, register: Register) -> Register {
         let first = match self {
             Self::Zmm => Register::ZMM0,
@@ -77,7 +78,7 @@ impl Width {
         }
     }
 
-    /// The register that holds half a vector.
+    /// The register that holds the lower half of the vector.
     fn half(self, register: Register) -> Register {
         match self {
             Self::Zmm => Self::Ymm.whole(register),
@@ -86,13 +87,13 @@ impl Width {
     }
 }
 
-/// Translates a function to vectors of this width. Its instructions are for 128 bits, but it must
-/// lay out quantities, and the first `slots` bytes of its stack, for this width. It must not probe
-/// the stack; the result does. `None` if the function has anything unknown, or if the result would
-/// take more than `stack` bytes.
+/// Translates a function to vectors of this width. Its instructions are for 128 bits, but its
+/// offsets of quantities, and of the first `slots` bytes of its stack, must be for this width
+/// already. The function must not probe the stack; the result does. Returns `None` if the function
+/// has anything unknown, or if the result would take more than `stack` bytes.
 pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<u8>> {
     if !slots.is_multiple_of(width.bytes() as u32) {
-        // The slots were laid out with gaps, of which nothing is known.
+        // The slots have gaps, whose layout is unknown.
         return None;
     }
     let frame = StackLayout {
@@ -129,7 +130,8 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
                 }
             } else if is_of_integers(&instruction) {
                 if instruction.code() == Code::Retnq {
-                    // Values left in the upper parts would slow down code with narrower vectors.
+                    // Clear the upper parts of the registers: values in them would slow down code
+                    // with narrower vectors.
                     written.push(Instruction::with(Code::VEX_Vzeroupper));
                 }
                 written.push(instruction);
@@ -137,7 +139,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
                 return None;
             }
         }
-        // A branch to an instruction leads to the first of those written in its place.
+        // A branch to the old instruction must lead to the first instruction that replaces it.
         for (k, instruction) in written[first..].iter_mut().enumerate() {
             instruction.set_ip(if k == 0 { ip } else { 0 });
         }
@@ -151,8 +153,8 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
     bytes(&written, &constants.bytes, width.bytes())
 }
 
-/// Decodes the instructions of a function, without the constants behind them. `None` if one is
-/// invalid, or a branch leads elsewhere.
+/// Decodes the instructions of a function, without the constants behind them. `None` if an
+/// instruction is invalid, or if a branch does not lead to the start of one.
 fn instructions(code: &[u8]) -> Option<Vec<Instruction>> {
     let mut decoder = Decoder::with_ip(64, code, ORIGIN, DecoderOptions::NONE);
     let (mut all, mut farthest) = (Vec::new(), ORIGIN);
@@ -182,7 +184,7 @@ fn is_of_integers(instruction: &Instruction) -> bool {
     use Mnemonic::{Add, And, Cmp, Lea, Mov, Or, Pop, Push, Shl, Shlx, Shr, Shrx, Sub, Test, Xor};
     match instruction.mnemonic() {
         Mnemonic::Call => false,
-        // Only the contents of constants are known, not their new addresses.
+        // The new addresses of constants are not known, only their contents.
         Lea => !instruction.is_ip_rel_memory_operand(),
         Add | And | Cmp | Mov | Or | Pop | Push | Shl | Shlx | Shr | Shrx | Sub | Test | Xor => {
             true
@@ -199,7 +201,7 @@ struct ConstantPool {
 }
 
 impl ConstantPool {
-    /// Position among them of the constant at an address of the old code.
+    /// Position in the pool of the constant at `address` in the old code.
     fn place(&mut self, code: &[u8], address: u64, is_vector: bool) -> Option<usize> {
         let Self { width, places, bytes } = self;
         if let Some(place) = places.get(&address) {
@@ -207,7 +209,7 @@ impl ConstantPool {
         }
         let first = usize::try_from(address.checked_sub(ORIGIN)?).ok()?;
         let rest = code.get(first..)?;
-        // The last constant may have fewer bytes if it is not a vector.
+        // A constant that is not a vector may have fewer bytes, if it is the last one.
         if rest.is_empty() || is_vector && rest.len() < NARROW {
             return None;
         }
@@ -221,12 +223,12 @@ impl ConstantPool {
     }
 }
 
-/// The layout of the stack: slots as large as the code expects, then spilled values.
+/// The layout of the stack: slots, whose size stays the same, then spilled values.
 struct StackLayout {
     slots: i64,
     /// Largest size allowed.
     most: i64,
-    /// Factor by which distances grow behind the slots.
+    /// Factor by which offsets beyond the slots grow.
     times: i64,
 }
 
@@ -236,8 +238,8 @@ impl StackLayout {
         if offset < self.slots { offset } else { self.slots + self.times * (offset - self.slots) }
     }
 
-    /// Replaces an instruction that allocates or frees stack; returns whether this is one. `None`
-    /// if it changes the stack pointer in an unknown way.
+    /// Replaces an instruction if it allocates or frees stack. Returns whether it does. `None` if
+    /// it changes the stack pointer in an unknown way.
     fn takes(&self, instruction: &Instruction, written: &mut Vec<Instruction>) -> Option<bool> {
         if instruction.op0_register() != Register::RSP {
             return Some(false);
@@ -259,8 +261,8 @@ impl StackLayout {
         Some(true)
     }
 
-    /// Allocates stack page by page, so that the page that guards its end is not skipped. `None` if
-    /// it is too much.
+    /// Allocates stack page by page, so that the guard page at its end is not skipped. `None` if
+    /// `bytes` exceeds the largest size allowed.
     fn make(&self, mut bytes: i64, written: &mut Vec<Instruction>) -> Option<()> {
         if !(self.slots..=self.most).contains(&bytes) {
             return None;
@@ -295,7 +297,7 @@ impl StackLayout {
     }
 }
 
-/// Moves the stack pointer by `bytes`.
+/// An instruction that moves the stack pointer by `bytes`.
 fn change(code: Code, bytes: i64) -> Option<Instruction> {
     Instruction::with2(code, Register::RSP, i32::try_from(bytes).ok()?).ok()
 }

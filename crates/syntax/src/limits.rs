@@ -1,5 +1,4 @@
-//! Limits on the size of a text. A text that exceeds a limit causes an error, which states the
-//! limit.
+//! Limits on the size of a text. The error for a text beyond a limit states the limit.
 
 /// Limits on a text and on what is built from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,5 @@
 //! All words of the language and their kinds, for help, completion and highlighting. They come from
-//! the tables that reading uses. Nothing here knows how they are shown.
+//! the tables that the parser uses. Nothing here knows how words are displayed.
 
 use crate::picture::paint::POINT_NAMES;
 use crate::settings::SETTINGS;
@@ -78,15 +78,15 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
 
 /// All functions, constants and coordinates of the language, aliases included.
 ///
-/// Besides the functions of the two tables there is `root(a, n)`, the n-th root of a. If n is
-/// written as an odd whole number, negative numbers have roots too. Any other n is read as
+/// Besides the functions in the tables of `zeroset_ops` there is `root(a, n)`, the n-th root of a.
+/// If n is written as an odd whole number, negative numbers have roots too. Any other n is read as
 /// `a^(1/n)`, for a ≥ 0.
 pub fn language_names() -> impl Iterator<Item = &'static str> {
     let is_name = |kind| matches!(kind, WordKind::Function | WordKind::Value);
     words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
 }
 
-/// One line of help for a word. Returns `None` for functions of the table and for unknown words.
+/// One line of help for a word; `None` for functions of `zeroset_ops` and unknown words.
 pub fn word_help(word: &str) -> Option<String> {
     let found = |table: &[(&'static str, &'static str)]| {
         table.iter().find(|(name, _)| *name == word).map(|(_, text)| *text)

@@ -15,8 +15,8 @@ use zeroset_testkit::property::{Formula, Pixel, RayClaim, Scene};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, METHODS, Method, Projection, Status};
 
-/// The claims of each method's picture about each pixel's ray. `None` if the scene's camera is
-/// invalid or its formula has no surface.
+/// Returns the claims of every method's picture about the rays of its pixels. `None` if the scene's
+/// camera is invalid or its formula has no surface.
 #[allow(dead_code)] // each fuzz target needs one of the two
 pub fn draw(scene: &Scene) -> Option<Vec<Pixel>> {
     let mut pixels = Vec::new();

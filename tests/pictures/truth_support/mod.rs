@@ -47,8 +47,8 @@ const CROSSES: u8 = 1;
 const TOUCHES: u8 = 2;
 const OPEN: u8 = 4;
 
-/// Corrected roots of `sin(40/x)-y`, by ray, from arithmetic with 50 digits. The reference is wrong
-/// by up to 1.2e-8 at these, where a distance of a millionth is a whole wave.
+/// Corrected roots of `sin(40/x)-y`, by ray, computed with 50 digits. Here the stored reference is
+/// wrong by up to 1.2e-8, since a whole wave is only a millionth long.
 const CORRECTED: [(&str, usize, f64); 2] = [
     ("essential-fast", 18 * SIDE + 38, 8.371_880_956_302_741),
     ("essential-fast", 41 * SIDE + 16, 6.423_417_971_048_07),

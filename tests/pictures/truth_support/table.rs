@@ -28,8 +28,8 @@ struct Ray {
     status: Status,
     distance: f64,
     drawn: f64,
-    /// Distance behind the start of the drawn slab within which its root is painted, in world
-    /// units.
+    /// Length, in world units, of the stretch behind the start of the drawn slab in which its root
+    /// is painted.
     reach: f64,
 }
 
@@ -126,7 +126,7 @@ impl Ray {
         self.drawn.is_finite()
     }
 
-    /// Whether the painted point is in a later slab than the first undecided one.
+    /// Whether the painted point is in a slab behind the first undecided one.
     fn is_behind(&self) -> bool {
         self.painted() && self.distance + self.reach < self.drawn
     }
@@ -152,12 +152,12 @@ impl Row {
                 status: buffer.status[index],
                 distance: buffer.distance(index),
                 drawn: buffer.drawn[index],
-                // The reach is two slabs, each at most four times as long along a ray as along its
-                // axis.
+                // The reach is the length of two slabs. A slab is at most four times as long along
+                // a ray as along its axis.
                 reach: 8.0 * row.slab,
             };
             for (number, kind) in KINDS.iter().enumerate() {
-                // Open rays count only in the first kind.
+                // Rays that the reference leaves open count only in the first column.
                 if (number == 0 || !ray.open) && (kind.holds)(&ray) {
                     row.counts[number] += 1;
                     if kind.listed {

@@ -150,7 +150,6 @@ impl<M: Machine> Rule<'_, M> {
         self.number(f64::INFINITY)
     }
 
-    /// The mask of a > b.
     pub(crate) fn gt(&mut self, a: M::V, b: M::V) -> M::V {
         self.m.lt(b, a)
     }

@@ -8,9 +8,10 @@ use zeroset_ops::Op;
 #[derive(Default)]
 struct SignedTerm {
     is_negative: bool,
-    /// The term is 0 exactly where one of these nodes is 0. Each occurs once.
+    /// The distinct nodes whose zeros are the zeros of the term.
     bases: Vec<NodeId>,
-    /// Whether the term is not just the product of their squares, up to a constant factor.
+    /// Whether the term differs from the product of the bases' squares by more than a constant
+    /// factor.
     is_flat: bool,
 }
 
@@ -62,7 +63,7 @@ pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
     Some(common)
 }
 
-/// Reads a node as a term; `None` if its operations do not show the sign.
+/// Reads a node as a term of one sign. `None` if its operations do not show the sign.
 fn term(graph: &Graph, id: NodeId) -> Option<SignedTerm> {
     let mut term = SignedTerm::default();
     let mut rest = vec![id];
@@ -104,7 +105,7 @@ fn term(graph: &Graph, id: NodeId) -> Option<SignedTerm> {
     Some(term)
 }
 
-/// Adds the factors of the base of a power to `term`, without their own powers.
+/// Adds the distinct factors of a power's base to `term`, without exponents of their own.
 fn bases(graph: &Graph, root: NodeId, term: &mut SignedTerm) -> Option<()> {
     term.is_flat |= factors(graph, root, &[Op::Neg, Op::Abs], &[Op::Sqr], &mut term.bases)?;
     Some(())

@@ -17,7 +17,7 @@ pub(super) enum PartialExpr {
     Product(Product),
 }
 
-/// An additional condition on where an expression is defined: the node meets the restriction.
+/// An additional condition on where an expression is defined: the node must meet the restriction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Condition(pub(super) Restriction, pub(super) NodeId);
 
@@ -81,7 +81,7 @@ impl Sum {
 pub(super) struct Factor {
     pub(super) base: NodeId,
     pub(super) exponent: i64,
-    /// Whether 0 is excluded for the base, even if the exponent would allow it.
+    /// Whether the domain excludes a base of 0 even if the exponent would allow it.
     pub(super) nonzero: bool,
 }
 

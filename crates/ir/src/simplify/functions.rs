@@ -10,7 +10,6 @@ use zeroset_interval::Facts;
 use zeroset_ops::{Class, Domain, Law, Op, Parity, Restriction};
 
 impl Rewriter<'_> {
-    /// Applies a function of one operand.
     pub(super) fn function(&mut self, op: Op, operand: PartialExpr) -> PartialExpr {
         let Class::Function(law) = op.row().class else { unreachable!("{op:?} is no function") };
         let mut operand = self.product(operand);
@@ -31,7 +30,7 @@ impl Rewriter<'_> {
             }
         }
         if let Law::Magnitude | Law::Sign = law {
-            // The magnitude of the coefficient moves out of abs, and does not matter to sign.
+            // |c·a| = |c|·|a|, and sign(c·a) does not depend on |c|.
             let size = std::mem::replace(&mut operand.coefficient, BigRational::one());
             if law == Law::Magnitude {
                 outer *= size;
@@ -122,7 +121,6 @@ impl Rewriter<'_> {
         matches!(self.graph.node(a), Node::Apply(op, _) if is_integral(op))
     }
 
-    /// `mod(a, b)`
     pub(super) fn modulo(&mut self, first: PartialExpr, second: PartialExpr) -> PartialExpr {
         let first = self.product(first);
         let second = self.product(second);
@@ -199,8 +197,8 @@ impl Rewriter<'_> {
         PartialExpr::Product(result)
     }
 
-    /// `otherwise(a, b)`. The conditions of `a` stay with it, since they decide which operand
-    /// counts.
+    /// `otherwise(a, b)`. The conditions of `a` stay inside it, since they decide which operand is
+    /// the result.
     pub(super) fn fallback(&mut self, first: PartialExpr, second: PartialExpr) -> PartialExpr {
         let a = self.node_of(first);
         let b = self.node_of(second);
@@ -224,7 +222,7 @@ impl Rewriter<'_> {
         let mut other = self.product(second);
         let mut result = self.product(first);
         result.conditions.append(&mut other.conditions);
-        // Only the sign of a coefficient matters to any condition.
+        // Of a coefficient, only the sign matters to a condition.
         other.coefficient = other.coefficient.signum();
         let node = self.emit_product(&other);
         self.require(&mut result.conditions, Condition(restriction, node));

@@ -1,10 +1,10 @@
 //! Rewriting of a graph into a shorter one with tighter enclosures.
 //!
-//! One loop over the old nodes turns each into a [`PartialExpr`]: a node of the new graph, or a sum or
-//! product still being collected. An operand with one user is handed over as a form and merges with
-//! its user. An operand with several users becomes a node first and stays shared. Products are
-//! never expanded: a factored form encloses better. Numbers stay exact, and constants like √5
-//! symbolic, until [`fold`] encloses them at the end; so equal constants cancel exactly.
+//! One loop over the old nodes turns each into a [`PartialExpr`]: a node of the new graph, or a sum
+//! or product still being collected. An operand with one user is passed on as a sum or product and
+//! merges with its user. An operand with several users becomes a node first and stays shared.
+//! Products are never expanded: a factored form encloses better. Numbers stay exact, and constants
+//! like √5 symbolic, until [`fold`] encloses them at the end; so equal constants cancel exactly.
 
 mod fold;
 mod form;
@@ -94,8 +94,8 @@ pub fn rewrite(
         parameters,
     };
     let mut values: Vec<Option<PartialExpr>> = vec![None; graph.len()];
-    // The old graph decides: an exponent is constant only if it was written without coordinates and
-    // parameters, however it simplifies.
+    // Whether an exponent is constant depends on the old graph: it must have been written without
+    // coordinates and parameters.
     let variabilities = variabilities(graph);
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
@@ -153,7 +153,6 @@ struct Rewriter<'a> {
     /// Bounds of each node's value where it is defined in the domain, and facts over all of the
     /// domain.
     known: Vec<Decorated>,
-    /// Variability of each node.
     variabilities: Vec<Variability>,
     /// Constant and terms of the nodes that are sums.
     sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
@@ -309,7 +308,6 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Converts a value to a sum.
     fn sum(&mut self, value: PartialExpr) -> Sum {
         match value {
             PartialExpr::Sum(sum) => sum,

@@ -10,7 +10,6 @@ use num_traits::{One, Signed, ToPrimitive};
 use zeroset_ops::{Op, Restriction};
 
 impl Rewriter<'_> {
-    /// `base^n`
     pub(super) fn integer_power(&mut self, base: PartialExpr, n: i64) -> PartialExpr {
         let base = self.product(base);
         if n == 0 {
@@ -55,8 +54,8 @@ impl Rewriter<'_> {
             if fixed || self.rank(exponent) != Variability::Constant {
                 return power;
             }
-            // The enclosure is an integer only if the range is a single number, whose sign is
-            // known.
+            // The exponent's enclosure can be an integer only if its range is a single number,
+            // which has a known sign.
             return self.real_power(power, base, self.range(exponent).hi > 0.0);
         }
         let Product { coefficient: number, conditions, .. } = exponent;

@@ -10,9 +10,10 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Largest number of factors of a product that is remembered; longer ones are merged late.
+/// Largest number of factors in a product that is stored with its node. Longer products are treated
+/// as one factor, and merged late.
 const REMEMBERED_FACTORS: usize = 8;
-/// Largest number of restrictions lifted out of an operand; further ones stay in it.
+/// Largest number of restrictions that are lifted out of an operand. Further ones stay inside it.
 const LIFTED_CONDITIONS: usize = 16;
 
 impl Rewriter<'_> {
@@ -38,14 +39,13 @@ impl Rewriter<'_> {
         if let Some(number) = self.graph.exact(id) {
             return Product { conditions, ..Product::number(number.clone()) };
         }
-        // A shared product stays one factor, so that it stays shared. A shared power is split into
-        // base and exponent.
+        // A product with a node of its own stays one factor, so that the node stays shared. A power
+        // is split into base and exponent.
         let power = self.products.get(&id).filter(|product| product.factors.len() == 1);
         let power = power.cloned().unwrap_or_else(|| Product::power(id, 1));
         Product { conditions, ..power }
     }
 
-    /// `a · b`
     pub(super) fn times(&mut self, mut a: Product, mut b: Product) -> Product {
         if a.factors.len() < b.factors.len() {
             std::mem::swap(&mut a, &mut b);
@@ -73,7 +73,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// `a / b`, left as written if `b` is the number 0.
+    /// `a / b`; not simplified if `b` is the number 0.
     pub(super) fn quotient(&mut self, a: PartialExpr, b: PartialExpr) -> PartialExpr {
         let a = self.unmerged_product(a);
         let b = self.product(b);
@@ -152,7 +152,7 @@ impl Rewriter<'_> {
                 changed = true;
             }
         }
-        // A new base may be a number.
+        // A base that a law has replaced may be a number, which joins the coefficient.
         let mut opened = Vec::new();
         for factor in std::mem::take(&mut p.factors) {
             let number =
@@ -191,7 +191,7 @@ impl Rewriter<'_> {
             if p.coefficient.abs().is_one()
                 && let Some((constant, terms)) = self.sums.get(&base).cloned()
             {
-                // The negative of a sum is a sum of negated terms (saves 7 operations of the
+                // The negative of a sum is a sum of negated terms (saves 7 operations over the
                 // gallery).
                 let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
                 return self.emit_sum(&-constant, &terms);
@@ -230,7 +230,7 @@ impl Rewriter<'_> {
                 varying[side].push((factor.base, factor.exponent.unsigned_abs()));
             }
         }
-        // The number joins the other factors that do not vary, in the numerator.
+        // The coefficient joins the numerator's other factors that do not vary.
         let unit = p.coefficient.abs().is_one();
         let mut fixed = if unit { None } else { Some(self.number(p.coefficient.clone())) };
         if let Some(above) = uniform[0] {
@@ -264,8 +264,8 @@ impl Rewriter<'_> {
         self.node(Op::Div, &[above, b])
     }
 
-    /// `Π baseᵢ^nᵢ`. Prefers `(xy)²` to `x²y²`, unless both squares exist already: it is as tight
-    /// and shorter (saves 4 operations of the gallery).
+    /// `Π baseᵢ^nᵢ`. Prefers `(xy)²` to `x²y²`, unless both squares exist already: its enclosure is
+    /// as tight, and it is shorter (saves 4 operations over the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
         let common = powers.iter().fold(0, |common, (_, n)| gcd(common, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));

@@ -1,7 +1,8 @@
 //! Collecting and emitting sums: `k + Σ cᵢ·tᵢ`.
 //!
-//! Comments state what a step saves on the gallery. They count operations of all tapes (919, for
-//! gradients 1498), or boxes enclosed by bisection down to 1/32 of a domain.
+//! Comments state what a step saves over the gallery, the example surfaces of the project. They
+//! count operations of all tapes (919, or 1498 for gradients), or boxes enclosed by bisection down
+//! to 1/32 of a domain.
 
 use super::Rewriter;
 use super::form::{Condition, Product, Sum};
@@ -15,10 +16,11 @@ use zeroset_ops::{Op, Restriction};
 
 type Terms = Vec<(NodeId, BigRational)>;
 
-/// Largest number of terms of a sum that is remembered, so that later sums can merge with it.
+/// Largest number of terms of a sum that is stored with its node, so that later sums can merge with
+/// it.
 const REMEMBERED_TERMS: usize = 64;
-/// Largest number of terms of a sum that is opened to complete squares. In longer sums the common
-/// factor is worth more.
+/// Largest number of terms of a sum that is replaced by its terms to complete squares. In longer
+/// sums, keeping the common factor gains more.
 const OPENED_TERMS: usize = 4;
 /// Largest distance of a square's center from 0, as a multiple of the largest magnitude in the
 /// range. Beyond it, rounding of the square outweighs the gain.
@@ -62,7 +64,7 @@ impl Rewriter<'_> {
         Product { coefficient: content, conditions, ..Product::power(node, 1) }
     }
 
-    /// Sorts the terms and adds up like ones, so that each occurs once.
+    /// Sorts the terms and adds up equal ones, so that each occurs once.
     fn merge_terms(&mut self, terms: &mut Terms, conditions: &mut Vec<Condition>) {
         loop {
             terms.sort_by_key(|(term, _)| *term);
@@ -101,10 +103,11 @@ impl Rewriter<'_> {
         });
     }
 
-    /// Replaces sums by their terms if this brings a square and its linear term together, so that
-    /// it can be completed. Saves 1.4 % of the boxes, some of them of Mitchell's surface.
+    /// Replaces sums by their terms if this brings together a square and its linear term, so that
+    /// the square can be completed. Saves 1.4 % of the boxes, partly on Mitchell's surface.
     fn open_squares(&self, terms: Terms, constant: &mut BigRational) -> Terms {
-        // Each term, also inside sums that may be opened: node, coefficient and containing sum.
+        // Each term, also inside sums that may be replaced by their terms: node, coefficient and
+        // containing sum.
         let mut reach: Vec<(NodeId, BigRational, Option<NodeId>)> = Vec::new();
         for (term, c) in &terms {
             reach.push((*term, c.clone(), None));
@@ -132,7 +135,7 @@ impl Rewriter<'_> {
         self.open(terms, constant, |sum, _| sources.contains(&sum))
     }
 
-    /// Replaces a sum by its terms if `chosen(node, terms)` is true.
+    /// Replaces each sum by its terms if `chosen(node, terms)` is true.
     fn open(
         &self,
         terms: Terms,
@@ -187,7 +190,7 @@ impl Rewriter<'_> {
             let completed = self.node(Op::Sqr, &[inner]);
             self.products.entry(completed).or_insert_with(|| Product::power(inner, 2));
             *constant = rest;
-            // The new term may be out of order and so hide a pair from the search. The caller sorts
+            // The new term may break the order, so that the search misses a pair. The caller sorts
             // and tries again.
             terms.remove(linear);
             index -= usize::from(linear < index);
@@ -250,7 +253,7 @@ impl Rewriter<'_> {
         node
     }
 
-    /// Like [`emit_signed`](Self::emit_signed) without a start. If all signs are minus, a
+    /// Like [`emit_signed`](Self::emit_signed), but without a `start`. If all signs are minus, a
     /// coefficient other than −1 keeps its sign, which saves a negation (9 operations of
     /// gradients).
     fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
@@ -265,7 +268,8 @@ impl Rewriter<'_> {
         self.emit_signed(None, terms)
     }
 
-    /// Rewrites `c·s ± c·t` as `c·(s ± t)`: the same enclosure with 16 fewer multiplications.
+    /// Rewrites `c·s ± c·t` as `c·(s ± t)`, which has the same enclosure. Saves 16 multiplications
+    /// over the gallery.
     fn group_equal_coefficients(&mut self, terms: &mut Terms) {
         if terms.len() > REMEMBERED_TERMS {
             return;
@@ -332,8 +336,9 @@ impl Rewriter<'_> {
     }
 }
 
-/// The factor to take out of a sum: the sign of the first term, times the size of all coefficients
-/// if they share one. Sums that differ by a factor are thus shared (37 operations of gradients).
+/// The factor to take out of a sum: the sign of the first term, times the magnitude of the
+/// coefficients if all have the same. Sums that differ only by this factor then share a node (saves
+/// 37 operations of gradients).
 fn content(terms: &[(NodeId, BigRational)], constant: &BigRational) -> BigRational {
     let first = &terms[0].1;
     let size = first.abs();

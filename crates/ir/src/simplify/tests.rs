@@ -60,7 +60,7 @@ fn a_domain_outlives_what_gave_it() {
     assert_eq!(simple(|_, [x, y, _]| x.f(Op::Ln) * 0.0 + y), "where_defined(y, ln(x))");
     assert_eq!(simple(|_, [x, y, _]| x.f(Op::Ln) - x.f(Op::Ln) + y), "where_defined(y, ln(x))");
     assert_eq!(simple(|_, [x, _, _]| x.f(Op::Ln).pow(0)), "where_defined(1, ln(x))");
-    // The removed operation is defined on the whole box: no restriction is left.
+    // The removed operation is defined on the whole box, so no restriction remains.
     assert_eq!(simple(|_, [x, y, _]| (x + 3.0) / (x + 3.0) * y), "y");
     assert_eq!(simple(|_, [x, y, _]| (x + 3.0).f(Op::Ln) * 0.0 + y), "y");
     assert_eq!(simple(|_, [x, y, _]| x - x + y), "y");
@@ -78,7 +78,8 @@ fn squares_are_completed() {
         simple(|_, [x, _, _]| 2.0 * x.f(Op::Sin).pow(2) + x.f(Op::Sin)),
         "2*sqr(sin(x) + 0.25) - 0.125"
     );
-    // The first enclosure is exact as it stands; rounding would outweigh the gain in the second.
+    // The first sum already has an exact enclosure. In the second, rounding would outweigh the
+    // gain.
     assert_eq!(simple(|_, [x, _, _]| x.pow(4) + 5.0 * x.pow(2)), "5*sqr(x) + sqr(sqr(x))");
     assert_eq!(simple(|_, [x, _, _]| x.pow(2) - 1000.0 * x), "sqr(x) - 1000*x");
 }
@@ -122,7 +123,7 @@ fn an_exponent_that_varies_never_admits_negative_bases() {
         x.apply(Op::Pow, &[b / b * 2.0])
     });
     assert_eq!(text, "where_nonneg(sqr(x), x)");
-    // Folded, this exponent is an integer: `round(atan(-2))`.
+    // The exponent `round(atan(-2))` is an integer once constants are enclosed.
     let text = simple(|s, [x, y, _]| {
         let exponent = (x - x + s.number("-2")).f(Op::Atan).f(Op::Round);
         y.apply(Op::Pow, &[exponent])
@@ -154,7 +155,8 @@ fn numbers_known_by_bounds_only_never_cancel() {
 
 #[test]
 fn multiples_too_large_to_add_up_are_counted_once_each() {
-    // Fourth powers below 2^512 / 9 (the first and third), between that and 2^512, and beyond.
+    // The numbers' fourth powers are below 2^512 / 9 (first and third), between that and 2^512
+    // (second), and above 2^512 (fourth).
     for number in ["3", "340282326356119256160033759537265639424", "1e38", "5e38"] {
         let builder = TestGraphBuilder::default();
         let [_, y, _] = builder.xyz();
@@ -313,8 +315,8 @@ fn enclosures_do_not_widen() {
                 continue;
             }
             compared += 1;
-            // A coefficient that is not a float may move an operand past the end of a domain that
-            // it just reached.
+            // Rounding a coefficient that is not a float may move an operand past the end of a
+            // domain that it only just reached.
             let wider = at.map(|a| Interval { lo: a.lo - 1e-12, hi: a.hi + 1e-12 });
             let keeps_facts = new_facts.has(old_facts)
                 || !enclosure(&graph, root, &wider, &values).1.has(old_facts);
@@ -341,7 +343,7 @@ fn enclosures_do_not_widen() {
     assert!(compared > 50_000 && narrower > 1000, "{compared} {narrower}");
 }
 
-/// Compares the columns that simplification relies on with values in plain `f64`.
+/// Checks the columns of the table that simplification relies on, by values in plain `f64`.
 #[test]
 fn rows_state_what_is_true() {
     let value = |op: Op, a: f64| {

@@ -3,14 +3,15 @@
 use super::target;
 use iced_x86::{Encoder, Instruction};
 
-/// Encodes a function. If an instruction reads a constant, its displacement is the position among
-/// `constants`, which begin at a multiple of `alignment` bytes. A branch leads to the first
-/// instruction written in place of its target. `None` if that is missing, if a branch has one byte
-/// for its distance, or if an instruction has no encoding.
+/// Encodes a function. If an instruction reads a constant, its displacement is the constant's
+/// position in `constants`, which begin at a multiple of `alignment` bytes. A branch leads to the
+/// first of the instructions that replace its target. Returns `None` if there is no such
+/// instruction, if a branch stores its distance in one byte, or if an instruction has no encoding.
 pub fn bytes(written: &[Instruction], constants: &[u8], alignment: usize) -> Option<Vec<u8>> {
     let mut encoder = Encoder::new(64);
     let mut starts = Vec::with_capacity(written.len());
-    // Distances to fill in later: position, the address that they count from, and the target.
+    // Distances to fill in later. Each has its position, the address from which it counts, and its
+    // target.
     let (mut branches, mut references) = (Vec::new(), Vec::new());
     let mut end = 0;
     for instruction in written {

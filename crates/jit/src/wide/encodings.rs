@@ -3,13 +3,14 @@
 use super::{Width, is_vector};
 use iced_x86::{Code, Instruction, OpKind, Register};
 
-/// Immediate of the shuffle that takes the upper half of a vector twice.
+/// Immediate of the shuffle that copies the upper half of a vector to both halves.
 const UPPER: u8 = 0b11_10_11_10;
 
-/// Mask register for a bit per lane, until the bits are expanded to a vector.
+/// Mask register that holds a bit per lane, until the bits are expanded to a vector.
 const LANES: Register = Register::K1;
 
-/// Writes the equivalent for wider vectors; `None` if it is not known.
+/// Writes the equivalent of an instruction for wider vectors. `None` if there is no known
+/// equivalent.
 pub(super) fn widen(
     instruction: &Instruction,
     width: Width,
@@ -43,7 +44,8 @@ pub(super) fn widen(
         code => {
             let mut wider = *instruction;
             wider.set_code(encoding(code, width)?);
-            // These convert between lanes of two sizes, so that one operand is half a vector.
+            // These two instructions convert between lanes of different size, so that one operand
+            // is half a vector.
             let [is_read, is_written] =
                 [Code::VEX_Vcvtps2pd_xmm_xmmm64, Code::VEX_Vcvtpd2ps_xmm_xmmm128]
                     .map(|other| other == code);
@@ -61,7 +63,7 @@ pub(super) fn widen(
     Some(())
 }
 
-/// Writes the equivalent that uses a mask register.
+/// Writes the equivalent of an instruction that uses a mask register.
 fn widen_with_mask(
     instruction: &Instruction,
     masked_form: &MaskedForm,
@@ -95,13 +97,14 @@ fn widen_with_mask(
     Some(())
 }
 
-/// How instructions of 512 bits use a bit per lane, where narrower ones use vectors.
+/// An instruction for 512 bits that uses a bit per lane, where its narrower form uses a vector.
 pub(super) enum MaskedForm {
     /// A comparison, and the instruction that expands its bits to a vector.
     Compare(Code, Code),
     /// A choice, and the instruction that gathers its bits from a vector.
     Choose(Code, Code),
-    /// The instruction that gathers the signs of a vector, which are then moved on.
+    /// The instruction that gathers the signs of a vector in a mask register. They are then copied
+    /// to a general register.
     Signs(Code),
 }
 
@@ -142,7 +145,8 @@ pub(super) fn masked_form(code: Code) -> Option<MaskedForm> {
     })
 }
 
-/// Lists instructions, each in its encoding for 128 bits, for 256 and for 512.
+/// Matches the encoding of an instruction for 128 bits, and returns its encoding for 256 or 512
+/// bits.
 macro_rules! encodings {
     ($code:ident, $width:ident: $($narrow:ident => $ymm:ident $(| $zmm:ident)?,)*) => {
         match ($code, $width) {
@@ -154,7 +158,8 @@ macro_rules! encodings {
 }
 
 /// The encoding of an instruction for wider vectors. Moves and logic may become other instructions
-/// with the same effect. Where one for 512 bits is missing, see [`masked_form`].
+/// with the same effect. For instructions that have no such encoding for 512 bits, see
+/// [`masked_form`].
 #[rustfmt::skip]
 pub(super) fn encoding(code: Code, width: Width) -> Option<Code> {
     encodings! { code, width:

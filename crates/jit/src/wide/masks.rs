@@ -1,8 +1,8 @@
 //! Reuse of bits in mask registers.
 //!
-//! With vectors of 512 bits, a comparison writes a bit per lane to a mask register, and a choice
+//! With vectors of 512 bits, a comparison writes a bit per lane to a mask register, and a blend
 //! reads one. Code translated instruction by instruction expands these bits to a vector and gathers
-//! them again. This module finds the registers that still hold them, within a block.
+//! them again. Within a block, this module finds the mask registers that still hold the bits.
 
 use super::target;
 use iced_x86::{Code, Instruction, Mnemonic, OpKind, Register};
@@ -10,12 +10,11 @@ use iced_x86::{Code, Instruction, Mnemonic, OpKind, Register};
 /// Number of mask registers in use, and the first of them. K0 stands for none.
 const REGISTERS: u32 = 7;
 const FIRST: Register = Register::K1;
-/// Number of vector registers.
 const VECTORS: usize = 32;
 
-/// Removes instructions that gather bits which a mask register still holds, and then vectors that
-/// nothing reads. `blocks` has the block number of each instruction. Branches lead to the first
-/// instruction of a block.
+/// Removes instructions that gather bits which a mask register still holds. Then removes
+/// instructions whose vectors are never read. `blocks` has the block number of each instruction.
+/// Branches must lead to the first instruction of a block.
 pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
     let targets: Vec<u64> = written.iter().filter_map(target).collect();
     let (written, blocks) = with_bits(written, blocks);
@@ -34,8 +33,9 @@ pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
     written.into_iter().filter(|_| is_needed.next() == Some(true)).collect()
 }
 
-/// Lets instructions read bits from the registers that hold them. The given code uses one mask
-/// register, and each read directly follows its write. The result uses all registers in turn.
+/// Lets instructions read bits from the mask registers that hold them. In the given code there is
+/// one mask register, and each read directly follows its write. The result uses all mask registers
+/// in turn.
 fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>, Vec<usize>) {
     let (mut code, mut numbers) = (Vec::with_capacity(written.len()), Vec::new());
     let (mut bits, mut last) = (Bits::default(), usize::MAX);
@@ -87,10 +87,11 @@ fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>
     (code, numbers)
 }
 
-/// By vector, the mask register with the signs of its lanes, and the number of lanes.
+/// Per vector register, the mask register that holds the signs of its lanes, and the number of
+/// lanes.
 type Known = [Option<(Register, u32)>; VECTORS];
 
-/// The mask registers that hold bits of vectors.
+/// Which mask registers hold the signs of vectors.
 #[derive(Default)]
 struct Bits {
     known: Known,
@@ -108,7 +109,7 @@ impl Bits {
         }
     }
 
-    /// Returns the register that was returned longest ago, and forgets what it holds.
+    /// Returns the mask register that was returned longest ago, and forgets which bits it holds.
     fn fresh(&mut self) -> Register {
         let register = FIRST + self.next % REGISTERS;
         self.next += 1;
@@ -119,10 +120,11 @@ impl Bits {
     }
 }
 
-/// The registers read by the rest of a block and by what follows it, a bit for each.
+/// The registers that are read after a position in a block, a bit for each.
 #[derive(Default)]
 struct Needs {
-    /// Vectors that are written before they are read. All others may be read.
+    /// Vector registers that are written before they are read. All others may be read, even after
+    /// the block.
     lost: u32,
     /// Mask registers that are read. None is read after the block.
     read: u32,
@@ -139,7 +141,7 @@ impl Needs {
         !is_of_bits || self.lost & bit(to) == 0
     }
 
-    /// Goes back over an instruction, to what is needed before it.
+    /// Moves the position back over an instruction.
     fn go_back(&mut self, instruction: &Instruction) {
         let to = instruction.op0_register();
         self.lost |= bit(to);
@@ -163,7 +165,8 @@ fn bit_of_bits(register: Register) -> u32 {
     if register.is_k() { 1 << (register as u32 - Register::K0 as u32) } else { 0 }
 }
 
-/// The number of a vector register, or of the one whose lower half it is.
+/// The number of a vector register. A register of 256 bits has the number of the one that it is
+/// part of.
 fn number(vector: Register) -> Option<usize> {
     let first = match vector {
         _ if vector.is_zmm() => Register::ZMM0,
@@ -247,7 +250,7 @@ mod tests {
         instruction
     }
 
-    /// Instructions for a vector that is set where one is less than another.
+    /// Instructions that set the lanes of a vector where `a` is less than `b`.
     fn compare(to: Register, [a, b]: [Register; 2]) -> [Instruction; 2] {
         let code = Code::EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae;
         let mut less = Instruction::with4(code, K1, a, b, 1).expect("valid");
@@ -255,7 +258,7 @@ mod tests {
         [less, with(Code::EVEX_Vpmovm2d_zmm_kr, &[to, K1])]
     }
 
-    /// Instructions that select from two vectors by the signs of a third.
+    /// Instructions that select from the vectors `a` and `b` by the signs of a third.
     fn choose(to: Register, signs: Register, [a, b]: [Register; 2]) -> [Instruction; 2] {
         let mut blend = with(Code::EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32, &[to, a, b]);
         blend.set_op_mask(K1);
@@ -266,7 +269,7 @@ mod tests {
         with(Code::EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er, &[to, a, b])
     }
 
-    /// The mnemonics of the remaining code.
+    /// The mnemonics of the instructions that [`kept`] returns.
     fn left(written: Vec<Instruction>) -> Vec<Mnemonic> {
         let blocks = vec![0; written.len()];
         kept(written, blocks).iter().map(Instruction::mnemonic).collect()
@@ -280,11 +283,11 @@ mod tests {
             chosen.chain(choose(ZMM4, ZMM0, [ZMM2, ZMM1]))
         };
         let code: Vec<_> = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(twice()).collect();
-        // The vector stays, since code after the block may read it.
+        // The comparison's vector stays, since code after the block may read it.
         assert_eq!(left(code.clone()), [Vcmpps, Vpmovm2d, Vblendmps, Vblendmps]);
         let lost: Vec<_> = code.into_iter().chain([add(ZMM0, [ZMM3, ZMM4])]).collect();
         assert_eq!(left(lost.clone()), [Vcmpps, Vblendmps, Vblendmps, Vaddps]);
-        // The choices use the register of the comparison.
+        // The blends use the mask register of the comparison.
         let blocks = vec![0; lost.len()];
         let kept = kept(lost, blocks);
         assert!(kept[1..3].iter().all(|blend| blend.op_mask() == kept[0].op0_register()));
@@ -296,7 +299,7 @@ mod tests {
         let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain([add(ZMM0, [ZMM1, ZMM2])]);
         let code: Vec<_> = code.chain(choose(ZMM3, ZMM0, [ZMM1, ZMM2])).collect();
         assert_eq!(left(code), [Vaddps, Vpmovd2m, Vblendmps]);
-        // Bits are not taken from another block either.
+        // Mask registers of another block are not used either.
         let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(choose(ZMM3, ZMM0, [ZMM1, ZMM2]));
         let kept = kept(code.collect(), vec![0, 0, 1, 1]);
         let kept: Vec<_> = kept.iter().map(Instruction::mnemonic).collect();
@@ -325,7 +328,8 @@ mod tests {
             code.extend(choose(ZMM3, *vector, [ZMM1, ZMM2]));
         }
         let made = left(code).into_iter().filter(|mnemonic| *mnemonic == Mnemonic::Vpmovd2m);
-        // Each new set of bits takes the register that would be needed next.
+        // With eight sets of bits for seven registers, each new set replaces the one that is needed
+        // next.
         assert_eq!(made.count(), 8);
         let mut code = Vec::new();
         for vector in &vectors[..7] {

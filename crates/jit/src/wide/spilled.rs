@@ -1,29 +1,31 @@
-//! Spilled vectors kept in registers that Cranelift does not know.
+//! Spilled vectors kept in registers that Cranelift does not use.
 //!
 //! With vectors of 512 bits there are twice as many registers. Code writes a vector to a place on
-//! the stack and reads it until it writes another one there. In between, a register can take that
-//! place, and is faster.
+//! the stack and reads it until it writes another vector there. For that time, a register can
+//! replace the place, which is faster.
 
 use super::is_of_vectors;
 use iced_x86::{Code, Instruction, OpKind, Register};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// Number of registers that Cranelift does not know, and the first of them.
+/// Number of registers that Cranelift does not use, and the first of them.
 const REGISTERS: u32 = 16;
 const FIRST: Register = Register::ZMM16;
 
-/// For each instruction, the register that takes the place of its operand on the stack, if there is
-/// one. `blocks` has the block number of each instruction. The first `slots` bytes stay, since code
-/// may refer to them by address.
+/// For each instruction, the register that replaces its operand on the stack, if there is one.
+/// `blocks` has the block number of each instruction. The first `slots` bytes stay on the stack,
+/// since code may refer to them by address.
 pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
     let mut spans = spans(read, blocks, slots);
-    // First come spans with the most uses for the time that they occupy a register.
+    // Spans are served in order of their number of uses per time that they occupy a register, the
+    // largest first.
     let price = |span: &SpillSpan| {
         (span.lifetime.end() - span.lifetime.start() + 1) as f64 / span.uses.len() as f64
     };
     spans.sort_by(|a, b| price(a).total_cmp(&price(b)));
-    // Per register, the spans that occupy it, by start. Long code has many thousand spans.
+    // Per register, the spans that occupy it: their ends by their starts. A map is fast even for
+    // many thousand spans.
     let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); REGISTERS as usize];
     let mut registers = vec![None; read.len()];
     for span in spans {
@@ -52,7 +54,8 @@ pub fn replace_memory_operand(instruction: &mut Instruction, register: Register)
     }
 }
 
-/// The instructions that use a place on the stack while it holds one vector, and their range.
+/// A time for which a place on the stack holds one vector: the instructions that use it, and their
+/// range.
 struct SpillSpan {
     uses: Vec<usize>,
     lifetime: RangeInclusive<usize>,
@@ -90,7 +93,7 @@ fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<SpillSpan> {
     spans
 }
 
-/// For each instruction, the number of its block. If one of a block runs, all do, in order.
+/// For each instruction, the number of its basic block.
 pub fn blocks(read: &[Instruction]) -> Vec<usize> {
     let mut targets: Vec<u64> = read.iter().filter_map(super::target).collect();
     targets.sort_unstable();
@@ -124,7 +127,7 @@ mod tests {
         Instruction::with3(code, to, a, place(offset)).expect("valid")
     }
 
-    /// Registers of these instructions, counted from [`FIRST`].
+    /// The registers that replace operands of `read`, counted from [`FIRST`].
     fn found(read: &[Instruction]) -> Vec<Option<u32>> {
         let number = |register: Register| register as u32 - FIRST as u32;
         registers(read, &blocks(read), 0).into_iter().map(|register| register.map(number)).collect()
@@ -141,7 +144,7 @@ mod tests {
 
     #[test]
     fn what_has_no_register_stays_where_it_is() {
-        // All vectors are live at once; the last two are read once, the others twice.
+        // All vectors are live at once. Two of them are read once, the others twice.
         let places = || (0..20).map(|k| 16 * k);
         let again = places().take(18).map(read);
         let all: Vec<_> = places().map(write).chain(places().map(read)).chain(again).collect();
@@ -154,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_vector_that_outlasts_its_block_keeps_its_register() {
-        // A loop in which an iteration reads a vector that the iteration before it wrote.
+        // A loop in which an iteration reads a vector that the previous iteration wrote.
         let mut all = vec![read(0), write(16), read(16), write(0), write(32), read(32)];
         let back = Instruction::with_branch(Code::Jb_rel32_64, 1).expect("valid");
         all.push(back);
@@ -166,7 +169,7 @@ mod tests {
         for other in [1, 2, 4, 5] {
             assert!(registers[other].is_some() && registers[other] != registers[0]);
         }
-        // So does a vector that is read behind a branch.
+        // A vector that is read behind a branch keeps its register as well.
         let branch = Instruction::with_branch(Code::Jb_rel32_64, 5).expect("valid");
         let registers = found(&[write(0), branch, write(16), read(16), read(0)]);
         assert_eq!(registers[0], registers[4]);

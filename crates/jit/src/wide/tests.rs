@@ -51,8 +51,8 @@ fn instructions_and_what_is_on_the_stack_become_wider() {
             Code::EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er,
         ),
     ] {
-        // The 64 bytes of slots stay in place. Vectors behind them move, or go to a register if
-        // there are more registers than Cranelift knows.
+        // The 64 bytes of slots stay in place. Vectors behind them move, or are kept in a register
+        // if the width has more registers than Cranelift uses.
         for (offset, behind) in [(0, 0), (48, 0), (64, 0), (80, 1), (240, 11)] {
             let narrow = function(256, offset, narrow_sum());
             let code = widened(&narrow, width, 64, STACK).expect("known");
@@ -141,7 +141,7 @@ fn branches_lead_to_what_takes_an_instruction_s_place() {
         change(Code::Add_rm64_imm32, 64).expect("fits"),
         Instruction::with(Code::Retnq),
     ];
-    // The branch skips the sum and leads to where the stack is freed.
+    // The branch skips the sum and leads to the instruction that frees the stack.
     let end = ORIGIN + encoded(&all[..3]).len() as u64;
     all[1] = branch(Code::Jb_rel32_64, end);
     let found = instructions(&widened(&encoded(&all), Width::Ymm, 0, STACK).expect("known"));
@@ -151,7 +151,8 @@ fn branches_lead_to_what_takes_an_instruction_s_place() {
     // A branch into the middle of an instruction is refused.
     all[1] = branch(Code::Jb_rel32_64, end + 2);
     assert_eq!(widened(&encoded(&all), Width::Ymm, 0, STACK), None);
-    // In longer code, a target may be too far for one byte.
+    // Branches with one byte for their distance are refused, since a target may be too far in
+    // longer code.
     all[1] = branch(Code::Jb_rel8_64, end - 4);
     assert_eq!(widened(&encoded(&all), Width::Ymm, 0, STACK), None);
 }
@@ -186,7 +187,7 @@ fn what_is_not_known_stays_as_it_is() {
         let most = i64::from(STACK) / width.times() as i64;
         assert_eq!(widened(&function(most + 16, 0, narrow_sum()), width, 0, STACK), None);
         assert!(widened(&function(most, 0, narrow_sum()), width, 0, STACK).is_some());
-        // Code without an end is refused, too.
+        // Code without a return instruction is refused, too.
         assert_eq!(widened(&encoded(&[narrow_sum()]), width, 0, STACK), None);
     }
 }

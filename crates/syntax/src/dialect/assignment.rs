@@ -168,8 +168,7 @@ impl ProgramReader<'_> {
         self.push(tokens, frame.function.clone(), None, &frame.aliases, false)
     }
 
-    /// Evaluates an assignment to a counter, such as `i++`, if the new value is known. Returns
-    /// whether it is.
+    /// Evaluates an assignment to a counter if the new value is known. Returns whether it is.
     pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
         if Words::steps_by_one(tokens) && tokens.len() == 3 {
             return self.known(tokens, frame).is_some();

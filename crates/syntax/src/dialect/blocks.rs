@@ -1,5 +1,4 @@
-//! Splits blocks of programs, in braces or indented, into trees of statements. Formulas stay
-//! unparsed.
+//! Splits blocks of programs into trees of statements. Formulas stay unparsed.
 
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::*;
@@ -19,8 +18,7 @@ pub(crate) enum ProgramStep {
         yes: Vec<ProgramStep>,
         no: Vec<ProgramStep>,
     },
-    /// A `for` or `while` loop. `next` runs between two iterations. It is empty for `while`, like
-    /// `start`.
+    /// A `for` or `while` loop. `next` runs between iterations; `while` has no `next` or `start`.
     Loop {
         word: Token,
         start: Vec<Token>,
@@ -64,8 +62,7 @@ fn skip(tokens: &[Token]) -> &[Token] {
 }
 
 impl Words<'_> {
-    /// Returns whether `tokens` begin a control structure such as `if (c) …`, which contains
-    /// statements.
+    /// Returns whether `tokens` begin a control structure, such as `if (c) …`.
     pub(crate) fn is_control(self, tokens: &[Token]) -> bool {
         let Some(first) = tokens.first() else { return false };
         match self.word(*first) {
@@ -88,8 +85,7 @@ impl Words<'_> {
         }
     }
 
-    /// Returns whether the last statement in `tokens` is complete: `if`, `else` and loops need a
-    /// body.
+    /// Returns whether the last statement is complete: `if`, `else` and loops need a body.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
         let mut is_whole = true;
         let mut rest = skip(tokens);
@@ -208,8 +204,7 @@ impl Words<'_> {
         Ok(steps)
     }
 
-    /// Appends the statement that begins at `lines[index]` to `steps`. Returns the index of the
-    /// next one.
+    /// Appends the statement at `lines[index]` to `steps`. Returns the index of the next one.
     fn line(
         self,
         lines: &[Vec<Token>],

@@ -90,8 +90,7 @@ impl ProgramReader<'_> {
         self.synthesize(name, body, frame)
     }
 
-    /// Ends a function or the whole program. Adds its result as a statement if a branch or loop
-    /// returned it.
+    /// Ends a function or the program. Adds its result, if a branch or loop returned it.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
         let Some(left) = frame.left() else { return };
         let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.has_result) else {
@@ -136,8 +135,7 @@ impl Frame {
         self.function.is_some() || self.prefix.is_some() || self.nested > 0
     }
 
-    /// Name for a definition generated for the variable `name` in this frame. It may be taken
-    /// already.
+    /// Name for a definition that is generated for the variable `name`. It may be taken already.
     pub(crate) fn generated_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
@@ -146,8 +144,7 @@ impl Frame {
         }
     }
 
-    /// Parameters of the generated definition `name`, and an expression that refers to it in this
-    /// frame.
+    /// Parameters of the generated definition `name`, and an expression that refers to it.
     pub(crate) fn call(&self, name: &str) -> (Option<Vec<Name>>, ExprKind) {
         let parameters = self.function.as_ref().and_then(|head| head.parameters.clone());
         let kind = match &parameters {
@@ -182,8 +179,7 @@ impl Frame {
         is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
     }
 
-    /// The value of a variable or, if there is none, a reference to the document's definition of
-    /// `name`.
+    /// The value of a variable, or else a reference to the document's definition of `name`.
     pub(crate) fn meaning(&self, name: &str) -> ExprKind {
         let document = || ExprKind::Name(NamedValue::Defined(name.to_owned()));
         self.before(name).unwrap_or_else(document)

@@ -1,6 +1,5 @@
 //! Unrolls the loops and branches of programs. The iterations of a loop follow one another. Both
-//! sides of a branch run, and each variable that they assign becomes a choice between its two
-//! values.
+//! sides of a branch run, and each variable they assign becomes a choice between its two values.
 //!
 //! An early exit from a loop or function is recorded as a number, which is 0 if there was no exit.
 //! If the number is not known, the statements after it run as one side of another branch.
@@ -15,8 +14,7 @@ use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Name, Relation};
 use crate::tree::raw_statement::ValueConversion;
 
-/// Largest number of statements and iterations that a program may run in loops, branches and
-/// inlined calls.
+/// Largest number of steps in loops, branches and inlined calls: statements and iterations.
 pub(crate) const MAX_STEPS: usize = 1000;
 
 /// Name of the variable that records an early exit from a loop or function. It is a keyword, so no
@@ -142,8 +140,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs an `if`. If its condition is known, one side runs. Otherwise both sides run and are
-    /// merged.
+    /// Runs one side of an `if` or, if its condition is not known, both sides, which are merged.
     fn branch(
         &mut self,
         condition: &[Token],

@@ -245,8 +245,7 @@ impl ProgramReader<'_> {
     }
 
     /// Records a function of a point as the one to draw. A function with a usual name of a scene is
-    /// replaced only by another such function, because later functions often compute light or
-    /// shadow.
+    /// replaced only by another one, because later functions often compute light or shadow.
     fn record_drawn(&mut self, name: &Name) {
         let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
         let known = self.program.last_function.as_ref();

@@ -78,8 +78,7 @@ impl ProgramReader<'_> {
         Ok(all)
     }
 
-    /// The procedure that a statement calls, and the arguments; `None` unless `tokens` are one such
-    /// call.
+    /// The procedure that is called, and the arguments; `None` unless `tokens` are one such call.
     pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
         let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
         let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;

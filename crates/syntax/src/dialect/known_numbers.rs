@@ -150,8 +150,7 @@ impl ConstantEvaluator<'_> {
             let Some(sign) = self.take(&[Star, Slash]) else { return Some(value) };
             let next = self.factor()?;
             let result = if sign == Star { value * next } else { value / next };
-            // Some languages truncate a quotient of integers, so it is known only if it is an
-            // integer.
+            // Some languages truncate quotients of integers, so only an integer is certain.
             if sign == Slash && value.fract() == 0.0 && next.fract() == 0.0 && result.fract() != 0.0
             {
                 return None;

@@ -2,11 +2,9 @@
 //! with bodies, loops, assignments, plot commands.
 //!
 //! A translated statement is a list of tokens, perhaps with a left side. A statement that is not in
-//! the text is a syntax tree. Formulas are not interpreted here. Only `document` calls this folder,
-//! as its first step.
+//! the text is a syntax tree. Formulas are not interpreted here. Only `document` calls this folder.
 //!
-//! The files that extend `ProgramReader` depend on one another in a circle, because a block may
-//! hold any statement.
+//! The files that extend `ProgramReader` call one another, because a block may hold any statement.
 
 pub(crate) mod assignment;
 pub(crate) mod blocks;

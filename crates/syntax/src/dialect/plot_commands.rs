@@ -88,7 +88,7 @@ impl Words<'_> {
             let span = system[0].span.to(system[system.len() - 1].span);
             return Err(Error::new(span, ErrorKind::PlotCoordinates));
         }
-        // In MATLAB's `isosurface(x, y, z, v, 0.1)`, the last argument is the level of `v`.
+        // In MATLAB's `isosurface(x, y, z, v, 0.1)`, the level comes after the values `v`.
         let (formula, level) = match arguments.as_slice() {
             [x, y, z, values, rest @ ..]
                 if word == "isosurface" && [x, y, z].iter().all(|part| part.len() == 1) =>
@@ -105,8 +105,7 @@ impl Words<'_> {
             if let Some(level) = level.clone().filter(|_| outside(formula, Equals).is_none()) {
                 *formula = less(formula, &level);
             }
-            // A lone function name adds no formula: the function is drawn anyway if nothing else
-            // is.
+            // A function name alone adds no formula: it is drawn anyway if nothing else is.
             if matches!(formula.as_slice(), [name] if name.kind == TokenKind::Name) {
                 formula.clear();
             }
@@ -114,8 +113,8 @@ impl Words<'_> {
         Ok(Some(Plot { formulas, is_height, domain, note }))
     }
 
-    /// The parts of POV-Ray's `isosurface { function { … } threshold 1 contained_by { box { -2, 2 }
-    /// } }`. `tokens` begin after the first word.
+    /// The parts of POV-Ray's `isosurface { function { … } threshold 1 contained_by { … } }`.
+    /// `tokens` begin after the first word.
     fn isosurface(self, tokens: &[Token], place: Span) -> Option<Plot> {
         let (inner, _) = bracketed(tokens)?;
         let behind = |word: &str| {
@@ -161,8 +160,7 @@ impl Words<'_> {
         Some(AXES.into_iter().enumerate().map(range).collect())
     }
 
-    /// The formulas of a list, or the single formula. The parameters of a MATLAB function are
-    /// dropped.
+    /// The formulas of a list, or the single formula, without parameters as in `@(x, y)`.
     fn listed(formula: &[Token]) -> Vec<Vec<Token>> {
         if formula[0].kind == At
             && let Some((_, body)) = bracketed(&formula[1..])

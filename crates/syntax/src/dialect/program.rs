@@ -19,8 +19,7 @@ pub(crate) struct PastedProgram {
     pub in_steps: bool,
     /// Name of the function to draw: the last one that takes a point of space.
     pub last_function: Option<Name>,
-    /// Name of the last variable assigned outside functions. Variables with a known value do not
-    /// count.
+    /// Name of the last variable assigned outside functions whose value is not a known number.
     pub last_value: Option<Name>,
     /// Statements that are not in the text.
     pub synthesized: Vec<BuiltStatement>,

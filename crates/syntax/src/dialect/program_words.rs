@@ -75,8 +75,7 @@ impl<'a> Words<'a> {
         Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
-    /// Returns whether the first word is a command: a name or a block follows it, perhaps after
-    /// brackets.
+    /// Returns whether a name or block follows the first word, perhaps after brackets.
     pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
         if next.kind.is_name() || next.kind == OpenBrace {
@@ -88,8 +87,7 @@ impl<'a> Words<'a> {
             && rest.first().is_some_and(|next| next.kind.is_name() || next.kind == OpenBrace)
     }
 
-    /// Joins each function body to the statement before it, which ends with the function's
-    /// parameters.
+    /// Joins each function body to the statement before it, which ends with the parameters.
     pub(crate) fn join_bodies(self, statements: &mut Vec<Vec<Token>>) {
         let mut index = 1;
         while index < statements.len() {
@@ -173,7 +171,7 @@ impl<'a> Words<'a> {
         Some((name, split(parameters, Comma), body.to_vec(), rest.to_vec()))
     }
 
-    /// Name and parameters of `def name(parameters):`, and the tokens behind its colon.
+    /// Name and parameters of `def name(parameters):`, and the tokens after its colon.
     pub(crate) fn python_function(
         tokens: &[Token],
     ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
@@ -278,7 +276,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The names before an equals sign, and the tokens behind it.
+    /// The names before an equals sign, and the tokens after it.
     fn set_at_once(tokens: &[Token]) -> Option<(Vec<Token>, &[Token])> {
         let equals = tokens.iter().position(|token| token.kind == Equals)?;
         let single = |tokens: &Vec<Token>| match tokens.as_slice() {

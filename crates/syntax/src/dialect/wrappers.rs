@@ -1,5 +1,4 @@
-//! Removes what other systems put around a formula: plot commands, declarations of names, braces.
-//! Formulas are not parsed.
+//! Removes wrappers of formulas in other systems: plot commands, declarations of names, braces.
 
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -7,7 +6,7 @@ use crate::lex::token_kind::TokenKind::{self, *};
 use crate::lex::token::{Token, bracketed, closing, outside, split};
 use crate::span::Span;
 
-/// Commands that only declare names or set up a system.
+/// Commands that only declare names or set up the other system.
 const SETUP: &[&str] = &[
     "syms",
     "restart",
@@ -42,8 +41,7 @@ const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 const PLOT_WORDS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
 impl Words<'_> {
-    /// The statements inside a wrapper. Empty if none has a meaning here; `None` if there is no
-    /// wrapper.
+    /// The statements in a wrapper. Empty if none has a meaning here; `None` without a wrapper.
     pub(crate) fn unwrap_statement(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let first = *tokens.first()?;
         let next = tokens.get(1);
@@ -111,7 +109,7 @@ impl Words<'_> {
         self.of_maple(tokens)
     }
 
-    /// The tokens behind a setup command such as `with(plots):` or behind the prompt of a session:
+    /// The tokens after a setup command such as `with(plots):` or after the prompt of a session:
     /// `In[1]:=`, `(%i1)`, `>>>`.
     fn behind_mark(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let rest = match tokens {

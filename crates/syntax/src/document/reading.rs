@@ -27,8 +27,7 @@ use zeroset_ir::{Constant, Graph, NodeId};
 /// Inputs of reading besides the text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options<'a> {
-    /// Names with constant expressions, which replace or supply the definitions of these names, in
-    /// order.
+    /// Names, each with a constant expression that replaces or supplies its definition, in order.
     pub overrides: &'a [(String, String)],
     /// Value of the time `t`; it replaces the value in the document.
     pub time: Option<f64>,
@@ -79,9 +78,8 @@ pub struct Surface {
     /// Color from the last `color` line above the surface. If the last `color` line of the document
     /// is below all surfaces, the first one below this surface counts instead.
     pub color: Option<SurfaceColor>,
-    /// Opacity from 0 to 1: the share of light from behind that the surface blocks. It is set by
-    /// the `color` line, or else by an `opacity` line that is chosen like the `color` line. The
-    /// default is 1.
+    /// Opacity from 0 to 1: the share of light that the surface blocks. It is set by the `color`
+    /// line, or else by an `opacity` line that is chosen like the `color` line. The default is 1.
     pub opacity: f64,
     /// True if a `hidden` line, chosen like the `color` line, hides the surface.
     pub hidden: bool,
@@ -289,8 +287,7 @@ impl<'a> DocumentReader<'a> {
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
-            // Each note compares the name with all known names, so a bound keeps hostile texts
-            // cheap.
+            // A note compares the name with all known names; a bound keeps hostile texts cheap.
             let notes = unused.take(MAX_ERRORS).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
         }
@@ -331,8 +328,7 @@ impl<'a> DocumentReader<'a> {
         // A note that explains a name is given only once.
         let mut seen = FxHashSet::default();
         self.notes.retain(|note| !note.kind.explains_a_name() || seen.insert(note.kind.clone()));
-        // The number of notes is bounded, because each is printed with its line, perhaps the whole
-        // text.
+        // Notes are limited, because each is printed with its line, which may be the whole text.
         if let Some(note) = self.notes.get(MAX_NOTES) {
             let span = note.span;
             self.notes.truncate(MAX_NOTES);

@@ -70,8 +70,7 @@ pub(crate) fn arrange(
     let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
     let mut tokens = tokens.into_iter().peekable();
     let mut arranged = arranger.level(&mut tokens, None)?;
-    // These tokens have a meaning only in constructs that are already rewritten, so here they are
-    // errors.
+    // These tokens have a meaning only in constructs that are already rewritten.
     for token in &mut arranged {
         if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
             token.kind = Unknown;
@@ -159,7 +158,7 @@ impl Arranger<'_> {
     fn level(&mut self, tokens: &mut Tokens, open: Option<Token>) -> Fallible<Vec<Token>> {
         let in_pieces = open.is_some_and(|open| open.kind == OpenChoice);
         let in_matrix = open.is_some_and(|open| open.kind == OpenMatrix);
-        // The parts between commas, each with the comma behind it.
+        // The parts between commas, each with the comma after it.
         let mut segments: Vec<(Vec<TokenTree>, Option<Token>)> = Vec::new();
         let mut segment: Vec<TokenTree> = Vec::new();
         while let Some(mut token) = tokens.peek().copied() {
@@ -208,7 +207,7 @@ impl Arranger<'_> {
                 matches!(open.kind, OpenParen | OpenBracket | OpenChoice | OpenMatrix)
             })
         {
-            // Drops the empty part behind a trailing comma.
+            // Drops the empty part after a trailing comma.
             segments.pop();
         }
         if open.is_some_and(|open| open.kind == OpenParen) {
@@ -281,7 +280,7 @@ impl Arranger<'_> {
         let is_whole = are_numbers && digits(*number) && digits(next);
         let separates = match open {
             None => self.is_setting,
-            // Brackets behind a name may hold arguments, and two numbers alone may be a point.
+            // Brackets after a name may hold arguments, and two numbers alone may be a point.
             Some(open) => {
                 let behind = self.text[..open.span.start].trim_end().chars().next_back();
                 let is_call = behind.is_some_and(|c| is_name_char(c) || ")]}".contains(c));
@@ -400,8 +399,7 @@ impl Arranger<'_> {
         }
     }
 
-    /// Sets the kinds of words that have a role only in brackets: in ranges, generators and
-    /// choices.
+    /// Sets the kinds of words that have a role in brackets: in ranges, generators, choices.
     fn words(&self, nodes: &mut [TokenTree]) {
         if nodes.iter().any(|node| node.is(Dots))
             && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)
@@ -421,8 +419,7 @@ impl Arranger<'_> {
             let within = nodes[index - 1].is(In);
             let kind = match self.word(&nodes[index]) {
                 word if follows && OTHERWISE.contains(&word) => Otherwise,
-                // `flatten` drops this word, since the `If` before it already separates the
-                // condition.
+                // `flatten` drops this word: the `If` before it separates the condition.
                 "for" | "if" if follows => Blank,
                 "for" => For,
                 "range" if within => RangeCall,
@@ -448,8 +445,7 @@ impl Arranger<'_> {
         out.push(Token::new(OpenChoice, Span::at(span.start)));
         let end = nodes.last().map_or(span.end, |node| node.span().end);
         let mut rest = VecDeque::from(nodes);
-        // Each iteration takes one piece: the nodes before the first sign, and those between both
-        // signs.
+        // Each iteration takes one piece: the nodes before the first sign, and between both.
         while let Some((first, second)) = self.choice_signs(rest.iter(), is_ternary) {
             let joint = rest[second].span();
             let sign = rest[first].span();
@@ -510,7 +506,7 @@ impl Arranger<'_> {
     }
 }
 
-/// Returns whether brackets behind `before` hold its arguments.
+/// Returns whether brackets after `before` hold its arguments.
 fn is_called(before: Option<&TokenTree>) -> bool {
     matches!(before, Some(TokenTree::Leaf(token)) if token.kind == TokenKind::Name)
 }

@@ -168,7 +168,8 @@ fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
     }
 }
 
-/// Finds a column vector after matrices and names. Returns their number of tokens, and its index.
+/// Finds a column vector after matrices and names. Returns the number of tokens of these factors,
+/// and the index of the column vector.
 fn factors(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let (mut at, mut end) = (0, 0);
     loop {

@@ -1,5 +1,4 @@
-//! Reads signs of other languages, of markup and of typesetting. Each becomes a token or is
-//! skipped.
+//! Reads signs of other languages, markup and typesetting. Each becomes a token or is skipped.
 
 use crate::lex::spelling::{is_name_char, line_length, plain, prefix_length, start, token_kind};
 use crate::lex::token::LexContext;
@@ -26,8 +25,7 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             let word = DECLARES.iter().find(|word| rest.starts_with(**word))?;
             Some((Blank, word.len()))
         }
-        // A percent sign begins a comment of MATLAB if it begins a statement, else it may be a
-        // remainder.
+        // In MATLAB, a percent sign begins a comment. After an operand it is a remainder.
         '%' if context.last.is_none() => Some((Blank, line_length(rest))),
         '%' if context.last.is_some_and(TokenKind::ends_operand) && divides(&rest[1..]) => {
             Some((Remainder, 1))

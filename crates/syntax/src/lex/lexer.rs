@@ -94,7 +94,7 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
             let end = prefix_length(rest, is_name_char);
             let below = rest[..end].find(is_below);
             let end = below.map_or(end, |at| at + prefix_length(&rest[at..], is_below));
-            // Behind an operand `AND` and `OR` join conditions. Elsewhere they may be functions.
+            // After an operand `AND` and `OR` join conditions. Elsewhere they may be functions.
             let is_joint = context.last.is_some_and(TokenKind::ends_operand);
             match &rest[..end] {
                 "AND" if is_joint => return (And, end),
@@ -128,7 +128,7 @@ const MAX_COMMENT_BYTES: usize = 10_000;
 
 /// Length of the comment, Markdown mark or line continuation at the start of `rest`.
 fn comment(rest: &str, context: LexContext) -> Option<usize> {
-    // A comment must be closed; otherwise its opening mark would hide all text behind it.
+    // A comment must be closed; otherwise its opening mark would hide all text after it.
     for (open, close) in [("/*", "*/"), ("(*", "*)"), ("\"\"\"", "\"\"\"")] {
         if let Some(inner) = rest.strip_prefix(open) {
             let length = start(inner, MAX_COMMENT_BYTES).find(close);
@@ -241,7 +241,7 @@ fn number(rest: &str) -> (TokenKind, usize) {
     (Number, end)
 }
 
-/// The token of a name whose letters end at byte `end`, and its length with its subscript.
+/// The token of a name, and its length with a subscript. Its letters end at byte `end`.
 fn name(rest: &str, end: usize) -> (TokenKind, usize) {
     if let Some(fixed) = token_kind(&rest[..end]).or_else(|| token_kind(&plain_text(&rest[..end])))
     {
@@ -331,7 +331,7 @@ fn gap(rest: &str) -> usize {
     if number > 0 && is_gap { number + 4 } else { 0 }
 }
 
-/// The token of the words in braces behind `\text`; `None` if they may be a name.
+/// The token of the words in braces after `\text`; `None` if they may be a name.
 fn text(rest: &str) -> Option<(TokenKind, usize)> {
     let inner = rest.strip_prefix('{')?;
     let length = start(inner, 60).find('}')?;

@@ -1,5 +1,4 @@
-//! The first pass over a text: splits it into tokens and statements, and checks limits and
-//! brackets.
+//! The first pass over a text: splits it into tokens and statements, checks limits and brackets.
 //!
 //! It is a loop without recursion, and later stages never get a text that is too long or nested too
 //! deeply. It does not know the grammar. A token is recognized by its own characters, with a few
@@ -149,7 +148,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     Ok(statements)
 }
 
-/// Returns whether `//` begins a comment here. Behind an operand it may be a division.
+/// Returns whether `//` begins a comment here. After an operand it may be a division.
 fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> bool {
     let Some(before) = tokens.last().filter(|token| token.kind.ends_operand()) else {
         return true;

@@ -89,7 +89,7 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
     })
 }
 
-/// The setting whose lines begin with `word`, as it was typed.
+/// The setting whose lines begin with `word`, which may be in styled letters.
 pub(crate) fn typed_setting(word: &str) -> Option<&'static SettingRow> {
     setting(&plain_text(word))
 }
@@ -175,8 +175,7 @@ pub(crate) fn plain(character: char) -> Option<char> {
     None
 }
 
-/// `text` with each character replaced by its [`plain`] form, and with subscripts written as in
-/// `x_1`.
+/// `text` with characters in their [`plain`] form, and with subscripts written as in `x_1`.
 pub(crate) fn plain_text(text: &str) -> String {
     let mut all = String::with_capacity(text.len());
     let mut is_below = false;

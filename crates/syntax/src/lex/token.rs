@@ -74,7 +74,7 @@ pub(crate) fn closing(tokens: &[Token]) -> Option<usize> {
     tokens.iter().position(|token| depth(token) == 0)
 }
 
-/// The contents of the brackets at the start of `tokens`, and the tokens behind them.
+/// The contents of the brackets at the start of `tokens`, and the tokens after them.
 pub(crate) fn bracketed(tokens: &[Token]) -> Option<(&[Token], &[Token])> {
     let end = closing(tokens)?;
     Some((&tokens[1..end], &tokens[end + 1..]))

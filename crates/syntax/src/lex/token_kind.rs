@@ -47,7 +47,7 @@ token_kinds! {
     DotProduct = '⊙',
     /// `.xz`: components of a vector.
     Component = '‧',
-    /// `.sin`: a function behind its first argument.
+    /// `.sin`: a function after its first argument.
     Method = '⋄',
 
     // Conditions.
@@ -59,7 +59,7 @@ token_kinds! {
     OpenBrace = '{', CloseBrace = '}', OpenFloor = '⌊', CloseFloor = '⌋',
     OpenCeiling = '⌈', CloseCeiling = '⌉', OpenChoice = '⦃', CloseChoice = '⦄',
     OpenList = '⟨', CloseList = '⟩', OpenMatrix = '⟦',
-    /// The end of an environment; it closes a choice, too.
+    /// The end of an environment, which closes a matrix or a choice.
     CloseMatrix = '⟧',
     OpenBar = '|', CloseBar = '¦',
     /// A bar whose role is not decided yet.
@@ -84,8 +84,7 @@ token_kinds! {
     /// The ends of an environment that only aligns.
     OpenAlignment = '⇥', CloseAlignment = '⇤',
 
-    // Words that begin lines about the picture. `SettingWord` stands for all words without a kind
-    // of their own.
+    // Words that begin lines about the picture. `SettingWord` is any word without its own kind.
     DomainWord = 'd', ViewWord = 'v', ColorWord = 'c', LookWord = 'l', BackgroundWord = 'b',
     SettingWord = 's', Auto = 'u', HexColor = '#', Percent = '%',
     /// A named direction of view.

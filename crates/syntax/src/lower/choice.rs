@@ -1,9 +1,9 @@
-//! Choices between values, sums and products over whole numbers, and repeated functions. All are
-//! expanded where they are used.
+//! Lowers choices between values, sums and products over whole numbers, and repeated functions. All
+//! are expanded where they are used.
 //!
-//! A choice becomes selections by the sign of a margin. Kernels check these branch by branch, so a
-//! jump is never taken for a zero. As everywhere, a comparison does not hold where one of its sides
-//! has no value. Where no condition holds and there is no last value, a choice has no value.
+//! A choice becomes selections by the sign of a margin. Kernels treat its branches separately, so a
+//! jump between two branches is never taken for a zero. A comparison does not hold where one of its
+//! sides has no value. Where no condition holds and there is no last value, a choice is undefined.
 
 use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
@@ -16,10 +16,10 @@ use crate::tree::series::MAX_TERMS;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// Most arithmetic steps in finding a whole number.
+/// Most nodes to visit in finding a whole number.
 const MAX_STEPS: usize = 256;
 
-/// Most numbers to choose between, where a choice depends on another one.
+/// Most nodes to visit in a margin that is a choice between numbers.
 const MAX_LEAVES: usize = 500;
 
 impl<'a> Lowering<'a> {
@@ -49,7 +49,7 @@ impl<'a> Lowering<'a> {
         rest.ok_or_else(|| Error::new(Span::default(), ErrorKind::Empty))
     }
 
-    /// `yes` where `condition` holds, else `no`. With `negated`, its opposite decides.
+    /// `yes` where `condition` or, with `negated`, its opposite holds; `no` elsewhere.
     fn choose(
         &mut self,
         condition: &'a Expr,
@@ -98,7 +98,7 @@ impl<'a> Lowering<'a> {
         let Some((low, high, strict)) = sides(left, relation, right) else {
             let is_equal = relation == Relation::Equal;
             let difference = self.difference(left, right, locals)?;
-            // Where a side has no value, neither relation holds.
+            // Where a side has no value, neither `=` nor `!=` holds.
             let difference = self.or_outside(difference, i64::from(is_equal));
             let (at, off) = if is_equal { (yes, no) } else { (no, yes) };
             let opposite = self.graph.apply(Op::Neg, &[difference]);
@@ -119,7 +119,7 @@ impl<'a> Lowering<'a> {
         no: NodeId,
     ) -> NodeId {
         // The margin may be a choice between numbers, for example whether a program has left a
-        // loop. Bounds of such a margin cover all its numbers, and so do not decide.
+        // loop. Bounds of such a margin cover all its numbers, so their sign is not known.
         if let Some(node) =
             self.select_among_numbers(margin, strict, (yes, no), &mut MAX_LEAVES.clone())
         {
@@ -133,9 +133,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The choice between `values` by a margin that is itself a choice between numbers; else
-    /// `None`.
-    /// `None`.
+    /// The choice between `values` by a margin that is itself a choice between numbers; `None` for
+    /// any other margin.
     fn select_among_numbers(
         &mut self,
         margin: NodeId,
@@ -214,8 +213,8 @@ impl<'a> Lowering<'a> {
         Ok(all.unwrap_or_else(|| Tensor::Number(self.graph.integer(empty))))
     }
 
-    /// Repeats a function. The arguments are the count, the start value, and values that stay the
-    /// same.
+    /// Applies a function repeatedly. `arguments` are the count, the start value, and values that
+    /// are the same each time.
     pub(crate) fn iterate(
         &mut self,
         function: &Function,
@@ -252,7 +251,7 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// The whole number that a node evaluates to, in at most `steps` steps of integer arithmetic.
+/// The whole number that a node evaluates to, visiting at most `steps` nodes.
 fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     *steps = steps.checked_sub(1)?;
     let (op, operands) = match graph.node(node) {
@@ -281,8 +280,8 @@ fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     }
 }
 
-/// The argument of `{a = 0: 1, sin(a)/a}`, which is sinc(a). Enclosures of sinc are narrow where
-/// those of the quotient are not.
+/// Returns a if the choice is `{a = 0: 1, sin(a)/a}`, which is sinc(a). Enclosures of sinc are
+/// narrow where those of the quotient are not.
 fn as_sinc<'e>(pieces: &'e [(Expr, Expr)], otherwise: Option<&'e Expr>) -> Option<&'e Expr> {
     let ([(condition, one)], Some(quotient)) = (pieces, otherwise) else { return None };
     let ExprKind::Compare(left, rest) = &condition.kind else { return None };

@@ -1,7 +1,7 @@
-//! Conditions: solids, and the sets that equations are restricted to.
+//! Lowers conditions, which define solids or restrict equations.
 //!
-//! Where a side of a comparison has no value, neither the comparison nor its opposite holds. Such a
-//! point is outside, and the rest of the condition still counts.
+//! Where a side of a comparison has no value, neither the comparison nor its opposite holds. Other
+//! comparisons in the same condition still count.
 
 use crate::lower::lowering::{Locals, Lowering};
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -17,8 +17,8 @@ impl<'a> Lowering<'a> {
         Ok(node)
     }
 
-    /// The margin of `condition`, or of its opposite if `negated`, and whether it is strict. It is
-    /// positive exactly where the condition holds; there it may also be 0 if it is not strict.
+    /// The margin of `condition`, or of its opposite if `negated`, and whether it is strict. The
+    /// condition holds where the margin is positive or, if it is not strict, 0.
     pub(crate) fn margin(
         &mut self,
         condition: &'a Expr,
@@ -143,8 +143,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The solid `root` cut by `condition`, so that the cut is a face of it. A condition without an
-    /// inside (`!=`) only takes points away.
+    /// The intersection of the solids `root` and `condition`. Where `condition` cuts `root`, the
+    /// solid gets a face. A condition without an interior (`!=`) only removes points.
     pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
         match &condition.kind {
             ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),

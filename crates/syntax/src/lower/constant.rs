@@ -70,7 +70,7 @@ fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<Constant>> {
     roots.iter().map(|root| value(root).cloned()).collect()
 }
 
-/// Evaluates the ends of a range that stands at `span`. The first must be below the second.
+/// Evaluates the ends of the range at `span`. The first must be below the second.
 pub(crate) fn evaluate_range(
     low: &Expr,
     high: &Expr,
@@ -84,9 +84,9 @@ pub(crate) fn evaluate_range(
     Ok((low, high))
 }
 
-/// At most `most` constant exponents that may be integers but are not known to be. For example,
-/// `log2(8)` is enclosed by two floats next to 3. A power with such an exponent counts as that of a
-/// real number, defined for bases >= 0 only.
+/// Returns at most `most` constant exponents that may be integers but are not known to be. For
+/// example, `log2(8)` is enclosed by two floats next to 3. A power with such an exponent is treated
+/// like one with a real exponent: it is defined only for bases >= 0.
 pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
     let variabilities = variabilities(graph);
     let mut exponents = Vec::new();

@@ -1,8 +1,8 @@
-//! From trees to the expression graph: definitions are expanded, nothing is simplified.
+//! Lowers syntax trees to the expression graph. Definitions are expanded, nothing is simplified.
 //!
-//! Recursion is over trees and over definitions inside definitions. The depth of both together is
-//! bounded, and stack is added where little is left. Every expansion is cached by its arguments, so
-//! repeated use costs nothing.
+//! The recursion goes through trees, and through definitions that use definitions. Its depth is
+//! bounded, and stack is added where little is left. Expansions are cached by function and
+//! arguments, so repeated use costs nothing.
 
 use crate::limits::Limits;
 use crate::lower::prelude;
@@ -18,13 +18,13 @@ use zeroset_ops::Op;
 /// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers
 /// of calls.
 const LEVELS: usize = 5;
-/// Visits allowed per node of [`Limits::nodes`]: expansion may visit without adding nodes.
+/// Visits of expressions allowed per node of [`Limits::nodes`], since a visit may add no node.
 const VISITS: usize = 16;
 
-/// Stack that must be left at each level, in bytes. A level takes 1 KB, and choices between numbers
-/// in it take 100 KB.
+/// Stack that must be left at each level, in bytes. A level takes 1 KB, but 100 KB if it has
+/// choices between numbers.
 const RED_ZONE: usize = 1 << 18;
-/// Size of the stack segments that are added, in bytes. Definitions nest up to a thousand levels
+/// Size of each stack segment that is added, in bytes. Definitions can nest up to a thousand levels
 /// deeper than brackets.
 const SEGMENT: usize = 1 << 21;
 
@@ -68,7 +68,7 @@ impl<'a> Lowering<'a> {
         Self { names, time, is_constant: false, ..Self::constant(limits) }
     }
 
-    /// Creates the lowering of an expression in which nothing may vary.
+    /// Creates a lowering for constant expressions, in which nothing may vary.
     pub(crate) fn constant(limits: &'a Limits) -> Self {
         Self {
             graph: Graph::new(),
@@ -168,7 +168,8 @@ impl<'a> Lowering<'a> {
         stacker::grow(SEGMENT, || self.lower(expr, locals))
     }
 
-    /// Each kind has a function of its own, so that a level takes the stack frame of one kind only.
+    /// Lowers an expression. Each kind has a function of its own, so that a recursion level takes
+    /// the stack frame of one kind only.
     #[inline(never)]
     fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         match &expr.kind {
@@ -345,7 +346,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Expands a function: its body, with `names` standing for the arguments.
+    /// Expands a call of a function: lowers its body with `names` bound to the arguments.
     #[inline(never)]
     fn expand(
         &mut self,
@@ -402,8 +403,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Moves an error to the use of the definition it is in. This applies to errors of size, which the
-/// use can avoid, and to all errors if the definition was not typed and has no place in the text.
+/// Moves an error inside a definition to the place where the definition is used. This is done for
+/// errors of size, which the use can avoid, and for all errors if the definition was not typed.
 fn move_to_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
     if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;

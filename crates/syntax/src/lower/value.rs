@@ -167,7 +167,7 @@ impl Lowering<'_> {
     }
 }
 
-/// A vector of `size` components. The arguments have as many in all, or one that is repeated.
+/// A vector of `size` components. The arguments have `size` components in total, or one to repeat.
 pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<Tensor> {
     let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
     let given = nodes.len();
@@ -203,7 +203,7 @@ pub(crate) fn component(value: Tensor, letters: &str, span: Span) -> Fallible<Te
     Ok(Tensor::new(found))
 }
 
-/// The number of components that the operands share. Numbers go with any.
+/// The number of components that the operands share. A number fits any vector.
 fn common_size(operands: &[Tensor], span: Span) -> Fallible<usize> {
     let mut size = 1;
     if operands.iter().any(Tensor::is_matrix)

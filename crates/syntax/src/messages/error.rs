@@ -9,7 +9,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Errors(Vec<Error>);
 
-/// Most errors that are reported at once. The search ends there.
+/// Most errors that are reported at once. Reading stops there.
 pub(crate) const MAX_ERRORS: usize = 20;
 
 impl Errors {
@@ -106,7 +106,7 @@ pub enum ErrorKind {
     #[error("the text is not valid UTF-8: byte {offset} cannot be read")]
     NotUtf8 { offset: usize },
 
-    // ---- nothing there
+    // ---- empty texts
     #[error("there is no formula here")]
     Empty,
     #[error("nothing to draw: the text has only definitions")]
@@ -130,7 +130,7 @@ pub enum ErrorKind {
     #[error("these brackets are empty")]
     EmptyBrackets,
 
-    // ---- arrangement
+    // ---- order of tokens
     #[error("a value is missing after `{sign}`")]
     MissingAfter { sign: String },
     #[error("a value is missing before `{sign}`")]
@@ -329,7 +329,7 @@ pub enum ErrorKind {
     BadSetting { word: &'static str, hint: &'static str },
 }
 
-/// A bracket as it is typed. The brackets of an environment are commands.
+/// The text of a bracket. The brackets of a LaTeX environment are shown as commands.
 fn bracket(symbol: char) -> String {
     match symbol {
         '⦃' | '⟦' => r"\begin{…}".to_owned(),
@@ -346,7 +346,7 @@ pub(crate) fn plural(count: usize) -> String {
     }
 }
 
-/// Most names of a cycle that are listed.
+/// Most names of a cycle that a message lists.
 const LONGEST_CYCLE: usize = 6;
 
 fn recursion(cycle: &[String]) -> String {

@@ -240,7 +240,7 @@ fn is_clause(word: &str) -> bool {
     matches!(word, "for" | "if" | "where" | "when")
 }
 
-/// Advice for errors where it never depends on the text.
+/// Advice for errors whose advice does not depend on the text.
 fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
@@ -377,7 +377,7 @@ fn character_help(character: char) -> Option<&'static str> {
     })
 }
 
-/// Says which names there are.
+/// A sentence that lists the known names.
 fn there_are(names: &[&str]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     match quoted.split_last() {

@@ -2,7 +2,7 @@
 
 use crate::span::Span;
 
-/// Most notes on a document.
+/// Largest number of notes on a document.
 pub(crate) const MAX_NOTES: usize = 40;
 
 /// A note and its place.

@@ -7,7 +7,7 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet, Title};
 
 /// Width of a diagnostic, in columns. It is fixed, so that output does not depend on the terminal.
 const WIDTH: usize = 100;
-/// Bytes of a very long line that are kept after the start of the marked place.
+/// Bytes of a very long line that are shown after the start of the marked place.
 const CONTEXT: usize = 400;
 
 impl Errors {

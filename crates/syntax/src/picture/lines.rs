@@ -1,5 +1,5 @@
-//! Lines about the picture. Each is read by its row in the table of settings, and kept until names
-//! have values.
+//! Reads lines about the picture. The first word of a line selects its row in the table of
+//! settings. The results are stored until names have values.
 //!
 //! Nothing here decides what a line means for a picture.
 
@@ -44,7 +44,7 @@ pub struct SettingLine {
     pub word: &'static str,
     /// The whole line, without its end and without a comment.
     pub span: Span,
-    /// Place of the opacity behind a color.
+    /// Place of the opacity after a color.
     pub share: Option<Span>,
 }
 
@@ -63,7 +63,7 @@ pub(crate) struct CollectedLines {
     /// Places of all lines.
     pub lines: Vec<SettingLine>,
     pub contours: Option<Contours<Expr>>,
-    /// Scope with the names of points added, once a line has needed it.
+    /// Scope with the names that values at points may use, built when a line first needs it.
     scope: Option<Scope>,
     /// Names of the document that values at points depend on.
     pub used: FxHashSet<String>,
@@ -80,7 +80,7 @@ impl CollectedLines {
     ) -> Fallible<()> {
         let span = line.raw.lexed.span;
         let first = line.raw.lexed.tokens[0];
-        // The ranges of a plot have no word. A `domain` line takes precedence over them.
+        // A `domain` line from a plot has no typed word. A typed line takes precedence.
         let is_from_plot = first.span.start == first.span.end;
         let setting = typed_setting(&text[first.span.range()])
             .or_else(|| SETTINGS.iter().find(|row| TokenKind::of_setting(row.kind) == first.kind))
@@ -129,8 +129,8 @@ impl CollectedLines {
     }
 }
 
-/// The setting of a drawing at `place`: the last line above it. If no drawing is below the last
-/// line (the last drawing is at `last`), it is the first line below the drawing instead.
+/// The setting for the drawing at `place`: the last line above it. If the last line is below all
+/// drawings, it is the first line below this drawing instead. The last drawing is at `last`.
 pub(crate) fn setting_for<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
     let follow = lines.last().is_some_and(|(at, _)| *at > last);
     let found = if follow {

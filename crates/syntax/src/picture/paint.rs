@@ -18,7 +18,7 @@ use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 
 /// Names that a value at a point of a surface may use, besides x, y and z: the unit normal and the
-/// distance from the eye. As parameters they are numbered after those of the document.
+/// distance from the eye. In its graph they are parameters, numbered after those of the document.
 pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 
 /// Contour lines on a surface, along which a value is constant.
@@ -26,7 +26,7 @@ pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 pub struct Contours<V = PointValue> {
     /// The value; `None` for the value of the surface's color, or else z.
     pub value: Option<V>,
-    /// Difference in value between neighboring lines; `None` for a round number.
+    /// Difference in value between neighboring lines; `None` to choose a round number.
     pub step: Option<Constant>,
 }
 
@@ -55,7 +55,7 @@ pub struct MappedColor<V = PointValue> {
 /// A number at each point of a surface.
 #[derive(Clone, Debug)]
 pub struct PointValue {
-    /// Graph of its own. Its parameters are those of the document, followed by [`POINT_NAMES`].
+    /// A separate graph. Its parameters are those of the document, followed by [`POINT_NAMES`].
     pub graph: Graph,
     /// Node of the value in `graph`.
     pub root: NodeId,
@@ -85,7 +85,7 @@ pub(crate) struct PointValues<'a> {
 }
 
 impl<'a> PointValues<'a> {
-    /// Creates the lowering. As parameters, [`POINT_NAMES`] are numbered from `first` on.
+    /// Creates the lowering. [`POINT_NAMES`] become the parameters from number `first` on.
     pub fn new(
         mut names: FxHashMap<&'a str, NameBinding<'a>>,
         first: u32,
@@ -118,7 +118,7 @@ impl<'a> PointValues<'a> {
 }
 
 impl Builder<'_> {
-    /// Reads a color, and if there is one, an opacity with its place.
+    /// Reads a color and, if there is one, an opacity with its place.
     pub(crate) fn color_line(
         &mut self,
         line: Pair<'_>,

@@ -56,7 +56,7 @@ pub struct SrgbColor {
 }
 
 impl SrgbColor {
-    /// The CSS color with this name, in any case.
+    /// The CSS color with this name, in upper or lower case.
     pub fn named(name: &str) -> Option<Self> {
         let (_, rgb) =
             NAMED_COLORS.entries().find(|(known, _)| known.as_str().eq_ignore_ascii_case(name))?;
@@ -68,7 +68,7 @@ impl SrgbColor {
         if !text.starts_with('#') {
             return Self::named(text);
         }
-        // Four or eight digits would include an opacity.
+        // Four or eight digits would include an opacity, which is not allowed here.
         let color = csscolorparser::parse(text).ok().filter(|_| matches!(text.len(), 4 | 7))?;
         let [r, g, b, _] = color.to_rgba8();
         Some(Self { rgb: [r, g, b] })
@@ -170,7 +170,7 @@ impl Builder<'_> {
         self.row_named(&given, &LOOKS, |look| look.name, ErrorKind::BadLook)
     }
 
-    /// The row named by `given`, in any case. Fails with `kind` if no row has that name.
+    /// The row named by `given`, in upper or lower case. Fails with `kind` if no row has that name.
     pub(crate) fn row_named<T>(
         &self,
         given: &Pair<'_>,

@@ -1,5 +1,5 @@
 //! Names of a program's variables and the expressions they stand for. The list is persistent: it
-//! grows at its end and shares its earlier entries, so each statement can keep its own.
+//! grows at its end and shares its earlier entries, so each statement can keep a list of its own.
 
 use crate::tree::ast::ExprKind;
 use std::rc::Rc;

@@ -1,4 +1,4 @@
-//! Function application: a function takes its argument in brackets, or the implicit product behind
+//! Function application: a function takes its argument in brackets, or the implicit product after
 //! it.
 
 use crate::lex::spelling::short_formula;
@@ -87,7 +87,7 @@ impl Builder<'_> {
             }
             _ => false,
         };
-        // Only such an index belongs to a root. Any other `sqrt[a](b)` is a product.
+        // Only a whole number or a defined name is an index. Any other `sqrt[a](b)` is a product.
         let is_index = |one: &Expr| {
             one.whole_number().is_some()
                 || matches!(one.kind, ExprKind::Name(NamedValue::Defined(_)))
@@ -187,7 +187,7 @@ impl Builder<'_> {
         Ok(product)
     }
 
-    /// Adds a suggestion to the error for `sin -x`, which is read as a subtraction: `sin(-x)`.
+    /// Adds the suggestion `sin(-x)` to the error for `sin -x`, which is read as a subtraction.
     fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
         let next = self.lexed.tokens.partition_point(|token| token.span.start < span.end);
         match &self.lexed.tokens[next..] {
@@ -349,7 +349,7 @@ fn usage(callee: &Callee) -> Option<String> {
     Some(format!("`{name}({operands}{more})`: {}", row.doc))
 }
 
-/// Whether some factors behind a function may be meant to be outside its argument. In `sin x y`,
+/// Whether some factors after a function may not be meant as a part of its argument. In `sin x y`,
 /// the blank between two names suggests this.
 fn has_spaced_names(factors: &[Expr]) -> bool {
     let is_name = |expr: &Expr| !matches!(expr.kind, ExprKind::Number(_));

@@ -290,7 +290,7 @@ pub enum NamedValue {
     Coordinate(Axis),
     /// Time, `t`.
     Time,
-    /// A constant of the language. A document may define its name otherwise.
+    /// A constant of the language. A document may give its name another meaning.
     Constant(NamedConstant),
     /// A parameter of the function being defined.
     Local(String),
@@ -394,7 +394,7 @@ pub struct Definition {
     pub range: Option<(Expr, Expr)>,
 }
 
-/// A name where it is introduced. Comparing names ignores their spans.
+/// A name at the place of its definition. Comparing names ignores their spans.
 #[derive(Clone, Debug)]
 pub struct Name {
     /// The name.

@@ -82,7 +82,7 @@ impl<'a> Builder<'a> {
     }
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
-        // One note more than a document keeps shows that some were left out.
+        // One note beyond the limit is kept, to show that some were left out.
         if self.notes.len() > MAX_NOTES {
             return;
         }
@@ -257,7 +257,7 @@ impl<'a> Builder<'a> {
         negated(self.nested(*first, minus.count(), build)?, signs)
     }
 
-    /// Reads a product. The signs in `before` belong to the left operand of its first remainder.
+    /// Reads a product. The signs `before` it belong to the left operand of its first remainder.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let mut joint = RowOperator { sign: Sign::Direct, function: None };

@@ -41,7 +41,7 @@ impl Builder<'_> {
 
     /// Reads any other delimited factor, such as braces, bars, a fraction or a root.
     pub(crate) fn delimited(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        // Each kind has a function of its own, so a level takes the stack frame of one kind only.
+        // Each kind has a function of its own, so a level takes one kind's stack frame only.
         match pair.as_rule() {
             Rule::enclosed => self.enclosed(pair, span),
             Rule::choice => self.choice(pair, span),

@@ -31,7 +31,7 @@ pub(crate) fn recognise<'i>(
     Ok(pairs.next().expect("a statement is one pair"))
 }
 
-/// The error for a statement that the grammar refuses. It stopped at the token with index `next`.
+/// The error for a statement that the grammar refuses. Parsing stopped at token number `next`.
 fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<Error> {
     let found = lexed.tokens.get(next);
     let word = lexed.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
@@ -76,7 +76,7 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
         _ if let Some(span) = half_fraction(&lexed.tokens[..next]) => {
             Error::new(span, ErrorKind::HalfFraction)
         }
-        // This semicolon is inside brackets, since others end the statement. A comma must be meant.
+        // The semicolon is inside brackets, else it would end the statement. A comma is meant.
         (_, Semicolon) => {
             Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
         }
@@ -103,8 +103,8 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
     }
 }
 
-/// If an operator stands before the last open brace: the span from this brace to the token at
-/// `next`. Such a brace opens a choice, since a restriction follows a whole formula.
+/// The span from the last open brace to the token at `next`, if an operator stands before the
+/// brace. Such a brace opens a choice, since a restriction follows a whole formula.
 fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
     let before = &lexed.tokens[..next];
     let open = before.iter().rposition(|token| token.kind == OpenBrace)?;
@@ -128,7 +128,7 @@ fn inside(lexed: &LexedStatement, colon: &Token) -> bool {
     depth > 0
 }
 
-/// The error for an operator of another language; `meant` is the one to write instead.
+/// The error for an operator of another language. `meant` is the operator to write instead.
 fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
     let sign = text[span.range()].to_owned();
     Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
@@ -155,7 +155,7 @@ fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
     }
 }
 
-/// The statement that was probably meant by one with commas; the first comma is at index `first`.
+/// The statement that was probably meant by a statement with commas. The first comma is at `first`.
 fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
     let parts = split(&lexed.tokens, Comma);
     let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);

@@ -20,7 +20,7 @@ pub(crate) fn first_kind(part: &Pair<'_>) -> Option<TokenKind> {
     part.as_str().chars().next().and_then(TokenKind::of_char)
 }
 
-/// A module of its own, because the generated items carry no documentation.
+/// The generated items have no documentation, so they are in a module of their own.
 #[allow(missing_docs, clippy::pedantic)]
 mod rules {
     /// The parser generated from the grammar file.

@@ -1,7 +1,8 @@
-//! Juxtaposed factors: rows without operators, in which names decide between calls and products.
+//! Reads rows of juxtaposed factors, which have no operators between them. The meanings of names
+//! decide between calls and products.
 //!
-//! A row is read from left to right as a list of items. Only at this stage do `f(x)` and `x(y + 1)`
-//! differ, does `sin 2x cos y` become two calls, and `xyz` three factors.
+//! A row is read from left to right as a list of items. Only this stage distinguishes `f(x)` from
+//! `x(y + 1)`, reads `sin 2x cos y` as two calls, and splits `xyz` into three factors.
 
 use crate::lex::lexer::method;
 use crate::lex::spelling::{decimal, is_name_char, plain_name, superscript_digit};
@@ -25,17 +26,17 @@ pub(crate) enum FactorItem<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
-    /// A call with a rule of its own; its brackets are the next item.
+    /// A call whose arguments have special syntax; its brackets are the next item.
     Special(SpecialCall, Span),
-    /// A method call behind its first argument; the pair holds the other arguments.
+    /// A method call after its first argument; the pair holds the other arguments.
     Method(String, Span, Pair<'i>),
-    /// `.xz` behind a vector.
+    /// `.xz` after a vector.
     Component(String, Span),
     /// Round or square brackets.
     Group(Pair<'i>),
     /// Any other delimited factor, such as braces, bars, `\frac` or `\sqrt{}`.
     Delimited(Pair<'i>),
-    /// `!` behind a whole number.
+    /// `!` after a whole number.
     Factorial(Span),
     /// `^`, and the signs of the exponent that follows.
     Caret(Signs, Span),
@@ -45,7 +46,7 @@ pub(crate) enum FactorItem<'i> {
     Radical(char, Span),
 }
 
-/// A call with a rule of its own.
+/// A call whose arguments have special syntax.
 #[derive(Clone, Copy)]
 pub(crate) enum SpecialCall {
     /// A special form, whose arguments may be more than numbers.
@@ -162,15 +163,15 @@ impl Builder<'_> {
                 items.push_back(FactorItem::Function(callee, span));
             }
             NameMeaning::Product => {
-                // The exponent or divisor is the first letter only. Another note says so.
+                // Only the first letter is in the exponent or divisor, and another note says so.
                 let is_exponent = matches!(items.back(), Some(FactorItem::Caret(..)))
                     && !matches!(items.iter().nth_back(1), Some(FactorItem::Function(..)));
                 let is_noted = is_exponent || items.is_empty() && self.follows(span, &[Slash]);
                 let letters: Vec<String> = name.chars().map(String::from).collect();
                 let mut at = span.start;
                 for letter in &letters {
-                    // LaTeX commands and subscripts are never split, so plain letters stand where
-                    // they were typed. Styled letters take more bytes and get the span of the name.
+                    // LaTeX commands and subscripts are never split, so each plain letter has its
+                    // own place. Styled letters take more bytes and get the span of the name.
                     let is_plain = typed.len() == name.len();
                     let place = if is_plain { Span::new(at, at + letter.len()) } else { span };
                     at = place.end;
@@ -201,7 +202,7 @@ impl Builder<'_> {
                 {
                     return Ok(());
                 }
-                // A parameter `x` also hides the coordinate of the name `X`.
+                // If a parameter is called `x`, then `X` is not read as the coordinate x.
                 let lower = name.to_lowercase();
                 let is_hidden = self.locals.iter().any(|local| local.text == lower);
                 let (value, kind) = if TIMES.contains(&typed) {
@@ -266,7 +267,7 @@ impl Builder<'_> {
                 let between = Span::new(before.span.end, next.span.start);
                 Err(Error::new(before.span.to(next.span), kind).suggest(between, sign))
             }
-            // Braces behind a factor look like a restriction; a product would hide the mistake.
+            // Braces after a factor look like a restriction; a product would hide the mistake.
             FactorItem::Delimited(pair) if pair.as_rule() == Rule::braces => {
                 Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
             }
@@ -274,8 +275,8 @@ impl Builder<'_> {
         }
     }
 
-    /// Reads a factor with its exponents. `x^y^z` is `x^(y^z)`. A sign in an exponent covers all
-    /// that stands above it.
+    /// Reads a factor with its exponents. `x^y^z` is `x^(y^z)`. A sign in an exponent applies to
+    /// all exponents from there on: `x^-y^z` is `x^(-(y^z))`.
     pub(crate) fn power(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let base = self.primary(items)?;
         match items.front() {
@@ -440,7 +441,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The error for an item that may only stand behind a factor.
+    /// The error for an item that may only stand after a factor.
     #[inline(never)] // keeps the stack frames of nested factors small
     fn misplaced(&self, item: &FactorItem<'_>) -> Box<Error> {
         let (span, sign) = match item {
@@ -497,8 +498,7 @@ impl Builder<'_> {
         self.not_a_call(expr, items.front())
     }
 
-    /// The component that `p[0]` takes, with the span of the brackets. It is never meant as a
-    /// product.
+    /// The component that `p[0]` selects, and the span of the brackets. These never mean a product.
     fn index(&self, expr: &Expr, next: Option<&FactorItem<'_>>) -> Option<(char, Span)> {
         let Some(FactorItem::Group(pair)) = next else { return None };
         let is_name = match &expr.kind {
@@ -515,7 +515,7 @@ impl Builder<'_> {
         (is_name && touches).then(|| LETTERS.chars().nth(digit).map(|letter| (letter, span)))?
     }
 
-    /// Takes the brackets behind a special call.
+    /// Takes the brackets after a special call.
     fn brackets<'i>(&self, items: &mut FactorItems<'i>, span: Span) -> Fallible<Pair<'i>> {
         if let Some(FactorItem::Group(pair)) = items.pop_front() {
             return Ok(pair);
@@ -524,7 +524,7 @@ impl Builder<'_> {
         Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
     }
 
-    /// Returns a number or a value. Brackets behind a value multiply, so they hold one expression.
+    /// Returns a number or a value. Brackets after a value multiply: they hold one expression.
     fn not_a_call(&mut self, expr: Expr, next: Option<&FactorItem<'_>>) -> Fallible<Expr> {
         if let (ExprKind::Name(value), Some(FactorItem::Group(pair))) = (&expr.kind, next)
             && pair.clone().into_inner().count() != 1

@@ -93,7 +93,7 @@ impl fmt::Display for Expr {
             }
             ExprKind::Choice(pieces, otherwise) => write_choice(f, pieces, otherwise.as_deref()),
             ExprKind::Component(vector, letters) => {
-                // A dot behind a number or a coordinate does not take a component.
+                // A dot after a number or a coordinate does not take a component.
                 match vector.kind {
                     ExprKind::Number(_) | ExprKind::Name(NamedValue::Coordinate(_)) => {
                         write!(f, "({vector})")?;
@@ -176,7 +176,7 @@ impl fmt::Display for Statement {
         match self {
             Self::Define(definition) => definition.fmt(f),
             Self::Draw { expr, restrictions } => {
-                // With a single `=` this would be a definition.
+                // With a single `=` this would be read as a definition.
                 if let ExprKind::Compare(left, rest) = &expr.kind
                     && let [(Relation::Equal, right)] = rest.as_slice()
                     && may_be_defined(left)
@@ -191,7 +191,7 @@ impl fmt::Display for Statement {
     }
 }
 
-/// Whether a left side has the form of a left side in a definition.
+/// Whether `left` would be read as the left side of a definition.
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
         ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
@@ -204,8 +204,7 @@ fn may_be_defined(left: &Expr) -> bool {
     }
 }
 
-/// Writes a drawn expression. A name at its start that is also a setting word is put in brackets,
-/// if the line would be read as that setting.
+/// Writes a drawn expression. A first name that would make the line a setting gets brackets.
 fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
     let text = expr.to_string();
     let (word, rest) = text.split_at(text.find(|c| !is_name_char(c)).unwrap_or(text.len()));

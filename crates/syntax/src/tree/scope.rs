@@ -48,7 +48,7 @@ pub(crate) fn built_in(name: &str) -> NameMeaning {
     Scope::default().meaning(name, &[])
 }
 
-/// The function that a name of another language is read as, for a note. Constants get no note.
+/// The name here of a function called by its foreign name, for a note. Constants get none.
 pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
     let found =
         FOREIGN_NAMES.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
@@ -95,13 +95,13 @@ impl Scope {
         Self { internal: true, ..Self::default() }
     }
 
-    /// Defines a value (`None`) or a function of that many parameters; a later definition replaces
-    /// an earlier one.
+    /// Defines a value (`None`) or a function with this number of parameters. A later definition
+    /// replaces an earlier one.
     pub(crate) fn define(&mut self, name: &str, parameters: Option<usize>) {
         self.defined.insert(name.to_owned(), parameters);
     }
 
-    /// The meaning of `name`, where `locals` are the parameters of the function being defined.
+    /// The meaning of `name`. `locals` are the function's parameters and the indices of sums.
     pub(crate) fn meaning(&self, name: &str, locals: &[Name]) -> NameMeaning {
         if let Some(value) = self.value(name, locals) {
             return NameMeaning::Value(value);
@@ -223,7 +223,7 @@ pub(crate) fn coordinate(name: &str) -> Option<Axis> {
 /// The candidate closest to `name`, if few edits separate the two. Ties go to the closest length,
 /// so that a swap of two letters wins over a lost letter, and then to alphabetical order.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    // A comparison costs the product of the lengths. Names that are too long to match are skipped.
+    // Comparing takes time in proportion to both lengths, so names that are too long are skipped.
     const LONGEST: usize = 24;
     if name.len() > LONGEST {
         return None;
@@ -250,7 +250,7 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
         .map(|(_, _, candidate)| candidate.to_owned())
 }
 
-/// A function and its number of arguments, which is the least number if it takes `or_more`.
+/// A function and its number of arguments, which is the minimum if it takes `or_more`.
 struct Signature {
     function: Function,
     count: usize,
@@ -289,7 +289,8 @@ impl std::fmt::Display for Signatures {
     }
 }
 
-/// Names of the n-th root. It needs a whole number, so it is neither native nor composed.
+/// Names of the n-th root. Its expansion depends on whether n is odd, so it is neither native nor
+/// composed.
 pub(crate) const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
 
 /// Whether an operation of two operands accepts more, applied from the left.

@@ -62,7 +62,7 @@ impl Builder<'_> {
     }
 }
 
-/// Whether powers of `base` often have long exponents.
+/// Whether `base` is e or a number. Powers of these often have long exponents.
 fn is_base(base: &Expr) -> bool {
     let is_e = matches!(base.kind, ExprKind::Name(NamedValue::Constant(NamedConstant::E)));
     is_e || base.number().is_some()

@@ -114,7 +114,7 @@ impl Builder<'_> {
         series(is_product, index, ends, built?, place)
     }
 
-    /// Reads `\sum_{k=1}^{5}` and the term behind it.
+    /// Reads `\sum_{k=1}^{5}` and the term after it.
     #[inline(never)]
     pub(crate) fn big_series(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let is_product = first_kind(&pair) == Some(BigProduct);

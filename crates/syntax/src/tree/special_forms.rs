@@ -21,7 +21,7 @@ pub(crate) enum Logic {
     Compare(Relation),
 }
 
-/// The condition that a function called `name` is in other languages.
+/// The condition that a function called `name` means in other languages.
 pub(crate) fn logic(name: &str) -> Option<Logic> {
     Some(match name {
         "And" | "AND" | "logical_and" => Logic::And,
@@ -93,8 +93,8 @@ impl Builder<'_> {
         built?.ok_or_else(|| Error::new(place, kind()))
     }
 
-    /// Reads a function of values. `None` unless it has `count` arguments, or if no `count` is
-    /// given, at least one.
+    /// Reads a function of `count` values or, without a `count`, of at least one; `None` for
+    /// others.
     #[inline(never)]
     fn value_call(
         &mut self,
@@ -223,7 +223,7 @@ impl Builder<'_> {
         Ok(choice_or_last(pieces, last, place))
     }
 
-    /// Reads pieces that have brackets of their own, with the value first.
+    /// Reads pieces with brackets of their own, such as `[value, condition]`.
     #[inline(never)]
     fn pieces(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let Some(first) = parts.first() else {
@@ -260,7 +260,7 @@ impl Builder<'_> {
         Ok(choice_or_last(pieces, otherwise, place))
     }
 
-    /// Reads a choice that the grammar has found.
+    /// Reads a choice that the grammar has recognized.
     #[inline(never)]
     pub(crate) fn choice(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let mut pieces = Vec::new();

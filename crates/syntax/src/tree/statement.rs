@@ -1,4 +1,4 @@
-//! Finds out what kind each statement is, and builds its trees.
+//! Determines the kind of each statement, and builds its trees.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{is_definable, plain_name};
@@ -72,7 +72,7 @@ fn rule(lexed: &LexedStatement) -> Rule {
     let in_point = |kind| matches!(kind, Number | Comma | Minus | Plus | CloseParen);
     // `view = 3` and `view(x) = …` are definitions like any other.
     match kinds.next() {
-        // A point consists of numbers only.
+        // In a line such as `light (1, 2, 3)`, a point consists of numbers only.
         Some(OpenParen) if rule == Rule::setting_line && kinds.all(in_point) => rule,
         Some(OpenParen) if rule != Rule::domain_line => Rule::line,
         Some(Plus | Minus | SquareRoot | CubeRoot | Not) => rule,
@@ -120,7 +120,7 @@ fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
     left.next().is_none().then_some(Head { name: defined, parameters })
 }
 
-/// Decides which lines with a head are definitions, and removes the heads of all others.
+/// Decides which lines with a left side are definitions, and removes the heads of all others.
 pub(crate) fn resolve_heads(
     text: &str,
     lines: &mut [ParsedStatement<'_>],
@@ -136,7 +136,7 @@ pub(crate) fn resolve_heads(
         }
     }
     resolve_level_sets(text, lines, notes);
-    // `hypot(a, b) = 2` is drawn only if a and b have values, so other definitions come first.
+    // `hypot(a, b) = 2` is drawn only if a and b have values, so other names are defined first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
         if line.raw.head.is_some() || !is_built_in(head) && head.name.text != "t" {
@@ -162,8 +162,8 @@ pub(crate) fn resolve_heads(
     }
 }
 
-/// Finds equations that look like definitions. If `f(x, y, z)` is defined above, `f(x, y, z) = 4`
-/// is one of its levels. If `f(x, y)` is, `f(x, y) = z` is its graph.
+/// Finds equations that look like definitions. After a definition of `f(x, y, z)`, the equation
+/// `f(x, y, z) = 4` is a level surface. After one of `f(x, y)`, `f(x, y) = z` is its graph.
 fn resolve_level_sets(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     let numbers = numbers(text, lines);
@@ -198,13 +198,13 @@ fn numbers(text: &str, lines: &[ParsedStatement<'_>]) -> FxHashSet<String> {
     named.filter_map(name).collect()
 }
 
-/// The tokens behind the equals sign, without conditions and ranges.
+/// The tokens after the equals sign, without conditions and ranges.
 fn right_side(lexed: &LexedStatement) -> impl Iterator<Item = &Token> {
     let right = lexed.tokens.iter().skip_while(|token| token.kind != Equals).skip(1);
     right.take_while(|token| !matches!(token.kind, OpenBrace | In))
 }
 
-/// Whether a right side is a number, or z for a function of x and y. It is then no function's body.
+/// Whether a right side is a number, or z for a function of x and y, and so not a function's body.
 fn is_value(
     text: &str,
     lexed: &LexedStatement,
@@ -222,7 +222,7 @@ fn is_value(
     })
 }
 
-/// Whether a left side can define something. A name made of coordinates cannot, so it is drawn.
+/// Whether a left side can define something. A name made of coordinates, such as `xy`, cannot.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {
@@ -236,15 +236,15 @@ fn is_built_in(head: &Head) -> bool {
     accepts(head) == Some(true)
 }
 
-/// Whether the left side calls a function of the language on coordinates, but on too few or too
-/// many. This is an incorrect equation: as a definition, its parameters would hide the coordinates.
+/// Whether the left side calls a function of the language with too few or too many coordinates.
+/// This is an incorrect equation: as a definition, its parameters would hide the coordinates.
 fn is_miscounted(head: &Head) -> bool {
     let mut parameters = head.parameters.iter().flatten();
     parameters.all(|p| coordinate(&p.text).is_some()) && accepts(head) == Some(false)
 }
 
-/// Whether the language's function called `head` takes that many arguments; `None` if there is no
-/// such function, or `head` has no parameters.
+/// Whether the language's function called `head` takes as many arguments as `head` has parameters.
+/// `None` if there is no such function, or `head` has no parameters.
 fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
     if let Some(form) = zeroset_ops::form(&head.name.text) {
@@ -389,7 +389,7 @@ fn set(
 }
 
 /// Checks the left side of a definition for too many parameters, equal parameters, and names that
-/// cannot be defined. The flags tell whether the name is that of a function or a keyword here.
+/// cannot be defined. The flags tell whether the name is a built-in function, or a keyword here.
 fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MAX_PARAMETERS {
@@ -402,7 +402,7 @@ fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> 
             return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
         }
     }
-    // LaTeX can spell names that plain text cannot.
+    // LaTeX can spell names that plain text cannot. They cannot be defined.
     let word = std::iter::once(&head.name).chain(parameters).find(|n| !is_definable(&n.text));
     if let Some(name) = (is_function || is_keyword).then_some(&head.name).or(word) {
         let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
@@ -421,14 +421,14 @@ fn define(
     let name = &head.name;
     let is_function =
         head.parameters.is_none() && matches!(built_in(&name.text), NameMeaning::Function(_));
-    // `domain(x) = …` is a domain line with a slip.
+    // `domain(x) = …` is a mistyped domain line.
     let is_keyword = head.parameters.is_some() && name.text == "domain";
     check_head(head, is_function, is_keyword)?;
     let span = builder.span(&expression);
     let mut sides = expression.into_inner().skip(2);
     let body = sides.next().expect("a definition has a right side");
     let second = sides.next().filter(|second| {
-        // In `f(x, y, z) = x^2 + y^2 - z = 0` the second sign is ignored.
+        // In `f(x, y, z) = x^2 + y^2 - z = 0` the second equals sign is ignored.
         let mut rest = sides.clone();
         let zero = rest.next().is_some_and(|side| builder.typed(&side) == "0");
         let is_zero = relation(second) == Relation::Equal && zero && rest.next().is_none();
@@ -450,7 +450,7 @@ fn define(
     Ok(Definition { name: name.clone(), parameters: head.parameters.clone(), body, range })
 }
 
-/// Whether an expression is a number, perhaps with a sign. This is the right side of a slider.
+/// Whether an expression is a number, perhaps with a sign. A name defined like this is a slider.
 pub(crate) fn is_plain_number(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Number(_) => true,

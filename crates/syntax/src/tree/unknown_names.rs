@@ -79,7 +79,7 @@ impl Builder<'_> {
             tokens[open - 1].kind.ends_operand() && tokens[open].span.end <= place.start;
         let words = &tokens[open + 1..tokens.len() - 1];
         let is_gap = tokens[open - 1].span.end < tokens[open].span.start;
-        // A single word behind a value may be a factor, unless that value is a number.
+        // A single word after a value may be a factor, unless that value is a number.
         let are_words = words.iter().all(|token| token.kind.is_name())
             && (words.len() > 1 || tokens[open - 1].kind == Number);
         (is_behind && is_gap && are_words).then(|| tokens[open].span.to(close.span))
@@ -196,7 +196,7 @@ impl Scope {
         self.lost_superscripts(name, &[]).or_else(|| self.suggest_name(name, &[], is_function))
     }
 
-    /// The known names that `name` consists of, separated, or else the nearest known name.
+    /// `name` split into known names, or else the nearest known name.
     fn suggest_name(&self, name: &str, locals: &[Name], is_function: bool) -> Option<String> {
         // Computer algebra systems write `E` for e.
         if name == "E" && !is_function {
@@ -272,12 +272,12 @@ impl Scope {
     /// Splits a name into functions, values and numbers, trying long parts first. `None` if all
     /// parts are letters. A number must follow a function.
     fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(NamePart, &'n str)>> {
-        // Parts of the text from each position on, filled in from the end.
+        // For each position, the parts of the name from there on. Filled in from the end.
         let mut found: Vec<Option<Vec<(NamePart, &str)>>> = vec![None; name.len() + 1];
         found[name.len()] = Some(Vec::new());
         for at in (0..name.len()).rev().filter(|at| name.is_char_boundary(*at)) {
             let ends = (at + 1..=name.len()).rev().filter(|end| name.is_char_boundary(*end));
-            // The whole name is no part, even if it is defined.
+            // The whole name does not count as a part, even if it is defined.
             found[at] = ends.skip(usize::from(at == 0)).find_map(|end| {
                 let rest = found[end].as_ref()?;
                 let kind = self.part(&name[at..end], locals)?;

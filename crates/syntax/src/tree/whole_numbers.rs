@@ -39,7 +39,7 @@ impl Builder<'_> {
     }
 }
 
-/// The names that determine the number of terms or repetitions, directly or through definitions.
+/// The names on which numbers of terms or repetitions depend, directly or through definitions.
 pub(crate) fn term_count_names<'d>(
     definitions: &[(&'d Definition, &'d BuiltStatement)],
     drawings: &[&'d BuiltStatement],

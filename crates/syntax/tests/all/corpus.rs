@@ -54,7 +54,7 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
     }
 }
 
-/// Describes the settings of the picture other than domain, view, look and background.
+/// Describes all settings of the picture except domain, view, look and background.
 fn describe_picture(out: &mut String, picture: &PictureLines) {
     let PictureLines { clip, light, shadows, axes, legend, contours } = picture;
     if let Some(plane) = clip {

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
 
 /// Stack of a test, in bytes. It is less than a third of the usual size, which leaves room for
-/// compilers with larger frames. Brackets take up to 460 KiB, in tests and as released, and pest
-/// requires 64 KiB more to be left.
+/// compilers with larger frames. Reading brackets takes up to 460 KiB, in test and release builds.
+/// pest requires another 64 KiB to be free.
 const STACK: usize = 5 << 17;
 
 fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {

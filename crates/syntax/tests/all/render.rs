@@ -1,4 +1,4 @@
-//! Tests of drawn diagnostics: color, file names, long lines, and places in several lines.
+//! Tests of drawn diagnostics: color, file names, long lines, and places that span several lines.
 
 use zeroset_syntax::{Options, read};
 

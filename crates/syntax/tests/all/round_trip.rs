@@ -158,7 +158,7 @@ fn condition() -> impl Strategy<Value = Expr> {
 
 fn statement() -> impl Strategy<Value = Statement> {
     let equation = (number(), number())
-        // `pi = …` and `t = …` would define.
+        // `pi = …` and `t = …` would be definitions.
         .prop_filter("a definition", |(left, _)| {
             !matches!(left.kind, ExprKind::Name(NamedValue::Constant(_) | NamedValue::Time))
         })
@@ -218,7 +218,7 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Fragments of the language. Random rows of them get past the lexer.
+/// Fragments of the language. Random sequences of them pass the lexer.
 const PIECES: &[&str] = &[
     "x",
     "y",
@@ -376,7 +376,7 @@ const PIECES: &[&str] = &[
     ";",
 ];
 
-/// The pasted texts of both lists.
+/// The pasted texts of two corpora.
 fn pasted() -> Vec<String> {
     ["words.txt", "words_held_out.txt"]
         .iter()

@@ -1,5 +1,5 @@
 //! Texts that people paste: every row of `tests/data/words.txt` is read as meant, or refused with a
-//! message that names the way out.
+//! message that says what to write.
 //!
 //! The value of a reading is compared with that of an equivalent plain text, at seeded points: in
 //! exact arithmetic where possible, else with enclosures.

@@ -197,12 +197,10 @@ impl<M: Machine> Approximator<'_, M> {
         self.each(a, |approx, part| approx.m.xor(part, sign))
     }
 
-    /// −a.
     pub(super) fn opposite(&mut self, a: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         self.each(a, |approx, part| approx.m.neg(part))
     }
 
-    /// The sign bits of a.
     pub(super) fn sign_of(&mut self, a: M::V) -> M::V {
         let sign_bit = self.m.bits(F64, 1 << 63);
         self.m.and(a, sign_bit)

@@ -24,10 +24,10 @@ struct ExponentialParts<V> {
 impl<M: Machine> Approximator<'_, M> {
     /// sinh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
     ///
-    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` two parts err by six ulps each: r³/6
-    /// and what follows, at most 0.0072, and r⁴/24 and what follows, at most 0.0007. Times 1 + q ≤
-    /// 1.25 and relative to 0.35 this is 0.19 · 2⁻⁵². For k = 0 only the first counts, relative to
-    /// r: 0.13 · 2⁻⁵².
+    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` the terms from r³/6 on, at most
+    /// 0.0072, and those from r⁴/24 on, at most 0.0007, err by six ulps each. Times 1 + q ≤ 1.25
+    /// and relative to 0.35, both errors are 0.19 · 2⁻⁵². For k = 0 only the first counts, relative
+    /// to r: 0.13 · 2⁻⁵².
     pub(crate) fn sinh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
@@ -81,7 +81,7 @@ impl<M: Machine> Approximator<'_, M> {
         let k = self.m.mul(k, minus_two);
         let q = self.power_of_two(k);
         let (sinh_terms, cosh_terms) = (self.pick(4, 6), self.pick(3, 6));
-        // r² ≤ 0.1202: the tails of sinh, z⁵/11! and z⁷/15!, are below 2⁻⁴⁰ and 2⁻⁶¹; those of
+        // z = r² ≤ 0.1202: the tails of sinh, z⁵/11! and z⁷/15!, are below 2⁻⁴⁰ and 2⁻⁶¹; those of
         // cosh, z⁵/10! and z⁸/16!, are below 2⁻³⁷ and 2⁻⁶⁸.
         let z = self.times(r, r);
         let sinh = self.series(z.head, &reciprocal_factorials(sinh_terms, 3, 2));
