@@ -52,8 +52,8 @@ pub enum KernelSource {
     Numerator,
     /// The denominator of its rational form.
     Denominator,
-    /// The function, and the numerator if there is one, branch by branch. Only for a function that
-    /// may jump.
+    /// The function, and the numerator of its rational form if it has one, evaluated branch by
+    /// branch. Only for a function that may jump.
     Branches,
     /// The function and its three partial derivatives.
     Gradient,

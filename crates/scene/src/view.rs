@@ -362,7 +362,7 @@ pub fn number(text: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// Returns whether a parameter of `document` occurs in nothing that is drawn.
+/// Returns whether nothing that `document` draws depends on this parameter.
 pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
     let needed = document.graph.reachable(&roots);

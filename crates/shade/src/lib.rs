@@ -1,8 +1,8 @@
 //! From a G-buffer to colors: normals, light, ambient occlusion, edges, and shading.
 //!
 //! [`normals`] evaluates gradients at painted points; everything else reads only the G-buffer.
-//! Nothing here changes a status, distance or bracket: shading affects appearance, not proofs.
-//! Knows neither documents nor files.
+//! Nothing here changes a status, distance or bracket: shading affects appearance, not proofs. This
+//! crate depends neither on documents nor on files.
 
 mod coarse;
 mod color;

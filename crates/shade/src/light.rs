@@ -19,7 +19,7 @@ pub enum Light {
 const WIDTH: f64 = 0.05;
 
 impl Light {
-    /// A distant light above and to the left of the camera, which moves with it.
+    /// A distant light that moves with the camera, above it and to its left.
     pub fn above_left(rays: &RayGrid) -> Self {
         // About 50 degrees off the view, and more above than beside it. In the default view of a
         // cube, the three visible faces then differ clearly, and the top is the brightest.

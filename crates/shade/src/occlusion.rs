@@ -206,8 +206,8 @@ mod tests {
     use super::*;
     use zeroset_trace::{Camera, Projection};
 
-    /// Two walls that meet at a right angle along the middle column. The corner is seen from
-    /// inside, or else from outside.
+    /// Two walls that meet at a right angle along the middle column. `inward`: whether the camera
+    /// is inside the corner; otherwise it is outside.
     fn corner(inward: bool) -> (GBuffer, RayGrid) {
         let projection = Projection::Orthographic { height: 4.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);

@@ -10,8 +10,8 @@ pub use ball::{Ball, Chord};
 use glam::DVec3;
 use thiserror::Error;
 
-/// Largest magnitude of a coordinate. Larger ones leave no room for squares in `f32` kernels. The
-/// limit also holds for `f64`, so that a domain does not depend on the precision.
+/// Largest magnitude of a coordinate. The squares of larger ones could overflow in `f32` kernels.
+/// The limit also holds for `f64`, so that a domain does not depend on the precision.
 const LARGEST_COORDINATE: f64 = 1e18;
 
 /// The points `p` with `normal · p ≤ offset`.
@@ -42,9 +42,9 @@ pub enum RegionError {
     Bound {
         /// The coordinate's name.
         axis: char,
-        /// Its lower bound.
+        /// Lower bound of the coordinate.
         low: f64,
-        /// Its upper bound.
+        /// Upper bound of the coordinate.
         high: f64,
     },
     /// A range holds no interval.
@@ -54,9 +54,9 @@ pub enum RegionError {
     Empty {
         /// The coordinate's name.
         axis: char,
-        /// Its lower bound.
+        /// Lower bound of the coordinate.
         low: f64,
-        /// Its upper bound.
+        /// Upper bound of the coordinate.
         high: f64,
     },
     /// The half-space has no boundary plane, or its numbers are out of range.

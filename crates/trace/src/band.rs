@@ -42,7 +42,7 @@ impl Band<'_> {
         self.only.is_empty() || self.only[row * self.width + column]
     }
 
-    /// As [`Band::is_wanted_pixel`], for four pixels of a row, as bits. Pixels beyond the row are 0.
+    /// As [`Band::is_wanted_pixel`], for four pixels of a row, as bits. Bits beyond the row are 0.
     #[inline]
     pub(crate) fn wanted_of_four(&self, column: usize, row: usize) -> u16 {
         let Some(rest) = self.only.get(row * self.width + column..(row + 1) * self.width) else {

@@ -81,13 +81,13 @@ pub enum CameraError {
 /// upper edge well enough.
 const LEAST_SINE: f64 = 1e-9;
 
-/// Largest magnitude of a coordinate. Larger ones leave no room for their squares.
+/// Largest magnitude of a coordinate. The squares of larger ones could overflow.
 const LARGEST: f64 = 1e100;
 
 /// Least field of view. In narrower ones, rows differ by less than the rounding of a direction.
 const LEAST_FOV: f64 = 1e-7;
 
-/// Least height. Lower ones leave no room for fractions of a pixel among normal floats.
+/// Least height. At lower ones, fractions of a pixel could be below the least normal float.
 const LEAST_HEIGHT: f64 = 1e-300;
 
 /// Largest distance by which rounding may move a parallel ray, as a share of the picture's height:
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn rays_follow_the_stated_formula() {
-        // The formula in scalar arithmetic, for one pixel off every symmetry.
+        // The formula in scalar arithmetic, for one pixel that lies on no axis of symmetry.
         let (i, j, width, height) = (5.0, 11.0, 64.0, 48.0);
         let norm = |v: [f64; 3]| {
             let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();

@@ -95,11 +95,11 @@ pub struct GBuffer {
 /// Optional quantities that a picture keeps.
 #[derive(Clone, Copy, Debug)]
 pub struct Kept {
-    /// [`GBuffer::normal`].
+    /// Whether normals are kept: [`GBuffer::normal`].
     pub normals: bool,
-    /// [`GBuffer::bracket`].
+    /// Whether brackets are kept: [`GBuffer::bracket`].
     pub brackets: bool,
-    /// [`GBuffer::cap`].
+    /// Whether caps are kept: [`GBuffer::cap`].
     pub caps: bool,
 }
 
@@ -499,7 +499,7 @@ mod tests {
         buffer.merge(&pixel(Status::Undecided, 3.0, f64::INFINITY, 1));
         assert_eq!((buffer.status[0], buffer.distance(0)), (Status::Undecided, 3.0));
         assert_eq!((buffer.drawn[0], buffer.surface[0]), (5.0, 0));
-        // A hit in front decides.
+        // A hit in front of the undecided segment decides the pixel.
         buffer.merge(&pixel(Status::Hit, 2.0, 2.0, 2));
         assert_eq!((buffer.status[0], buffer.surface[0]), (Status::Hit, 2));
         // The merged bracket holds the first zero of both surfaces.
@@ -530,7 +530,7 @@ mod tests {
         let before = buffer.clone();
         buffer.merge(&GBuffer::new(1, 1, 3));
         assert_eq!(buffer, before);
-        // Nor does a pixel that is not selected.
+        // A pixel that is not selected stays as it is.
         buffer.replace(&pixel(Status::Undecided, 9.0, 9.0, 9), &[false]);
         assert_eq!(buffer, before);
         let another = pixel(Status::Undecided, 9.0, 9.0, 9);

@@ -20,12 +20,12 @@ pub struct Patch {
     pub column: usize,
     /// The first row.
     pub row: usize,
-    /// Range of t in which zeros are wanted. Others need not be found, if the method can skip them.
+    /// Range of t in which zeros are wanted. A method may skip zeros outside of it.
     pub between: [f64; 2],
 }
 
-/// The rays of a picture, one through each pixel's center; or those of [patches](Self::patches) of
-/// it.
+/// The rays of a picture, one through each pixel's center; or the rays of some
+/// [patches](Self::patches) of it.
 #[derive(Clone, Debug)]
 pub struct RayGrid {
     width: usize,
@@ -35,17 +35,18 @@ pub struct RayGrid {
     first: [i64; 2],
     /// Number of columns and rows of the picture before this part of it.
     pub corner: [usize; 2],
-    /// Bounds of the screen coordinates: half the width and height of the whole picture. A part has
-    /// those of the whole, so that it is traced in the same way.
+    /// Bounds of the screen coordinates: half the width and height of the whole picture. A part of
+    /// a picture has the bounds of the whole, so that it is traced in the same way.
     pub reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
-    /// In `f32`, since each window needs them: the direction of view, and the change of a ray's
-    /// direction from half a pixel to the right, or upward. In a parallel picture, the change of
-    /// its origin.
+    /// The direction of view, and the change of a ray's direction from half a pixel to the right,
+    /// and upward. In a parallel picture, the change of its origin. In `f32`, since they are needed
+    /// for each window.
     steps: [Vec3; 3],
-    /// Half a pixel's height, which is half the distance between neighboring pixels in screen
-    /// coordinates. On the plane at distance 1, or in world units if parallel.
+    /// Half the height of a pixel in screen coordinates, which is half the distance between
+    /// neighboring pixels. It is measured on the plane at distance 1, or in world units if rays are
+    /// parallel.
     pub unit: f64,
     /// Whether the picture is orthographic.
     pub parallel: bool,
@@ -83,8 +84,8 @@ impl RayGrid {
         Self { width: columns.len(), height: rows.len(), first, corner, ..self.clone() }
     }
 
-    /// The rays of the same picture, or part of one, with each pixel divided into `times` columns
-    /// and rows.
+    /// The rays of the same picture (or part of a picture), with each pixel divided into `times`
+    /// columns and rows.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
         let (width, height) = (self.width * times, self.height * times);
@@ -95,8 +96,8 @@ impl RayGrid {
         Self { width, height, first, corner, steps, unit, ..self.clone() }
     }
 
-    /// The rays of patches of the picture, one patch per row: its sixteen pixels row by row. Their
-    /// results may be drawn, but prove nothing, since zeros are found only within
+    /// The rays of patches of the picture. Each row has the sixteen pixels of a patch, row by row.
+    /// The results may be drawn, but prove nothing, since zeros are found only within
     /// [`Patch::between`].
     #[must_use]
     pub fn patches(&self, patches: Arc<[Patch]>) -> Self {
@@ -168,8 +169,8 @@ impl RayGrid {
     ///
     /// Its direction is `forward + (2(i+½)/width − 1)·s·(width/height)·right + (1 −
     /// 2(j+½)/height)·s·up`, where `s` is the tangent of half the vertical field of view. In an
-    /// orthographic picture the direction is `forward`, and the same two offsets, with `s` half the
-    /// height, move the origin. Its errors are given at [`Camera`].
+    /// orthographic picture the direction is `forward`, and the two offsets move the origin
+    /// instead, with `s` half the height. Errors are given at [`Camera`].
     #[inline]
     pub fn ray(&self, i: usize, j: usize) -> Ray {
         let [across, upward] = self.offset(i, j).map(|offset| offset * self.unit);
@@ -183,21 +184,23 @@ impl RayGrid {
     }
 
     /// Screen coordinates of the point half way between the centers of two pixels, given the sum of
-    /// their columns and the sum of their rows. These are columns and rows of the whole picture,
-    /// not of a patch. For screen coordinates a and b, a ray's direction is `forward` + a·`right` +
-    /// b·`up`. In an orthographic picture its origin is moved in the same way.
+    /// their columns and the sum of their rows. Columns and rows are those of the whole picture,
+    /// not of a patch.
+    ///
+    /// For screen coordinates a and b, a ray's direction is `forward` + a·`right` + b·`up`. In an
+    /// orthographic picture its origin is the eye + a·`right` + b·`up`.
     #[inline]
     pub fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
         let [across, upward] = self.first;
         [across + columns as i64, upward - rows as i64].map(|place| place as f64 * self.unit)
     }
 
-    /// [Screen coordinates](Self::screen) of four points along an axis, given the first sum of two
-    /// columns, or of two rows, and its step from point to point.
+    /// [Screen coordinates](Self::screen) along one axis of four points. `sum` is the sum of two
+    /// columns, or of two rows, for the first point, and `step` is its change from point to point.
     #[inline(always)]
     pub fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
         let [across, upward] = self.first;
-        // Integers until the last step.
+        // All numbers are integers until the last step, which rounds.
         let (first, step) = if axis == 0 {
             (across + sum as i64, step as f64)
         } else {
@@ -206,8 +209,8 @@ impl RayGrid {
         [0.0, 1.0, 2.0, 3.0].map(|k| (first as f64 + k * step) * self.unit)
     }
 
-    /// The approximate width of a pixel at a distance from the eye, in the unit of that distance:
-    /// of t, or of the world.
+    /// The approximate width of a pixel at a distance from the eye. Both are in units of t, or both
+    /// in world units.
     pub fn footprint(&self, distance: f64) -> f64 {
         let [at_eye, growth] = self.pixel();
         at_eye + growth * distance
@@ -224,13 +227,13 @@ impl RayGrid {
     #[inline]
     fn offset(&self, i: usize, j: usize) -> [f64; 2] {
         let (i, j) = self.place(i, j);
-        // Integers until the last step.
+        // All numbers are integers until the last step, which rounds.
         let [across, upward] = self.first;
         [(across + 2 * i as i64) as f64, (upward - 2 * j as i64) as f64]
     }
 
-    /// The column and row of a pixel in the whole picture, not in a patch. They may lie outside, as
-    /// part of a window.
+    /// The column and row of a pixel in the whole picture, not in a patch. A pixel of a window may
+    /// lie outside the picture.
     #[inline]
     fn place(&self, i: usize, j: usize) -> (usize, usize) {
         match self.patch(j) {
@@ -244,7 +247,8 @@ impl RayGrid {
         self.ray(index % self.width, index / self.width)
     }
 
-    /// Columns and rows of a window's pixels relative to its first pixel, in the whole picture.
+    /// Columns and rows of a window's pixels in the whole picture, relative to those of its first
+    /// pixel.
     #[inline(always)]
     fn places(&self, window: Window) -> [Lanes<f32>; 2] {
         if self.is_patched() {
@@ -270,7 +274,7 @@ impl RayGrid {
         let zero = f64x8::splat(simd, 0.0);
         let mut points = [Lanes::splat(0.0); 3];
         for (k, distances) in distances.as_chunks::<8>().0.iter().enumerate() {
-            // Integers until the last step.
+            // All numbers are integers until they are multiplied by the unit.
             let across = (first + 2.0 * columns[k]) * self.unit;
             let rise = (upward - 2.0 * rows[k]) * self.unit;
             let (mut origin, mut way) = ([zero; 3], [zero; 3]);
@@ -298,8 +302,8 @@ impl RayGrid {
     #[inline(always)]
     pub fn ways<S: Simd>(&self, simd: S, window: Window) -> RayDirections<S> {
         let [forward, right, up] = self.steps;
-        // In halves of a pixel. These are integers, so a part of a picture has the same directions
-        // as the whole.
+        // These are in halves of a pixel. They are integers, so a part of a picture has the same
+        // directions as the whole.
         let [across, upward] = self.offset(window.column, window.row).map(|offset| offset as f32);
         let [columns, rows] = self.places(window);
         let column = across + 2.0 * f32x16::from_slice(simd, &columns[..]);
@@ -318,7 +322,8 @@ impl RayGrid {
             let length = (1.0 + square).sqrt();
             let both = 1.0 / (length * (1.0 + length));
             let scale = both * (1.0 + length);
-            // 1 − 1/length without cancellation, so that its error is relative, too.
+            // 1 − 1/length, computed without cancellation, so that its relative error is small,
+            // too.
             let less = both * square;
             for axis in 0..3 {
                 aside[axis] = aside[axis].mul_sub(scale, forward[axis] * less);
@@ -340,12 +345,12 @@ impl RayGrid {
     ) -> [Lanes<f32>; 3] {
         let low = f64x8::from_slice(simd, &distances[..8]);
         let high = f64x8::from_slice(simd, &distances[8..]);
-        // In a parallel picture, the distance between rays is the same everywhere.
+        // In a parallel picture, rays are the same distance apart everywhere.
         let reach = if self.parallel { f32x16::splat(simd, 1.0) } else { low.narrow(high) };
         let mut points = [Lanes::splat(0.0); 3];
         for (axis, points) in points.iter_mut().enumerate() {
             let (eye, forward) = (self.eye[axis], self.basis.forward[axis]);
-            // In f64, since the terms nearly cancel if the eye is far away.
+            // This is computed in f64, since the terms nearly cancel if the eye is far away.
             let middle = low.mul_add(forward, eye).narrow(high.mul_add(forward, eye));
             let point = ways.aside[axis].mul_add(reach, middle);
             point.store_slice(&mut points[..]);
@@ -359,8 +364,8 @@ impl RayGrid {
 pub struct RayDirections<S: Simd> {
     /// Unit vectors from the visible points to the eye.
     pub to_eye: [f32x16<S>; 3],
-    /// Offset of a ray from the whole picture's middle ray, at the same distance from the eye, as a
-    /// share of that distance. In world units if rays are parallel.
+    /// Offset of each ray from the middle ray of the whole picture, at the same distance from the
+    /// eye: as a share of that distance, or in world units if rays are parallel.
     aside: [f32x16<S>; 3],
 }
 
@@ -369,8 +374,8 @@ fn steps(basis: &Basis, unit: f64) -> [Vec3; 3] {
     [basis.forward, unit * basis.right, unit * basis.up].map(|way| way.as_vec3())
 }
 
-/// Columns and rows of a window's pixels, from pixel `first` of a patch on. Not inlined, so that
-/// windows outside patches do not compute it.
+/// Columns and rows of a window's pixels relative to those of its first pixel, which is pixel
+/// `first` of a patch. Not inlined, so that windows outside patches do not compute it.
 #[inline(never)]
 fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
     let place = |pixel: usize| [(pixel % SIDE) as f32, (pixel / SIDE) as f32];
@@ -383,7 +388,7 @@ fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
     [columns, rows]
 }
 
-/// The columns of neighboring pixels.
+/// The columns of sixteen adjacent pixels, from 0 on.
 const ALONG: Lanes<f32> = {
     let mut along = [0.0; LANES];
     let mut lane = 1;
@@ -394,8 +399,8 @@ const ALONG: Lanes<f32> = {
     Lanes(along)
 };
 
-/// The tangent of half an angle in degrees. Near 180 it depends on the difference from 180, which
-/// is exact.
+/// The tangent of half an angle in degrees. Near 180 it is computed from the difference from 180,
+/// which is exact.
 fn half_tangent(degrees: f64) -> f64 {
     let half = |degrees: f64| (degrees.to_radians() / 2.0).tan();
     if degrees <= 90.0 { half(degrees) } else { half(180.0 - degrees).recip() }

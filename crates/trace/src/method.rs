@@ -48,9 +48,9 @@ pub(crate) type Prepare = fn(Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErr
 pub enum Proves {
     /// The ray meets a zero, or it meets none.
     HitsAndMisses,
-    /// Only that a ray meets no zero. Drawn points may not exist.
+    /// Only that a ray meets no zero. A point that is drawn may not exist.
     Misses,
-    /// Nothing. Drawn points may not exist, and existing ones may not be drawn.
+    /// Nothing. A point that is drawn may not exist, and a point that exists may not be drawn.
     Nothing,
 }
 
@@ -58,7 +58,8 @@ pub enum Proves {
 pub trait Tracer: Sync {
     /// Follows rays, and writes the result for each to `found`, which has the same length.
     ///
-    /// Every four rays in sequence are neighbors if possible, as are every sixteen, and so on.
+    /// If possible, every four consecutive rays are those of 2×2 neighboring pixels, every sixteen
+    /// those of 4×4 pixels, and so on.
     fn follow(
         &self,
         rays: &[Segment],
@@ -67,7 +68,7 @@ pub trait Tracer: Sync {
         work: &mut KernelStats,
     );
 
-    /// The method that traces these rays instead of this one, if another one does.
+    /// The method that traces these rays if this one cannot.
     fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
         None
     }

@@ -17,20 +17,21 @@ pub struct TraceOptions {
     /// Greatest distance, in pixels, between a hit and the place where it is reported. Proofs do
     /// not depend on it.
     pub tolerance: f64,
-    /// Samples on a ray's way through the region, or the most steps along it; from 2 on.
+    /// Number of samples on a ray's way through the region, or largest number of steps along it; at
+    /// least 2.
     pub steps: u32,
-    /// Whether segments are narrowed to where a form may vanish; else they are only halved.
+    /// Whether segments are narrowed to where a form may vanish; otherwise they are only halved.
     pub contract: bool,
-    /// Whether rays are traced together, tile by tile; else each alone.
+    /// Whether rays are traced together, tile by tile; otherwise each is traced alone.
     pub tiles: bool,
-    /// Whether intervals are tried on segments that affine forms leave open.
+    /// Whether intervals are tried on segments that affine forms leave undecided.
     pub intervals: bool,
-    /// Length below which a segment may stay undecided, as a share of the longest bracket. 0
-    /// follows it to the limit of precision; more paints it sooner, for a preview. Only methods
-    /// that prove hits read it.
+    /// Length below which a segment may stay undecided, as a share of the longest bracket. At 0,
+    /// segments are narrowed to the limit of precision. At larger values they are painted sooner,
+    /// for a preview. Only methods that prove hits read it.
     pub least: f64,
     /// Whether a place where the function is unbounded counts as an asymptote rather than a root.
-    /// Its pixel then is undecided, but not painted there.
+    /// Its pixel is then undecided, and the place is not painted.
     pub suppress_asymptotes: bool,
 }
 
@@ -57,11 +58,11 @@ impl Default for TraceOptions {
     }
 }
 
-/// The floats in which kernels compute. Enclosures are rigorous in either.
+/// The floats in which kernels compute. Enclosures are rigorous in all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {
-    /// 32 bits, and 64 for rays that these leave undecided, in methods that can do so; the others
-    /// take it as [`Precision::F32`].
+    /// 32 bits, and 64 for rays that are undecided in 32 bits. Methods that cannot combine both
+    /// treat this as [`Precision::F32`].
     #[default]
     Auto,
     /// 32 bits: twice as fast.
@@ -133,11 +134,11 @@ pub struct MethodOption {
     pub unit: &'static str,
 }
 
-/// Valid values of [`TraceOptions::steps`]: from the two ends of a ray's path to a number at which
-/// a picture takes minutes.
+/// Valid values of [`TraceOptions::steps`]. The least is one sample at each end of a ray's path. At
+/// the greatest, a picture takes minutes.
 pub const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
 
-/// The range of [`TraceOptions::tolerance`], and its reason.
+/// The valid range of [`TraceOptions::tolerance`] and the reason for it, in words.
 pub const TOLERANCES: &str = "a tolerance is a number of pixels, above 0, since no arithmetic finds a root exactly, and at \
      most 100; 0.5 is the default";
 
@@ -299,7 +300,7 @@ pub const NO_INTERVALS: MethodOption = MethodOption {
 pub static OPTIONS: [MethodOption; 7] =
     [PRECISION, DEPTH, STEPS, TOLERANCE, NO_CONTRACT, NO_TILES, NO_INTERVALS];
 
-/// The columns of a switch, which shows that an idea of a method is left out.
+/// Empty columns, which the rows of switches complete. A switch turns off a part of a method.
 const SWITCH: MethodOption = MethodOption {
     name: "",
     aliases: &[],
@@ -327,14 +328,15 @@ impl MethodOption {
         (self.get)(options) == (self.get)(&TraceOptions::default())
     }
 
-    /// The flag and its value, as a command line has them; `None` for the default.
+    /// The flag and its value, as on a command line; `None` if the value is the default.
     pub fn flag(&self, options: &TraceOptions) -> Option<String> {
         let value =
             if self.is_switch() { String::new() } else { format!(" {}", (self.get)(options)) };
         (!self.is_default(options)).then(|| format!("--{}{value}", self.name))
     }
 
-    /// The value in a summary: a switch by its name; `None` where it is not worth showing.
+    /// The value for a summary, or the name of a switch. `None` for a default that summaries do not
+    /// show.
     pub fn short(&self, options: &TraceOptions) -> Option<String> {
         let is_shown = self.is_always_shown || !self.is_default(options);
         is_shown.then(|| match self.is_switch() {

@@ -26,7 +26,7 @@ pub(crate) struct Packet<T: Scalar> {
     bounds: [[T; 2]; 3],
     /// The rays' coordinates, by axis.
     coordinates: [Coordinate<T>; 3],
-    /// Values of τ outside of which a ray is not in the region.
+    /// Per ray, the values of τ between which it may be in the region.
     enter: Lanes<T>,
     leave: Lanes<T>,
 }
@@ -37,7 +37,7 @@ pub(crate) struct RayLanes {
     pub direction: [Lanes<f64>; 3],
     /// Per ray, the largest t that is examined.
     to: Lanes<f64>,
-    /// [`Segment::pixel`].
+    /// Per ray, the width of a pixel and its growth: [`Segment::pixel`].
     pub pixel: [Lanes<f64>; 2],
 }
 
@@ -111,9 +111,9 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Takes these rays, one to [`PACKET_RAYS`], whose coordinates are `lines`. K becomes the fastest axis
-    /// of the first. Returns whether all of them advance together on K; otherwise they need
-    /// separate packets.
+    /// Takes these rays, one to [`PACKET_RAYS`], whose coordinates are `lines`. K becomes the
+    /// fastest axis of the first ray. Returns whether all rays advance together on K; otherwise
+    /// they need separate packets.
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
     pub fn take<S: Simd>(
@@ -177,7 +177,8 @@ impl<T: Scalar> Packet<T> {
     /// Writes the rays as segments whose t is τ, except for `near` and `far`.
     #[inline(always)]
     pub fn lines<S: Simd>(&self, simd: S, out: &mut Segments<T>) {
-        // The slack holds for τ within [0, 1]. The rounding in kernels is added generously.
+        // The slack holds for τ within [0, 1]. A generous bound of the rounding in kernels is
+        // added.
         let rounding = T::nearest(2.0 * T::PATH_ERROR);
         let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
         for (axis, Coordinate { start, extent, slack }) in self.coordinates.iter().enumerate() {
@@ -190,7 +191,8 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Computes the coordinates of the rays, and between which τ each is in the region.
+    /// Computes the coordinates of the rays, and the values of τ between which each is in the
+    /// region.
     #[inline(always)]
     fn place<S: Simd>(&mut self, simd: S, lines: &RayLanes, region: &Region) {
         let SlabAxis { k, start, extent, inverse } = self.planes;
@@ -262,8 +264,8 @@ impl<T: Scalar> Packet<T> {
         let k = self.planes.k;
         let (mut from, mut to) = (Lanes::splat(T::integer(1)), Lanes::splat(-T::integer(1)));
         for (lane, segment) in segments.iter().enumerate() {
-            // The box has cut the rays already. Ends are moved outward here, so only the ball cuts
-            // further.
+            // The rays are restricted to the box already. The ends of the span are moved outward
+            // here, so only the ball restricts them further.
             let Some((near, far)) = region.span(&segment.ray) else { continue };
             let ray = [segment.ray.origin, segment.ray.direction].map(|vector| vector[k]);
             let share = |t: f64, outward: f64| self.planes.share(ray, t, outward);
@@ -283,9 +285,10 @@ impl<T: Scalar> Packet<T> {
         region: &Region,
     ) {
         let Some(half) = region.clip() else { return };
-        // A ray is kept where `room` + τ · `change` ≥ 0. At τ = 0 this is offset − normal · p. Both
-        // are sums of terms that may cancel, and take at most eight operations of half a unit in
-        // the last place of `f64`.
+        // A ray is in the half-space where `room` + τ · `change` ≥ 0. `room` is offset − normal ·
+        // p, where p is the ray's point at τ = 0. Both numbers are sums of terms that may cancel.
+        // Each takes at most eight operations in `f64`, with an error of half a unit in the last
+        // place.
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
         let [mut room, mut change, mut terms] = [Lanes::splat(T::integer(0)); 3];
@@ -324,7 +327,7 @@ impl<T: Scalar> Packet<T> {
         let leave = part.load(&self.leave);
         let zero = part.splat(T::integer(0));
         let crossing = -room / change;
-        // NaN only for 0/0. Such a ray stays, since comparisons with NaN are false.
+        // `crossing` is NaN only for 0/0. Then `change` is 0, and the ray is not restricted.
         let (rising, falling) = (change.simd_gt(zero), change.simd_lt(zero));
         let never = change.simd_eq(zero) & room.simd_lt(zero);
         let first = rising.select(crossing - T::SHARE_ERROR, enter);

@@ -1,14 +1,14 @@
 //! The painted pixels of a picture, in windows of sixteen pixels of a row that are computed
 //! together.
 //!
-//! Does not know how the pixels are used.
+//! This module does not depend on how the pixels are used.
 
 use crate::ray_result::Status;
 use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 
-/// Number of rows that one thread shades at a time: few enough for the nearest caches. Windows do
-/// not depend on the number of threads.
+/// Number of rows that one thread shades at a time: few enough for the nearest caches. The number
+/// of threads affects neither it nor the windows.
 pub const SHADED_ROWS: usize = 8;
 
 /// Adjacent pixels of a row, one per lane. The window may extend beyond the row and the picture.
@@ -91,7 +91,7 @@ impl Window {
     #[inline(never)]
     fn store_runs<T: Copy>(&self, values: &[T; LANES], all: &mut [T]) {
         let mut left = self.wanted;
-        // One run after another: mostly there is one.
+        // Runs of adjacent lanes are stored one after another. Mostly there is only one.
         while left != 0 {
             let first = left.trailing_zeros() as usize;
             let end = first + (left >> first).trailing_ones() as usize;
@@ -138,7 +138,7 @@ pub fn windows(
     width: usize,
 ) -> Vec<Window> {
     let width = width.max(1);
-    // Room for the largest possible number of windows: the memory is soon released.
+    // Memory is reserved for the largest possible number of windows, since it is soon released.
     let mut found = Vec::with_capacity(status.len().div_ceil(width) * width.div_ceil(LANES));
     dispatch!(vectors, simd => look(simd, status, drawn, first, width, &mut found));
     found
@@ -162,7 +162,7 @@ fn look<S: Simd>(
                 continue;
             }
             let mut wanted = painted(simd, &status[column..], &drawn[column..]);
-            // Starts again at the first painted pixel, so that few windows have unused lanes.
+            // A window starts at a painted pixel, so that few lanes are unused.
             if wanted & 1 == 0 {
                 column += (wanted | 1 << LANES).trailing_zeros() as usize;
                 if wanted == 0 {

@@ -26,9 +26,10 @@ enum Inside {
 }
 
 /// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates the
-/// proofs. An entry point with f < 0 is a hit. One with f > 0 or undefined f changes nothing. Any
-/// other makes its pixel undecided from there on. A ray that starts inside the region has no entry
-/// point. `only` selects pixels; empty selects all. Returns the number of evaluations.
+/// proofs. If f < 0 is proven at the point where a ray enters the region, that point is a hit. If f
+/// > 0 or f is undefined there, nothing changes. Otherwise the pixel is undecided from that point
+/// on. A ray that starts inside the region has no entry point. `only` selects pixels; empty selects
+/// all. Returns the number of evaluations.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
     rays: &RayGrid,
@@ -73,7 +74,8 @@ pub fn cap_rows<T: Real>(
             Inside::No => continue,
             // A zero found at the face may lie before it because of rounding.
             Inside::Unknown(reason) => (rows.distance(pixel).min(distance), reason),
-            // The ray may pass by an edge of the region.
+            // This reason applies if the entry is not certain: the ray may pass by an edge of the
+            // region.
             Inside::Yes => (distance, UndecidedReason::Touching),
         };
         let mut bracket = [f64::NAN; 2];

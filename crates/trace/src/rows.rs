@@ -31,7 +31,7 @@ pub struct Rows<'a> {
     pub(crate) surface: SurfaceIdSlice<'a>,
     /// Empty if normals are not kept.
     pub(crate) normal: &'a mut [[f32; 3]],
-    /// This and the next two are empty if no pixel has the quantity.
+    /// Like `shadow` and `occlusion`, empty if no pixel has the quantity.
     pub(crate) cap: &'a mut [bool],
     pub(crate) shadow: &'a mut [u8],
     pub(crate) occlusion: &'a mut [u8],
@@ -40,19 +40,19 @@ pub struct Rows<'a> {
 /// The quantities of adjacent pixels of a G-buffer that shading reads.
 #[derive(Clone, Copy)]
 pub struct Columns<'a> {
-    /// [`GBuffer::status`].
+    /// Statuses: [`GBuffer::status`].
     pub status: &'a [Status],
-    /// [`GBuffer::drawn`].
+    /// Distances of painted points: [`GBuffer::drawn`].
     pub drawn: &'a [f64],
-    /// [`GBuffer::surface`].
+    /// Ids of painted surfaces: [`GBuffer::surface`].
     pub surface: SurfaceIdSlice<'a>,
-    /// [`GBuffer::normal`]; may be empty.
+    /// Normals: [`GBuffer::normal`]; may be empty.
     pub normal: &'a [[f32; 3]],
-    /// [`GBuffer::cap`]; may be empty.
+    /// Whether painted points lie on caps: [`GBuffer::cap`]; may be empty.
     pub cap: &'a [bool],
-    /// [`GBuffer::shadow`]; may be empty.
+    /// Shares of hidden light: [`GBuffer::shadow`]; may be empty.
     pub shadow: &'a [u8],
-    /// [`GBuffer::occlusion`]; may be empty.
+    /// Shares of hidden surroundings: [`GBuffer::occlusion`]; may be empty.
     pub occlusion: &'a [u8],
 }
 
@@ -122,8 +122,8 @@ impl GBuffer {
 
 /// Runs `work` on each part of a picture, on all threads, and returns the sum of its results.
 /// Threads take parts from the middle of the picture outward. The last parts mostly have little in
-/// them, so that all threads end at about the same time. (A sphere on two threads takes 0.52 of the
-/// time on one, and 0.56 where any part may be the last.)
+/// them, so all threads end at about the same time. (On two threads, a sphere takes 0.52 of its
+/// time on one thread, and 0.56 if any part may be the last.)
 ///
 /// # Panics
 /// If `work` panics, after the other threads have finished.
@@ -140,7 +140,8 @@ pub(crate) fn for_each_part<P: Send>(
         *all.lock().unwrap_or_else(PoisonError::into_inner) += own;
     };
     if threads <= 1 {
-        // Another thread would cost two waits: until it wakes, and until this one does.
+        // Handing the only part to another thread would cost two waits: until that thread wakes,
+        // and until this one does.
         take();
     } else {
         rayon::scope(|scope| {
@@ -151,7 +152,7 @@ pub(crate) fn for_each_part<P: Send>(
     all.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Orders parts from both ends in turn to the middle.
+/// Orders parts alternately from both ends, toward the middle.
 fn outside_first<P>(parts: Vec<P>) -> Vec<P> {
     let mut rest = parts.into_iter();
     let mut ordered = Vec::with_capacity(rest.len());
@@ -197,7 +198,7 @@ impl Rows<'_> {
         self.occlusion.fill(0);
     }
 
-    /// [`GBuffer::distance`].
+    /// Distance of a hit or of the first undecided segment: [`GBuffer::distance`].
     pub(crate) fn distance(&self, pixel: usize) -> f64 {
         distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
     }
@@ -207,8 +208,8 @@ impl Rows<'_> {
         windows(Level::new(), self.status, self.drawn, self.first, self.width)
     }
 
-    /// The normals to be written, which are empty if they are not kept, and the quantities that
-    /// shading reads. The latter have no normals.
+    /// The normals, to be written, and the quantities that shading reads, without normals. The
+    /// normals are empty if they are not kept.
     pub fn columns(&mut self) -> (&mut [[f32; 3]], Columns<'_>) {
         let columns = Columns {
             status: self.status,

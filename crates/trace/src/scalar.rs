@@ -29,8 +29,8 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
     /// quotient within [−1, 2]: at most 4 units in `f32`, and 10 in `f64`, where the operands are
     /// rounded too.
     const SHARE_ERROR: Self;
-    /// Shortest segments that are searched, as a share of the ray's way: somewhat longer than what
-    /// rounding adds.
+    /// Length of the shortest segments that are searched, as a share of the ray's length. Rounding
+    /// adds somewhat less.
     const GRAIN: f64;
     /// Rounding error of coordinates in kernels, as a share of the sum of their terms' magnitudes.
     const PATH_ERROR: f64 = PATH_UNITS * Self::UNIT;
@@ -51,7 +51,8 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
     fn narrow<S: Simd>(numbers: [f64x8<S>; 2], lanes: &mut Lanes<Self>);
     /// Moves the lanes in `kept` to the front, in order.
     fn pack<S: Simd>(simd: S, lanes: &mut Lanes<Self>, kept: u16);
-    /// Copies the lanes `from` of `some`, in order, to as many lanes `to` of `others`.
+    /// Copies the lanes `from` of `some`, in order, to the lanes `to` of `others`. Both masks have
+    /// the same number of bits.
     fn copy<S: Simd>(simd: S, some: &Lanes<Self>, from: u16, others: &mut Lanes<Self>, to: u16);
     /// Writes a number to the lanes `to`.
     #[inline(always)]
@@ -70,7 +71,7 @@ impl Scalar for f32 {
     const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
     const GRAIN: f64 = 1.0 / 262_144.0; // 2^-18
 
-    // Not by way of `f64`, since both are needed at every slab.
+    // This and `halved` are evaluated for every slab, so they do not convert by way of `f64`.
     #[inline]
     fn integer(value: u64) -> Self {
         value as i64 as Self

@@ -145,7 +145,7 @@ fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> 
 /// Returns whether an extremum is higher (or lower) than all places around it. On a ridge, some
 /// place on the square around it is about as high.
 fn is_isolated(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
-    // `along` is the length along the square. Each side is 2 long.
+    // `along` is a length along the square's sides, each of which is 2 long.
     let on_square = |along: f64| {
         let (side, rest) = ((along.rem_euclid(8.0) / 2.0).floor(), along.rem_euclid(2.0) - 1.0);
         let [a, b] = match side as u32 {

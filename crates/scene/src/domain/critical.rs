@@ -55,14 +55,14 @@ const DIFFERENCE: f64 = 1e-3;
 /// along two axes at once.
 const STENCIL: usize = 13;
 
-/// A critical point is isolated if the determinant of the second derivatives, with each axis scaled
-/// to its own, is at least this.
+/// A critical point is isolated if the determinant of the second derivatives is at least this,
+/// after each axis is scaled so that its largest number is 1.
 const LEAST_DETERMINANT: f64 = 1e-2;
 /// A second derivative below this share of the largest one counts as 0.
 const FLATTEST: f64 = 1e-4;
 
-/// A curve of critical points counts as closed if at least `CURVE_POINTS` are found, all within this share
-/// of the half side from the center.
+/// A curve of critical points counts as closed if at least `CURVE_POINTS` are found, all within
+/// this share of the half side from the center.
 const CURVE_POINTS: usize = 8;
 const CLOSED: f64 = 0.75;
 
@@ -248,8 +248,9 @@ struct NewtonStep {
     determinant: f64,
 }
 
-/// Solves `matrix` · step = `wanted`. Where the determinant is below [`LEAST_DETERMINANT`], the shortest
-/// solution is taken, since steps along a curve are arbitrary. `None` if the result is not finite.
+/// Solves `matrix` · step = `wanted`. If the determinant is below [`LEAST_DETERMINANT`], the
+/// shortest solution is taken, since steps along a curve are arbitrary. `None` if the result is not
+/// finite.
 fn solve(matrix: [Coordinates; 3], wanted: Coordinates) -> Option<NewtonStep> {
     let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
     let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);

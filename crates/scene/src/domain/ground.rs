@@ -12,8 +12,8 @@ const BARE: f64 = 0.1;
 /// Number of halvings that locate an end between two rows of the grid.
 const HALVINGS: u32 = 10;
 
-/// Both ends of the ground along its two axes. `None` for an end at the border of the grid, or
-/// within [`BARE`] of it.
+/// Both ends of the ground along its two axes. `None` for an end at the border of the grid, or at
+/// most `BARE` of the side away from it.
 pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
     let place = |row: usize| place(grid.half, row);
     [0, 1].map(|axis| {

@@ -177,8 +177,8 @@ impl Homogeneous {
         self.jet(chart, part, known).map_or(Interval::ENTIRE, |(value, [])| value)
     }
 
-    /// Interval over part of a chart, with bounds of the first `N` derivatives. `None` if `N` > 0 and
-    /// a step is not a sum, product or power.
+    /// Interval over part of a chart, with bounds of the first `N` derivatives. `None` if `N` > 0
+    /// and a step is not a sum, product or power.
     fn jet<const N: usize>(
         &self,
         (axis, side): Chart,

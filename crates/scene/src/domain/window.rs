@@ -197,8 +197,8 @@ impl WindowChooser<'_> {
         Cell::about(self.centre, half)
     }
 
-    /// Finds critical points. The searches cover distances of about `half` and of the plain window,
-    /// whose size is typical of typed formulas.
+    /// Finds critical points. The searches cover distances of about `half` and of about
+    /// [`DEFAULT_HALF`], which is typical of typed formulas.
     fn critical(&self, half: f64) -> CriticalDistances {
         let sizes = [half, 4.0 * half, DEFAULT_HALF, 4.0 * DEFAULT_HALF];
         let is_new =

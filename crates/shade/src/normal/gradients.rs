@@ -112,8 +112,8 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         bits(|lane| cap[lane])
     }
 
-    /// Stores the normals of the lanes in `found`; `open` are the lanes that need one. Paints the
-    /// window on the canvas if all normals were found.
+    /// Stores the normals of the lanes in `found`; the lanes in `open` need one. Paints the window
+    /// on the canvas if all normals were found.
     #[inline(always)]
     fn finish<S: Simd>(
         &mut self,

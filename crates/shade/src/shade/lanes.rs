@@ -22,7 +22,7 @@ pub fn splat<S: Simd>(simd: S, vector: Vec3) -> [f32x16<S>; 3] {
     [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)]
 }
 
-/// The share of light that is not hidden; 255 means that all is hidden.
+/// The share of light that is not hidden, given the hidden share, of which 255 is all.
 #[inline(always)]
 pub fn left<S: Simd>(simd: S, hidden: &[u8; LANES]) -> f32x16<S> {
     1.0 - f32x16::simd_from(simd, hidden.map(f32::from)) / 255.0

@@ -142,7 +142,7 @@ fn axes_are_those_of_real_geometry() {
                 continue;
             }
             Err(CameraError::UpAlongView) => {
-                // Refused only where the sine is small.
+                // A camera is refused only if the sine is small.
                 let way = sum(&vector(target), &vector(eye), &exact(-1.0));
                 assert!(sine_squared(&way, &vector(up)) < exact(1.001e-18));
                 along += 1;

@@ -1,16 +1,18 @@
 //! Affine forms over tiles of rays, from coarse to fine, then along single rays.
 //!
-//! A tile's form is a linear function of its two screen axes and of depth. Solved for depth, it
-//! narrows the segment in which the tile's rays may meet a zero. Where the coefficient of depth
-//! outweighs all others, it proves a zero on every ray. Tiles of 16×16 pixels are split into tiles
-//! of 4×4 pixels, and those into rays; parts inherit the narrowed segment. A tile whose segment
-//! does not get much shorter is split if its parts need less of it: if the segment is short for the
-//! tile's width, or the surface steep. Otherwise the segment is cut in two, and the nearer part
-//! comes first.
+//! A tile's form is a linear function of its two screen axes and of depth, with an error bound.
+//! Solved for depth, it narrows the segment in which the tile's rays may meet a zero. Where the
+//! coefficient of depth outweighs all others, it proves a zero on every ray. Tiles of 16×16 pixels
+//! are split into tiles of 4×4 pixels, and those into rays; the parts start from the narrowed
+//! segment.
 //!
-//! A hit is a segment on which the function is continuous and has opposite signs at the ends,
-//! behind nothing but proven empty parts. Segments are narrowed to the limit of precision: with
-//! [`Precision::Auto`], in `f64` where `f32` does not suffice.
+//! A tile whose segment does not get much shorter is split if that shortens the segments of its
+//! parts: if the segment is short for the tile's width, or the surface is steep. Otherwise the
+//! segment is cut in two, and the nearer part is examined first.
+//!
+//! A hit is a segment on which the function is continuous and has opposite signs at the ends, and
+//! before which the ray is proven empty. Segments are narrowed to the limit of precision. With
+//! [`Precision::Auto`], `f64` is used where `f32` does not suffice.
 
 mod bundle;
 mod classify;
@@ -62,8 +64,8 @@ pub(crate) const METHOD: Method = Method {
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     match Affine::<T>::new(task) {
         Ok(tracer) => Ok(Box::new(tracer)),
-        // Kernels of forms are several times as large as those of intervals. A formula that is too
-        // large for them is drawn with intervals.
+        // Kernels of affine forms are several times as large as those of intervals. For a formula
+        // that is too large for them, the method `knoll` replaces this one.
         Err(why) => {
             Ok(Box::new(KnollFallback { tracer: knoll::prepare::<T>(task)?, why: why.to_string() }))
         }
@@ -108,7 +110,7 @@ struct Affine<'a, T: Scalar> {
     /// Whether the forms are those of a numerator, whose zeros need not be zeros of the function.
     cleared: bool,
     task: Task<'a>,
-    /// [`TraceOptions::longest`].
+    /// Maximum length of a hit's bracket, in pixels: [`TraceOptions::longest`].
     longest: f64,
     /// Buffers that no thread is using.
     buffers: BufferPool<Box<BandBuffers<T>>>,
@@ -116,11 +118,12 @@ struct Affine<'a, T: Scalar> {
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
 
-/// Maximum error of a computed ray, as a share of the region's extent. Beyond it boxes are used.
+/// Maximum error of a computed ray, as a share of the region's extent. If it is exceeded, the
+/// method `knoll` is used.
 const MAX_RAY_ERROR: f64 = 1e-2;
 
 /// If a hit's bracket must be shorter than this many times the resolution of `f32`, only `f64` is
-/// used: `f32` would narrow each segment in vain.
+/// used, since `f32` cannot narrow segments that far.
 const MIN_BRACKET: f64 = 16.0;
 
 impl<'a, T: Scalar> Affine<'a, T> {
@@ -147,8 +150,8 @@ impl<'a, T: Scalar> Affine<'a, T> {
 }
 
 impl<'a, T: Scalar> Affine<'a, T> {
-    /// Returns whether the eye is too far away for forms to tell where in the region a ray is. The
-    /// boxes of `knoll`, which are clipped to the region, still do.
+    /// Returns whether the eye is so far away that the coordinates in forms are too inaccurate. The
+    /// method `knoll` still works, since its boxes are clipped to the region.
     fn is_too_far(&self, frame: &RayFrame) -> bool {
         let extent = self.task.region.high() - self.task.region.low();
         frame.error.cmpgt(extent * MAX_RAY_ERROR).any()
@@ -160,8 +163,8 @@ impl<'a, T: Scalar> Affine<'a, T> {
             return double.as_deref();
         }
         let options = TraceOptions { precision: Precision::F64, ..self.task.options };
-        // Not created inside `get_or_init`: a thread that waits there for the other half of its
-        // `join` may take up another band, which would wait for this very thread.
+        // The method is not created inside `get_or_init`. Its `join` may make this thread take up
+        // another band, which would then wait in `get_or_init` for this very thread.
         let made = Affine::new(Task { options, ..self.task }).ok().map(Box::new);
         self.double.get_or_init(|| made).as_deref()
     }

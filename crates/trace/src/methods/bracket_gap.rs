@@ -6,14 +6,14 @@ use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
 use zeroset_interval::Facts;
 use zeroset_space::Region;
 
-/// Number of places beside an open segment at which the sign is evaluated, each 1.5 times as far
-/// away as the one before. Also the number of times that a bracket is halved.
+/// Number of places on each side of an undecided segment at which the sign is evaluated, each 1.5
+/// times as far away as the one before. Also the number of times that a bracket is halved.
 const SIGN_STEPS: i32 = 48;
-/// How far behind an open segment to search for a zero, as a share of the ray's length in the
+/// How far behind an undecided segment to search for a zero, as a share of the ray's length in the
 /// region.
 const MAX_REACH: f64 = 1.0 / 64.0;
 
-/// How far around a segment its denominator is tested for zeros, in lengths of the segment.
+/// How far around a gap the denominator is tested for zeros, in lengths of the gap.
 const POLE_REACH: f64 = 8.0;
 
 /// The function along one ray.
@@ -41,7 +41,8 @@ impl<T: Real> RayFunction<'_, T> {
         if !self.enclose([before, behind]).facts(0).has(Facts::CONTINUOUS) {
             return None;
         }
-        // Bisect for the nearest place that still has a certain sign.
+        // Bisect for the nearest place that still has a certain sign, opposite to that before the
+        // segment.
         let mut close = near;
         for _ in 0..SIGN_STEPS {
             let middle = 0.5 * (close + behind);
@@ -63,7 +64,7 @@ impl<T: Real> RayFunction<'_, T> {
         let before = self.sign_from(near, -least, first, None);
         let behind = self.sign_from(far, least, last.min(far + MAX_REACH * (last - first)), None);
         let (Some((start, before)), Some((end, behind))) = (before, behind) else { return false };
-        // An open part close behind a gap is treated as part of the gap.
+        // An undecided part close behind a gap is treated as part of the gap.
         let close = POLE_REACH * (end - start);
         let boxes =
             Boxes::around(&[bounds(self.local_ray, [start - close, end + close], self.region)]);
@@ -71,8 +72,9 @@ impl<T: Real> RayFunction<'_, T> {
         before == behind && bounds.neg_lo[0] >= zero && bounds.hi[0] >= zero
     }
 
-    /// Returns the values of s, not before the ray's start, between which the ray is in the region.
-    /// There the boxes of [`bounds`], which are clipped to the region, contain its points.
+    /// Returns the values of s, not before the ray's start, between which the ray is certainly in
+    /// the region. There its points lie in the boxes of [`bounds`], although these are clipped to
+    /// the region.
     fn inside(&self) -> [f64; 2] {
         let local_ray = self.local_ray;
         let [near, far] = local_ray.inside;

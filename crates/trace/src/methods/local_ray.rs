@@ -8,10 +8,10 @@ use zeroset_interval::Interval;
 use zeroset_space::Ray;
 use zeroset_space::Region;
 
-/// Where a part of a ray is cut, as a share of its length. This is not the middle, where symmetric
-/// surfaces have zeros whose sign is uncertain.
+/// The place at which a part of a ray is cut, as a share of its length. It is not the middle, where
+/// symmetric surfaces have zeros whose sign is uncertain.
 pub(super) const CUT: f64 = 0.460_937_5;
-/// Maximum number of open parts of a ray. After that many the rest of the ray is given up.
+/// Maximum number of undecided parts of a ray. After that many, the rest of the ray is given up.
 pub(super) const MAX_OPEN_PARTS: u32 = 16;
 
 /// A ray to be followed, as the points `origin` + s·`direction`.
@@ -55,8 +55,8 @@ impl LocalRay {
 /// Returns values of s between which a ray is certainly in the region, for t = s + `start`.
 pub(super) fn inside(region: &Region, ray: &Ray, start: f64) -> [f64; 2] {
     let [near, far] = region.inner(ray);
-    // The differences are rounded, so they are moved inward. The near end is exact for an eye
-    // inside.
+    // The differences are rounded, so they are moved inward. For an eye inside the region, the near
+    // end is exact.
     [if near == 0.0 { -start } else { (near - start).next_up() }, (far - start).next_down()]
 }
 

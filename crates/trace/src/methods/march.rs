@@ -85,7 +85,8 @@ impl<T: Scalar> Tracer for March<'_, T> {
             for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
                 *found = RayResult::MISS;
                 let Some([near, far]) = segment.within(self.region) else { continue };
-                // A miss would be a claim, so the ray is undecided from where it enters the region.
+                // A miss would claim a proof, so the ray is undecided from where it enters the
+                // region.
                 let (status, reason) = (Status::Undecided, UndecidedReason::Unproven);
                 *found = RayResult { status, reason, distance: near, ..RayResult::MISS };
                 if far.is_finite()

@@ -1,8 +1,8 @@
 //! Robust ray intersection with interval arithmetic (Mitchell 1990). A single ray is halved until
-//! each part is empty by bounds of f, or holds at most one root by bounds of df/dt.
+//! each part is proven empty by bounds of f, or proven to hold at most one root by bounds of df/dt.
 //!
-//! It proves misses. It proves a hit if the values at the ends of such a part certainly have
-//! opposite signs.
+//! The method proves misses. It proves a hit if the values at the ends of such a part certainly
+//! have opposite signs.
 
 mod isolated;
 mod search;
@@ -33,13 +33,14 @@ fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErro
 
 struct Mitchell<'a, T: Scalar> {
     searcher: Searcher<'a, T>,
-    /// Searcher in `f64`, created when `f32` leaves the first ray open.
+    /// Searcher in `f64`, created when `f32` first leaves a ray undecided.
     double: OnceLock<Option<Searcher<'a, f64>>>,
     task: Task<'a>,
 }
 
 impl<T: Scalar> Mitchell<'_, T> {
-    /// Searches the rays that stayed open in `f32` again in `f64`, from their first open part on.
+    /// Searches the rays that are undecided in `f32` again in `f64`, from their first undecided
+    /// part on.
     fn follow_in_double(
         &self,
         local_rays: &[LocalRay],
@@ -75,7 +76,7 @@ impl<T: Scalar> Tracer for Mitchell<'_, T> {
     ) {
         follow_in_region(rays, &self.task, found, |local_rays| {
             let mut outcomes = self.searcher.search(local_rays, start, work);
-            // Shadows need no more precision than that of `f32`.
+            // Shadow rays need no more precision than that of `f32`.
             if self.task.options.precision == Precision::Auto && start == Start::Anywhere {
                 self.follow_in_double(local_rays, &mut outcomes, work);
             }

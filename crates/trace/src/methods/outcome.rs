@@ -13,7 +13,7 @@ pub(super) struct RayOutcome {
     pub hit: Option<[f64; 2]>,
     /// Start of the first part before the hit that is not proven empty, and the reason.
     pub open: Option<(f64, UndecidedReason)>,
-    /// Start of the first such part that is likely a zero.
+    /// Start of the first of these parts that is likely to hold a zero.
     pub likely: Option<f64>,
 }
 
@@ -30,7 +30,7 @@ impl RayOutcome {
         let (Some([near, far]), Some(distance)) = (self.hit, middle) else {
             return RayResult::MISS;
         };
-        // The ends are rounded outward.
+        // The ends of the bracket are rounded outward.
         let bracket = [place(near).next_down(), place(far).next_up()];
         let (status, drawn) = (Status::Hit, distance);
         RayResult { status, distance, drawn, bracket, ..RayResult::MISS }
@@ -67,7 +67,7 @@ pub(super) fn follow_in_region<O: IntoIterator<Item = RayOutcome>>(
     }
 }
 
-/// Returns why a part stays open, given the facts about it and whether the effort for its ray is
+/// Returns why a part is undecided, given the facts about it and whether the effort for its ray is
 /// `spent`.
 pub(super) fn reason(facts: Facts, spent: bool) -> UndecidedReason {
     if !facts.has(Facts::DEFINED) {

@@ -26,7 +26,7 @@ pub(crate) const METHOD: Method = Method {
 
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     let kernels = T::kernels(task.surface);
-    // Intervals tell whether the function is bounded in a slab. An unbounded form does not mean
+    // Intervals decide whether the function is bounded in a slab. An unbounded form does not mean
     // that the function is unbounded.
     let bounded = if task.options.suppress_asymptotes { kernels.zeros().ok() } else { None };
     let test = FormTest { kernel: kernels.segments()?, bounded };

@@ -11,8 +11,8 @@ use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use zeroset_eval::{Kernel, LANES, Lanes, Points, Sample, Values};
 
-/// Maximum number of rounds: as many as halving takes from a whole ray to the resolution of `f64`.
-/// ITP takes at most one round more than halving.
+/// Maximum number of rounds: as many halvings as take a whole ray to the resolution of `f64`. ITP
+/// takes at most one round more than halving.
 const ROUNDS: u32 = 64;
 
 /// Finds changes of sign in parts of rays.
@@ -20,8 +20,8 @@ pub(super) struct Refiner<'a, T: Scalar> {
     pub kernel: &'a dyn Kernel<Sample, T>,
     /// Maximum error of a place, in pixels.
     pub tolerance: f64,
-    /// Whether any change of side counts, as at the faces of a solid: at a pole, across a jump, or
-    /// to where there is no value.
+    /// Whether any change between f < 0 and not f < 0 counts, as at the faces of a solid: also at a
+    /// pole, across a jump, or to where there is no value.
     pub solid: bool,
 }
 
@@ -46,10 +46,10 @@ impl RayParts {
 struct Brackets {
     ends: [Lanes<f64>; 2],
     values: [Lanes<f64>; 2],
-    /// Their initial length, and the length at which they are short enough.
+    /// Length of each bracket at first, and the length at which it is short enough.
     length: Lanes<f64>,
     enough: Lanes<f64>,
-    /// Length that halving would have left, if it had begun one round later.
+    /// Length that halving would leave at this round, if it had begun one round later.
     halved: Lanes<f64>,
     /// Place of the next sample.
     next: Lanes<f64>,
@@ -70,8 +70,8 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         a.is_finite() && b.is_finite() && (a == 0.0 || b == 0.0 || (a < 0.0) != (b < 0.0))
     }
 
-    /// Returns the places in parts of these rays at which samples change sign; infinity for other
-    /// rays.
+    /// Returns the places on these rays at which samples change sign; infinity for rays without
+    /// such a place.
     pub fn places(
         &self,
         lines: &RayLanes,
@@ -147,12 +147,12 @@ fn enough<T: Scalar, S: Simd>(
             (size, start) = (size.max(ends), start.max(origin.abs()));
             way = way.max(direction.abs());
         }
-        // The largest coordinate as a distance along the ray. Far from the eye t is rounded too.
+        // The largest coordinate, as a distance along the ray. Far from the eye, t is rounded, too.
         let size = (size / way).max((start + far.abs()) * f64::EPSILON);
         let [at_eye, growth] = &lines.pixel;
         let growth = part.load(growth);
         let footprint = part.load(at_eye) + near * growth;
-        // Brackets below the rounding of a coordinate would be sampled at other points.
+        // Samples closer together than the rounding of a coordinate would not be distinct.
         part.store((footprint * tolerance).max_precise(size * (2.0 * T::UNIT)), &mut enough);
     }
     enough
@@ -174,7 +174,8 @@ impl Brackets {
             let far = part.load(&ends[1]);
             let enough = part.load(&enough);
             part.store(far - near, &mut length);
-            // Double `enough` as often as halving takes to reach it: by the next power of two.
+            // `enough` times the next power of two: halving takes as many rounds to reach `enough`
+            // from there as from the bracket.
             let times = ((far - near) / enough).max(1.0).min(2_f64.powi(1000));
             let bits: S::u64s = times.bitcast();
             let power: S::f64s = ((bits + FRACTION) & !FRACTION).bitcast();
@@ -184,9 +185,9 @@ impl Brackets {
     }
 
     /// Chooses the next samples by ITP (Oliveira and Takahashi 2020, "An Enhancement of the
-    /// Bisection Method Average Performance Preserving Minmax Optimality"), with κ₁ = 0.2 over the
-    /// first length, κ₂ = 2 and n₀ = 1. Returns which of the `live` lanes need no more samples, as
-    /// bits.
+    /// Bisection Method Average Performance Preserving Minmax Optimality"). κ₁ is 0.2 divided by
+    /// the first length, κ₂ = 2 and n₀ = 1. Returns which of the `live` lanes need no more samples,
+    /// as bits.
     #[inline(always)]
     fn choose_next<S: Simd>(&mut self, simd: S, live: u16) -> u16 {
         let mut done = 0;
@@ -203,7 +204,7 @@ impl Brackets {
             let is_long = length.simd_gt(enough) & near.simd_lt(middle) & middle.simd_lt(far);
             let is_done = a.simd_eq(zero) | b.simd_eq(zero) | !is_long;
             done |= part.bits(is_done);
-            // Distance from the middle at which ITP is still no slower than halving.
+            // Largest distance from the middle at which ITP is no slower than halving.
             let reach = (halved - length * 0.5).max(0.0);
             part.store(halved * 0.5, &mut self.halved);
             let interpolated = (near * b - far * a) / (b - a);
@@ -215,7 +216,7 @@ impl Brackets {
             let truncated = truncation.simd_le(off.abs()).select(truncated, middle);
             let is_near = (truncated - middle).abs().simd_le(reach);
             let next = is_near.select(truncated, middle - towards * reach);
-            // There is nothing to interpolate at a pole, or without a value.
+            // At a pole, or without a value, there is nothing to interpolate.
             let within = near.simd_lt(next) & next.simd_lt(far) & off.is_finite();
             part.store(within.select(next, middle), &mut self.next);
         }
@@ -237,7 +238,8 @@ impl Brackets {
             let is_zero = value.simd_eq(zero) | a.simd_eq(zero);
             let (mut is_near, mut value_there) = (!(differ | is_zero), value);
             if !solid {
-                // A point without a value has no sign. It is taken for the far side.
+                // A point without a value has no sign. It becomes the far end, with the sign of the
+                // old far end.
                 let is_nan = value.is_nan();
                 is_near &= !is_nan;
                 value_there = is_nan.select(b, value);
@@ -249,7 +251,8 @@ impl Brackets {
         }
     }
 
-    /// Returns where a line through the samples at both ends meets 0. This takes no further sample.
+    /// Returns where a line through the samples at both ends meets 0, which takes no further
+    /// sample.
     fn place(&self, lane: usize) -> f64 {
         let [near, far] = self.ends.each_ref().map(|ends| ends[lane]);
         let [a, b] = self.values.each_ref().map(|values| values[lane]);

@@ -1,10 +1,11 @@
 //! Packets of up to sixteen rays march through slabs of their dominant axis. Slabs in which the
 //! function may vanish are halved, down to a fixed depth. The methods `knoll` and `raa` share this.
-//! If a slab is proven empty for a ray, its parts are not tested for that ray. So a ray's result
-//! depends on its neighbors only by the axis, and by the steps that are left.
+//! If a slab is proven empty for a ray, its parts are not tested for that ray. So the other rays of
+//! the packet affect a ray's result only through the axis, and through the number of steps that are
+//! left.
 //!
-//! It proves misses only. A root is drawn where a slab of the last level may hold one, but it is
-//! not proven: such pixels are undecided. This module does not know how a slab is tested.
+//! This proves misses only. A root is drawn where a slab of the last level may hold one, but it is
+//! not proven: such pixels are undecided. This module does not depend on how a slab is tested.
 
 use super::refine::{RayParts, Refiner};
 use crate::kernel_stats::KernelStats;
@@ -18,12 +19,13 @@ use std::ops::Range;
 use zeroset_eval::Zeros;
 use zeroset_space::Region;
 
-/// Maximum number of kernel calls for one packet. All slabs of depth 14 need as many, so only
-/// deeper pictures reach it. A packet that clearly hits a surface needs a few calls per level. One
-/// whose slabs stay undecided would need 2 to the power of the depth.
+/// Maximum number of kernel calls for one packet. A search of all slabs down to depth 14 takes
+/// about as many, so only deeper pictures reach this limit. A packet that clearly hits a surface
+/// needs a few calls per level. One whose slabs stay undecided would need 2 to the power of the
+/// depth.
 pub const MOST_STEPS: u64 = 1 << 15;
 
-/// A test which rays of a packet may meet a zero between two planes.
+/// A test of which rays of a packet may meet a zero between two planes.
 pub(super) trait SlabTest<T: Scalar>: Sync {
     /// Buffers that are reused.
     type Buffers: Default;
@@ -32,9 +34,9 @@ pub(super) trait SlabTest<T: Scalar>: Sync {
     #[inline(always)]
     fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Buffers) {}
 
-    /// Tests whether rays may meet a zero in a slab and, if the slab is of the last level, whether
-    /// the function is bounded there. Bits of other rays are meaningless. Adds the kernel calls to
-    /// `work`.
+    /// Tests which rays may meet a zero in a slab and, if the slab is of the last level, on which
+    /// of them the function is unbounded. The bits of rays that are not in the slab are
+    /// meaningless. Adds the kernel calls to `work`.
     fn eval<V: Simd>(
         &self,
         simd: V,
@@ -60,13 +62,14 @@ pub(super) struct Slab<T> {
 /// Marches packets through slabs.
 pub(super) struct Slabs<'a, T: Scalar, S> {
     test: S,
-    /// `None` if no kernel samples the function. Roots are then drawn where slabs begin.
+    /// Finds where samples change sign. `None` if no kernel samples the function; roots are then
+    /// drawn where slabs begin.
     refiner: Option<Refiner<'a, T>>,
     region: &'a Region,
     vectors: Vectors,
-    /// Level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. Rays that are
-    /// not finished after [`MOST_STEPS`] end in the slab that was tested last, as if it were of
-    /// this level. The rest of these rays stays unknown.
+    /// Level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. After
+    /// [`MOST_STEPS`], the slab that was tested last counts as one of this level. Behind it,
+    /// nothing is known about the remaining rays.
     last: u32,
     suppress_asymptotes: bool,
 }
@@ -76,12 +79,12 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
 struct PacketOutcomes<T> {
     /// Rays on which a root is drawn.
     drawn: u16,
-    /// Per ray, the values of τ between which its root is drawn: the slab and the next one. Bounds
-    /// are wider than the function and reach 0 before it does.
+    /// Per ray, the values of τ between which its root is drawn: those of the slab and the next
+    /// one, since bounds are wider than the function and reach 0 before it does.
     ends: [[T; 2]; PACKET_RAYS],
-    /// Rays on which slabs were passed over.
+    /// Rays on which a part was skipped without a proof.
     suppressed: u16,
-    /// Per ray, τ at the start of the first slab that was passed over.
+    /// Per ray, τ at the start of the first part that was skipped.
     first: [T; PACKET_RAYS],
 }
 
@@ -123,8 +126,8 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
 }
 
 impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
-    /// Follows some of up to [`PACKET_RAYS`] rays, whose coordinates are `lines`. Writes their results to
-    /// `found`, and the part of each in which a root is drawn to `slabs`.
+    /// Follows some of up to [`PACKET_RAYS`] rays, whose coordinates are `lines`. Writes their
+    /// results to `found`, and the part of each in which a root is drawn to `slabs`.
     #[allow(clippy::too_many_arguments, reason = "memory that is used again and again")]
     fn some(
         &self,
@@ -156,7 +159,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 RayResult { status: Status::Undecided, distance: 0.0, ..RayResult::MISS };
             return;
         }
-        // Try groups of four neighbors, then single rays.
+        // The packet is divided into groups of four neighbors, and these into single rays.
         let size = if some.len() > 4 { 4 } else { 1 };
         for first in some.clone().step_by(size) {
             let fewer = first..some.end.min(first + size);
@@ -182,8 +185,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             Start::OnSurface => alive,
         };
         let mut done = KernelStats::default();
-        // Per level, the rays that may meet a zero in the slab one level above. Its parts are not
-        // tested for other rays.
+        // Per level, the rays that may meet a zero in the slab one level above. The parts of that
+        // slab are not tested for other rays.
         let mut possible = [u16::MAX; <f64 as Scalar>::MAX_DEPTH as usize];
         // Slab `index` of 2^(level + 1) starts at τ = index · 2^−(level + 1), which is exact.
         let (mut level, mut index) = (0_u32, 0_u64);
@@ -222,14 +225,15 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 }
             }
             if is_last {
-                // The rays stay unknown behind this slab. Results in front of it stay valid.
+                // Nothing is known about the rays behind this slab. Results in front of it stay
+                // valid.
                 let behind = planes[1];
                 let left = alive & packet.meets(simd, behind, T::integer(2));
                 done.given_up += u64::from((left | vanishing).count_ones());
                 outcomes.pass_over(left, behind);
                 break;
             }
-            // Go to the next slab: the largest one that starts there.
+            // Go to the next slab: the largest one that starts where this one ends.
             index += 1;
             let up = index.trailing_zeros();
             if up > level {

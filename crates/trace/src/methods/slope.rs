@@ -1,6 +1,6 @@
-//! Bounds of a function's values along rays, and of how fast they change.
+//! Bounds of a function's values along rays, and of how fast these values change.
 //!
-//! This module does not draw conclusions from them.
+//! This module does not draw conclusions from the bounds.
 
 use crate::kernel_stats::KernelStats;
 use crate::method::Task;

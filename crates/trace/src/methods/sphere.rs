@@ -2,9 +2,9 @@
 //! Guérin, Paris and Peytavie 2020, "Segment Tracing Using Local Lipschitz Bounds").
 //!
 //! From a place where |f| ≥ m there is no zero for m/λ ahead, where λ bounds how fast f approaches
-//! 0 there. Both bounds are enclosures, so steps pass only over proven empty parts: the method
-//! proves misses. A root is drawn where steps get shorter than the tolerance, but it is not proven.
-//! Without a bound of the slope the method stops, and the ray is undecided.
+//! 0 there. Both bounds are enclosures, so steps pass only over parts that are proven empty, and
+//! the method proves misses. A root is drawn where steps get shorter than the tolerance, but it is
+//! not proven. Without a bound of the slope the method stops, and the ray is undecided.
 
 use super::local_ray::{LocalRay, bounds};
 use super::slope::SlopeKernels;
@@ -43,29 +43,29 @@ struct Sphere<'a, T: Scalar> {
 /// Length of the first part in which the slope is bounded, as a share of the ray's length in the
 /// region.
 const FIRST_PART: f64 = 0.125;
-/// Length of a part in multiples of the step before.
+/// Length of a part, in multiples of the step before it.
 const GROWTH: f64 = 2.0;
-/// Tolerance for shadow rays, as a share of their length: nobody sees where they end.
+/// Tolerance for shadow rays, as a share of their length. The place where they end is not visible.
 const SHADOW_TOLERANCE: f64 = 1.0 / 4096.0;
 
 /// State of a ray that is followed.
 struct Walk {
     lane: usize,
     local_ray: LocalRay,
-    /// Value of s that it has reached.
+    /// Value of s that the search has reached.
     at: f64,
     /// Length of the next part, and its minimum.
     part: f64,
     least: f64,
-    /// A step shorter than this ends at a root.
+    /// The search ends at a root if a step is shorter than this.
     enough: f64,
     steps: u32,
     /// True while the ray is on the surface that it started from.
     leaving: bool,
-    /// The end of the part that is certainly in the region.
+    /// The end of the stretch in which the ray is certainly in the region.
     end: f64,
-    /// True if there may be a zero before and behind that part. A ray's place at the region's faces
-    /// is known only to within rounding.
+    /// Whether there may be a zero before that stretch, and behind it. Where the ray crosses the
+    /// region's faces is known only up to rounding.
     open: [bool; 2],
 }
 
@@ -74,7 +74,7 @@ enum SearchEnd {
     /// The ray meets no zero.
     Empty,
     /// Nothing is known from the first place on, for this reason. A root may be drawn at the second
-    /// place.
+    /// place, if there is one.
     Open(f64, UndecidedReason, Option<f64>),
 }
 
@@ -83,7 +83,7 @@ impl<T: Scalar> Sphere<'_, T> {
     fn walk(&self, lane: usize, segment: &Segment, local_ray: LocalRay, start: Start) -> Walk {
         let length = local_ray.span[1];
         let size = local_ray.origin.abs() + length * local_ray.direction.abs();
-        // A shorter part is a box of rounding errors only.
+        // In a shorter part, rounding errors dominate.
         let grain = 4.0 * T::UNIT * size.max_element() / local_ray.direction.abs().max_element();
         let tolerance = self.tolerance * segment.footprint(-local_ray.start);
         let enough = if tolerance.is_finite() { tolerance } else { SHADOW_TOLERANCE * length };
@@ -182,7 +182,7 @@ impl Walk {
         // Distance of the value from 0, and the greatest speed at which it approaches 0.
         let (gap, speed) =
             if value.lo > 0.0 { (value.lo, -slope.lo) } else { (-value.hi, slope.hi) };
-        // Shortened by more than the rounding errors.
+        // The step is shortened by more than the rounding errors.
         let step = (1.0 - 8.0 * f64::EPSILON) * (gap / speed.max(0.0));
         if gap > 0.0 && step >= to - at {
             // The whole part is empty.
@@ -197,7 +197,7 @@ impl Walk {
             return None;
         }
         if self.leaving {
-            // These steps leave the surface, and prove nothing.
+            // These steps lead away from the surface that the ray starts on, and prove nothing.
             (self.at, self.part) = (at + self.enough, GROWTH * self.enough);
             return None;
         }

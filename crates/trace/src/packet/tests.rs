@@ -106,7 +106,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     for _ in 0..3_000 {
         let (region, segments) = scene(&mut random);
         let mut packet = Packet::<T>::new(&region);
-        // All widths of vectors take turns.
+        // Each width of vectors is tested in turn.
         let level = levels[random.next() as usize % levels.len()];
         if !dispatch!(level, simd => packet.take(simd, &segments, &RayLanes::new(&segments), &region))
         {
@@ -152,7 +152,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                 for lane in ones(asked) {
                     let segment = &segments[lane];
                     // `extent` is end − start, rounded. Any plane between the exact end planes
-                    // does.
+                    // serves for this test.
                     let plane = exact(start) + &share * exact(extent);
                     let t =
                         (&plane - exact(segment.ray.origin[k])) / exact(segment.ray.direction[k]);

@@ -59,7 +59,7 @@ fn bands_do_not_wait_for_each_other() {
         let parallel = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
         let rays = camera.expect("valid").rays(SIZE, SIZE);
-        // So near that no ray is followed in `f32`.
+        // The tolerance is so small that all rays are followed in `f64`.
         let options =
             TraceOptions { precision: Precision::Auto, tolerance: 1e-6, ..TraceOptions::default() };
         for _ in 0..10 {

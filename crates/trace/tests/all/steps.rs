@@ -12,8 +12,8 @@ use zeroset_trace::{
     RayResult, Segment, Start, Status, TraceOptions,
 };
 
-/// A function of z that is 0 above `top` and has no zero below. Bounds show the latter only for
-/// slabs no thicker than `finest`.
+/// A function of z that is 0 above `top` and has no zero below. Its bounds exclude zeros only in
+/// slabs that are at most `finest` thick.
 struct Stubborn {
     top: f32,
     finest: f32,
@@ -195,7 +195,8 @@ fn depths_out_of_range_are_brought_within() {
     let (shallow, deep) = (Stubborn::new(-0.875, 2.1e-5), Stubborn::new(-0.875, 2.1e-5));
     let (buffer, work) = trace(&shallow, 0);
     assert_eq!((buffer, work), trace(&Stubborn::new(-0.875, 2.1e-5), 1));
-    // With more than 2^24 slabs not every index would be an `f32`, and ends would not meet.
+    // With more than 2^24 slabs, not every index would be an `f32`, and adjacent slabs would leave
+    // gaps.
     let (buffer, work) = trace(&deep, 41);
     assert_eq!((buffer, work), trace(&Stubborn::new(-0.875, 2.1e-5), 20));
 }

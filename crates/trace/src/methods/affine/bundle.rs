@@ -1,5 +1,5 @@
 //! The rays of a tile of 4×4 pixels, evaluated together. Each starts with the part of the segment
-//! that the tile's form leaves it.
+//! that the tile's form does not rule out.
 //!
 //! Most rays are decided at once. The others continue in the [pool](super::pool), with rays of
 //! other tiles.
@@ -15,13 +15,13 @@ use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
 use zeroset_eval::{LANES, Lanes};
 
-/// Maximum number of rays of a tile that are not evaluated on their own, but wait in the pool for
-/// others.
+/// If a tile has at most this many rays left, they wait in the pool for rays of other tiles,
+/// instead of being evaluated at once.
 const FEW: u32 = 8;
 
 impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
-    /// Follows the unfinished rays of a 4×4 tile, or puts them into the pool. `within`: the whole
-    /// segment is in the region.
+    /// Follows the unfinished rays of a 4×4 tile, or puts them into the pool. `within`: whether the
+    /// whole segment is in the region.
     #[inline(always)]
     pub(super) fn follow(
         &mut self,
@@ -90,10 +90,10 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Writes the rays of a 4×4 tile to the batch, each with the part of the segment that the
-    /// tile's plane leaves. If the segment is not `within` the region, it is clipped to the region,
-    /// and `inside` is set to where each ray is certainly in it. Returns the lanes in which
-    /// anything is left, as bits.
+    /// Writes the rays of a 4×4 tile to the batch. The tile's plane narrows the segment of each
+    /// ray. If the segment is not `within` the region, it is clipped to the region, and `inside` is
+    /// set to where each ray is certainly in it. Returns the lanes in which anything is left, as
+    /// bits.
     #[inline(always)]
     fn place(
         &mut self,

@@ -1,4 +1,4 @@
-//! Segments of rays that were evaluated together, classified by the remaining parts.
+//! Segments of rays that were evaluated together, classified by their remaining parts.
 
 use super::super::local_ray::CUT;
 use super::narrow::{LINEAR_RATIO, NONLINEAR_SHARE, STALL_RATIO, are_progress};
@@ -7,11 +7,12 @@ use crate::simd_chunks::parts;
 use fearless_simd::prelude::*;
 use zeroset_eval::{Contractions, Lanes, Segments};
 
-/// Lengths of segments that decide between classes. All rays have the same.
+/// Lengths of segments that separate the classes. They are the same for all rays.
 pub(super) struct LengthLimits<T> {
     /// Length of the shortest segments.
     pub grain: T,
-    /// Length of the shortest segments that are cut. Shorter ones stay long because of rounding.
+    /// Length of the shortest segments that are cut. The kernel cannot narrow shorter ones because
+    /// of rounding.
     pub coarse: T,
 }
 
@@ -27,19 +28,19 @@ pub(super) struct EvaluatedSegments<T: Scalar> {
 pub(super) struct SegmentClasses {
     /// Nothing is left.
     pub empty: u16,
-    /// The rest is a bracket: its ends have opposite signs, and it is short enough. The limit is
-    /// far lower if the form was not as good as linear.
+    /// The rest is a bracket: its ends have opposite signs, and it is short enough. How short
+    /// depends on whether the form was nearly linear.
     pub short: u16,
     /// The segment got much shorter.
     pub shorter: u16,
     /// The segment is cut in two.
     pub cut: u16,
-    /// None of these: precision does not suffice.
+    /// None of these: precision does not suffice, so the segment is undecided.
     pub open: u16,
 }
 
 impl SegmentClasses {
-    /// Leaves brackets open: a zero of a numerator need not be one of the function.
+    /// Makes brackets undecided, since a zero of a numerator need not be a zero of the function.
     pub fn leave_brackets_open(&mut self) {
         self.open |= std::mem::take(&mut self.short);
     }
@@ -47,8 +48,8 @@ impl SegmentClasses {
 
 impl<T: Scalar> EvaluatedSegments<T> {
     /// Classifies the segments in the `live` lanes by the kernel's results. Replaces each by its
-    /// remaining part, or by the nearer half of that if it is cut. `inside`: the values of s
-    /// between which each ray is certainly in the region, unless all segments are.
+    /// remaining part, or by the nearer half of that part if it is cut. `inside`: the values of s
+    /// between which each ray is certainly in the region; `None` if all segments are.
     #[inline(always)]
     pub fn classify<S: Simd>(
         &mut self,
@@ -74,7 +75,7 @@ impl<T: Scalar> EvaluatedSegments<T> {
                 (part.load(&out.near), part.load(&out.far), part.load(longest));
             let (length, before) = (far - near, asked[1] - asked[0]);
             empty |= part.bits(length.simd_lt(T::default()));
-            // The first limit is for forms that were as good as linear, the second for others.
+            // The first limit is for forms that were nearly linear, the second for all others.
             let enough = length.simd_le(longest) & length.simd_le(before * steady);
             short |= part.bits(enough | length.simd_le(longest * unsteady));
             let much = length.simd_le(before * stalled);

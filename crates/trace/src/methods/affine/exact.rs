@@ -86,7 +86,7 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     let distance = size * 10_f64.powi(rng.i32(-2..=7));
     let mut way = vector(rng);
     if rng.u32(0..3) == 0 {
-        // Along an axis, so that rays may be level with faces.
+        // The view is along an axis, so that rays may be parallel to faces.
         let axis = rng.u32(0..3) as usize;
         way = DVec3::AXES[axis] * way[axis];
     }
@@ -172,13 +172,14 @@ fn at(ray: &Ray, s: f64, start: f64) -> [BigRational; 3] {
     [0, 1, 2].map(|axis| exact(ray.origin[axis]) + &t * exact(ray.direction[axis]))
 }
 
-/// Returns whether `left` contains what `asked` and `wanted` have in common; `None` if nothing.
+/// Returns whether `left` contains all that `asked` and `wanted` have in common; `None` if they
+/// have nothing in common.
 fn keeps(asked: [f64; 2], left: [f64; 2], [first, last]: &[BigRational; 2]) -> Option<bool> {
     let (first, last) = (first.max(&exact(asked[0])).clone(), last.min(&exact(asked[1])).clone());
     (first <= last).then(|| exact(left[0]) <= first && last <= exact(left[1]))
 }
 
-/// Returns about where a ray meets the faces of the region, within the frame's span.
+/// Returns roughly where a ray meets the faces of the region, within the frame's span.
 fn about(region: &Region, ray: &Ray, frame: &RayFrame) -> [f64; 2] {
     let [mut near, mut far] = frame.span;
     for axis in 0..3 {
@@ -189,7 +190,7 @@ fn about(region: &Region, ray: &Ray, frame: &RayFrame) -> [f64; 2] {
     [near, far]
 }
 
-/// Returns segments to clip: the frame's span, or about where the tile is in the region.
+/// Returns segments to clip: the frame's span, or segments near where the tile is in the region.
 fn segments(
     tiles: &SixteenTiles,
     (region, rays, frame): &(Region, RayGrid, RayFrame),
@@ -208,8 +209,8 @@ fn segments(
     asked
 }
 
-/// Counts rays with something left, segments that were shortened, tiles that are inside the region,
-/// and rays that are certainly between its faces.
+/// Counts rays of which something is left, segments that were shortened, tiles that are inside the
+/// region, and rays that are certainly between its faces.
 fn clipped<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 4], String> {
     let mut counts = [0; 4];
     let Some(picture) = picture(rng) else { return Ok(counts) };
@@ -300,7 +301,7 @@ fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 
     let share = if rng.bool() { signed(rng) * 1.25 } else { f64::from(rng.i32(-1..=1)) };
     let small = |rng: &mut Rng, most: i32| match rng.u32(0..3) {
         0 => 0.0,
-        // Across the tile the function may be steeper than along it.
+        // The function may be steeper across the tile than along its rays.
         _ => number(depth * signed(rng) * 2_f64.powi(rng.i32(-most..=2))),
     };
     let mut form = [number(depth * share), small(rng, 6), small(rng, 6), depth];
@@ -311,7 +312,7 @@ fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 
             4 => error = any.abs(),
             k => form[k as usize] = any,
         }
-        // A form has infinite numbers only after an overflow; then its error says so.
+        // A form has infinite numbers only after an overflow. Then its error is infinite, too.
         if form.iter().any(|number| !number.is_finite()) {
             error = if rng.bool() { f64::INFINITY } else { f64::NAN };
         }
@@ -342,7 +343,7 @@ fn zeros_of(
 /// segments that were shortened, and hits.
 fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32; 3], String> {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
-    // A tile as it is written to a batch.
+    // A tile in the form in which it is written to a batch.
     let reach = size(rng, 60);
     let mut tile = Tiles::<T> { count: 1, ..Tiles::default() };
     let mut out = Planes::<T>::default();
@@ -452,7 +453,7 @@ fn no_exact_zero_of_a_form_is_outside_of_what_its_plane_leaves() {
 
 /// Writes rays to a batch. Counts coordinates whose error is small compared with the region.
 fn placed<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
-    /// Rounding of kernels along a ray, in units of a coordinate's terms.
+    /// Rounding error of coordinates along a ray in kernels, as a share of their terms.
     const ALONG: f64 = 3.0;
     let Some((region, rays, frame)) = picture(rng) else { return Ok([0]) };
     let pixels = [(); LANES].map(|()| [(); 2].map(|()| rng.u32(0..SIDE) as usize));
@@ -494,10 +495,10 @@ fn exact_rays_are_no_farther_from_those_of_a_batch_than_its_error() {
     assert!(close > 20 * cases, "{close}");
 }
 
-/// Rounds remaining parts of segments to floats. Counts segments both of whose ends moved.
+/// Rounds the remaining parts of segments to floats. Counts segments both of whose ends moved.
 fn rounded<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
-    // Segments are far longer than what underflows.
+    // Segments are far longer than any number that underflows.
     let reach = size(rng, 60);
     let mut asked = [Lanes::splat(0.0); 2];
     let mut left = asked;

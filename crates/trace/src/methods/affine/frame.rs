@@ -2,7 +2,7 @@
 //! precision of the kernels.
 //!
 //! Screen coordinates (a, b) are those of the [`RayGrid`]. s is the ray's t minus the t of a plane
-//! through the region's center. So `f32` resolves the region, and not the distance to it.
+//! through the region's center. So `f32` resolves the region, however far away the eye is.
 
 use super::screens::{Ends, ScreenRays};
 use crate::grid::RayGrid;
@@ -52,7 +52,8 @@ impl RayFrame {
             ([at, start * right, start * up], [forward, right, up])
         };
         let reach = rays.reach;
-        // Error in `f64` on the way from the eye: a dozen roundings, here and in the ray itself.
+        // Error of coordinates computed in `f64` from the eye: a dozen roundings, here and in the
+        // ray itself.
         let farthest = far.max(start);
         let error = 16.0
             * f64::EPSILON
@@ -105,8 +106,7 @@ impl RayFrame {
     }
 
     /// Writes the origins (s = 0) and directions of rays, given their screen coordinates rounded to
-    /// `T`. This takes as many roundings as a kernel does for tiles, which [`Self::error_in`]
-    /// covers.
+    /// `T`. The number of roundings is that of a kernel for tiles, which [`Self::error_in`] covers.
     #[inline(always)]
     pub fn place<S: Simd, T: Scalar>(&self, simd: S, at: &[Lanes<T>; 2], rays: &mut Segments<T>) {
         let ways = [&mut rays.origin, &mut rays.direction];
@@ -171,14 +171,14 @@ impl RayFrame {
             for axis in 0..3 {
                 let [o, d] = [rays.range(origin[axis], k), rays.range(direction[axis], k)];
                 let (low, high) = (low[axis] - error[axis], high[axis] + error[axis]);
-                // If all rays go the same way, they enter after the earliest possible entry, and
-                // leave before the latest possible exit.
+                // If all rays advance in the same direction, they enter after the earliest possible
+                // entry, and leave before the latest possible exit.
                 let (up, down) = (d[0].simd_gt(0.0), d[1].simd_lt(0.0));
                 let enter = up.select(low - o[1], o[0] - high);
                 let leave = up.select(high - o[0], o[1] - low);
                 let (least, most) = (up.select(d[0], -d[1]), up.select(d[1], -d[0]));
                 // For the earliest entry, a negative distance is divided by the least speed, a
-                // positive one by the greatest. For the latest exit it is the other way round.
+                // positive one by the greatest. For the latest exit, it is the other way round.
                 let first = enter / enter.simd_lt(0.0).select(least, most);
                 let last = leave / leave.simd_lt(0.0).select(most, least);
                 let one_way = up | down;
@@ -195,9 +195,8 @@ impl RayFrame {
 
     /// Shortens segments of single rays as [`clip`](Self::clip) does. Returns the values of s
     /// between which each ray is certainly between the region's faces, rounded inward, and not
-    /// behind the eye. The clipping plane is ignored, as in
-    /// [`between_faces`](crate::methods::local_ray::between_faces). No segment reaches farther than
-    /// `size` from 0.
+    /// behind the eye. As in [`between_faces`](crate::methods::local_ray::between_faces), the
+    /// clipping plane is ignored. No segment reaches farther than `size` from 0.
     #[inline(always)]
     pub fn clip_rays<S: Simd, T: Scalar>(
         &self,
@@ -207,10 +206,10 @@ impl RayFrame {
         size: f64,
         ends: &mut Ends,
     ) -> [Lanes<T>; 2] {
-        /// Minimum speed along an axis: reciprocals of lower ones may overflow. A slower ray is not
-        /// clipped, and nowhere certainly between the faces, unless it stands still between them.
+        /// Minimum speed along an axis; the reciprocals of lower speeds may overflow. A slower ray
+        /// is not clipped. It counts as certainly between the faces only if its speed is 0.
         const MIN_SPEED: f64 = 1e-200;
-        /// More than the rounding of these few operations.
+        /// Bound of the relative rounding error of these few operations.
         const ROUNDING: f64 = 1e-12;
         let rays = TileVectors::new(simd, (screens, None));
         let ([origin, direction], [lows, highs, error]) = (self.by_axis(), self.faces(region));
@@ -226,7 +225,8 @@ impl RayFrame {
                 let inverse = 1.0 / d;
                 let (a, b) = ((low - o) * inverse, (high - o) * inverse);
                 let (enter, leave) = (a.min(b), a.max(b));
-                // The exact ray meets the face within `off` of there. The rest is rounding.
+                // The exact ray meets the face within `off` of this place. The second term covers
+                // rounding.
                 let off = slack * inverse.abs();
                 let before = off + ROUNDING * (enter.abs() + off);
                 let after = off + ROUNDING * (leave.abs() + off);
@@ -252,8 +252,8 @@ impl RayFrame {
         inside
     }
 
-    /// Returns the lanes in which all rays of a tile are in the region from one end to the other,
-    /// and not behind the eye, as bits. The clipping plane is ignored.
+    /// Returns the lanes in which all rays of a tile are certainly in the region all along the
+    /// segment, and not behind the eye, as bits. The clipping plane is ignored.
     #[inline(always)]
     pub fn inside<S: Simd, T: Scalar>(
         &self,

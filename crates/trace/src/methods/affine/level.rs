@@ -32,11 +32,11 @@ pub(super) struct Level<T: Scalar> {
     waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
-    /// Planes of the tiles that are split or flat.
+    /// Planes of the tiles that are split, and of those whose form proves hits.
     pub planes: PlaneLanes<T>,
 }
 
-/// Number of evaluations after which a tile is split along all of its remaining segment. Otherwise
+/// Number of evaluations after which a tile is split, with all of its remaining segment. Otherwise
 /// a tile that is far deeper than wide would be cut into a million segments.
 const MAX_EVALUATIONS: u8 = 64;
 
@@ -59,9 +59,9 @@ impl<T: Scalar> Level<T> {
         [self.first[0] + column, self.first[1] + row]
     }
 
-    /// Starts with the open tiles in these columns and rows, in units of tiles: at most [`LANES`]
-    /// of them. Each gets the part of `segment` that the `plane` of its parent tile leaves. Tiles
-    /// that are `within` the region are not clipped to it.
+    /// Starts with the unfinished tiles in these columns and rows, which count tiles: at most
+    /// [`LANES`] tiles. The `plane` of their parent tile narrows `segment` for each. Tiles that are
+    /// `within` the region are not clipped to it.
     #[inline(always)]
     pub fn start(
         &mut self,
@@ -93,7 +93,7 @@ impl<T: Scalar> Level<T> {
         self.live &= !tracer.hidden_lanes(self, self.live, level);
     }
 
-    /// Sets the places of some tiles. Returns the lanes of the open ones, as bits.
+    /// Sets the places of some tiles. Returns the lanes of unfinished tiles, as bits.
     #[inline(always)]
     fn take(
         &mut self,
@@ -177,7 +177,7 @@ impl<T: Scalar> Level<T> {
         left
     }
 
-    /// Puts a part of the segment in a lane aside, to be evaluated after what is nearer.
+    /// Puts a part of the segment in a lane aside, to be evaluated after the nearer parts.
     #[inline(always)]
     pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
         let tile = usize::from(self.tiles[lane]);
@@ -216,7 +216,7 @@ impl<T: Scalar> Level<T> {
     }
 
     /// Continues with the next segment that was put aside for the tile in a lane. If the tile is
-    /// not open, drops all of them.
+    /// finished, drops all of these segments.
     #[inline(always)]
     pub fn resume(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);
@@ -251,7 +251,8 @@ impl<T: Scalar> Level<T> {
 
     #[inline(always)]
     fn pack_batch<S: Simd>(&mut self, simd: S) {
-        // A local copy need not be read again for each quantity.
+        // The compiler keeps this local copy in a register, instead of reading it again for each
+        // quantity.
         let kept = self.live;
         let Tiles { centre: [across, up], half: [wide, high], near, far, .. } = &mut self.batch;
         for lanes in [across, up, wide, high, near, far] {

@@ -14,7 +14,7 @@ use zeroset_eval::{
 use zeroset_interval::Facts;
 use zeroset_space::Region;
 
-/// Why a segment was followed no further.
+/// The reason why a segment was followed no further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StopReason {
     /// It is as short as precision allows.
@@ -32,24 +32,24 @@ pub(super) enum FollowResult {
     Empty,
     /// A bracket that holds the first zero.
     Hit([f64; 2]),
-    /// A segment about which nothing is proven. The rest of the ray was not examined.
+    /// A segment on which nothing is proven. The ray behind it was not examined.
     Open([f64; 2], StopReason),
-    /// Up to this value of s there is no zero.
+    /// The ray meets no zero up to this value of s. The rest was not examined.
     Resumed(f64),
 }
 
 /// Narrows segments in `T`.
 pub(super) struct Narrower<'a, T: Scalar> {
     pub segments: &'a dyn Kernel<ContractSegments, T>,
-    /// Kernels that bound the function and the denominator of its rational form, if the forms of
-    /// segments are those of the numerator.
+    /// Kernels that bound the function and the denominator of its rational form. `None` if segments
+    /// are narrowed by the function itself, not by the numerator.
     cleared: Option<[&'a dyn Kernel<Enclose, T>; 2]>,
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
     contracts: bool,
-    /// [`crate::TraceOptions::least`].
+    /// Length below which a segment may stay undecided: [`crate::TraceOptions::least`].
     least: f64,
-    /// True if open segments are examined again in `f64`.
+    /// True if undecided segments are examined again in `f64`.
     refined_later: bool,
 }
 
@@ -61,16 +61,18 @@ pub(super) struct Scratch<T: Scalar> {
     out: Contractions<T>,
 }
 
-/// A segment that stays longer than this share of its length before is cut.
+/// A segment is cut if more than this share of its length is left.
 pub(super) const STALL_RATIO: f64 = 0.6;
-/// A segment that got shorter than this share of its length before had a form as good as linear.
+/// A form counts as nearly linear if it leaves at most this share of a segment's length.
 pub(super) const LINEAR_RATIO: f64 = 0.35;
-/// Maximum length of a bracket whose form was not as good as linear, as a share of that of others.
+/// Maximum length of a bracket if the form was not nearly linear, as a share of the length
+/// otherwise allowed.
 pub(super) const NONLINEAR_SHARE: f64 = 1.0 / 32.0;
-/// Segments that stall at no more than this many times the minimum length stall because of
-/// rounding. Higher precision narrows them further.
+/// A segment that can no longer be narrowed is limited by rounding if it is at most this many times
+/// the minimum length. Higher precision narrows it further.
 pub(super) const STALL_LENGTH: f64 = 32.0;
-/// Open segments no longer than this many times the minimum length lack precision, not effort.
+/// An undecided segment of at most this many times the minimum length is so for lack of precision,
+/// not of effort.
 const EFFORT_LENGTH: f64 = 1024.0;
 /// Minimum length of segments as a share of the rounding error of their coordinates.
 pub(super) const MIN_BLUR_SHARE: f64 = 0.125;
@@ -88,7 +90,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         Ok(Self {
             segments: kernels.segments()?,
             cleared,
-            // Open segments that are examined in `f64` anyway need no test by intervals before.
+            // Undecided segments that are examined again in `f64` need no test by intervals before.
             zeros: if options.intervals && !refined_later { kernels.zeros().ok() } else { None },
             region,
             contracts: options.contract,
@@ -119,7 +121,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 grain[lane] = least[lane];
             }
         }
-        // Lanes of the rays that have segments left, in the order of the batch.
+        // Lanes of the rays that have segments left, in the order in which they are in the batch.
         let mut lanes: Vec<usize> = (0..LANES).filter(|&lane| !stacks[lane].is_empty()).collect();
         let mut moved = true;
         while !lanes.is_empty() {
@@ -160,7 +162,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     )
                     .max(grain[lane]);
                     if shorter < 0.0 {
-                        // No part is left.
+                        // Nothing of the segment is left.
                     } else if crossing && shorter <= enough && self.is_zero(local_ray, new) {
                         steps[lane] = FollowResult::Hit(new);
                         stack.clear();
@@ -198,7 +200,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 }
             }
             work.segments.calls += 1;
-            // Remove rays that have none left, where that saves a vector.
+            // Rays without segments are removed from the batch if that saves a vector.
             let live = lanes.iter().filter(|&&lane| !stacks[lane].is_empty()).count();
             moved = live.div_ceil(4) < lanes.len().div_ceil(4);
             if moved {
@@ -218,7 +220,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             && denominator.facts(0).has(Facts::CONTINUOUS)
     }
 
-    /// Returns whether a segment may hold a zero, by intervals, or branch by branch where the
+    /// Returns whether a segment may hold a zero. The test uses intervals, branch by branch if the
     /// function jumps.
     fn may_vanish(&self, local_ray: &LocalRay, segment: [f64; 2]) -> bool {
         let Some(kernel) = self.zeros else { return true };
@@ -243,8 +245,8 @@ fn push_outward<T: Scalar>(
         if float == end { end } else { T::nearest(end + slack).into() }
     };
     let (near, far) = (outward(near, -slack), outward(far, slack));
-    // No sign is known where the ray leaves the region. Ends that are rounded to outside of it are
-    // examined separately.
+    // The sign is unknown where the ray leaves the region. So the parts outside of it, due to
+    // outward rounding, are examined separately.
     let mut inside = local_ray.inside;
     let within = inside[0] <= near && far <= inside[1];
     if !within {
@@ -268,17 +270,17 @@ fn push_outward<T: Scalar>(
         .max(MIN_BLUR_SHARE * blur)
 }
 
-/// Returns the maximum length of a hit's bracket. Where a segment got much shorter at once, the
-/// function is as good as linear, and its gradient near the root is that at the root. Elsewhere
-/// roots are close together or multiple, and normals depend on where exactly they are computed.
+/// Returns the maximum length of a hit's bracket. If the form is nearly linear (`steady`), the
+/// gradient anywhere in the bracket is about that at the root. Otherwise roots may be close
+/// together or multiple, and the normal depends on where exactly the gradient is taken.
 #[inline]
 fn enough(longest: f64, steady: bool) -> f64 {
     if steady { longest } else { NONLINEAR_SHARE * longest }
 }
 
 /// Returns whether the parts of a cut segment are shorter than the segment was before narrowing.
-/// Where floats are as coarse as the segment is short, narrowing may make it longer, and it would
-/// be cut forever. False if an end is not finite.
+/// Near the resolution of floats, narrowing may make a segment longer, so it would be cut forever.
+/// False if an end is not finite.
 fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
     near < cut && cut < far && cut - near < length && far - cut < length
 }

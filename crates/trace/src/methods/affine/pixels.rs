@@ -106,7 +106,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Returns the distances at which rays meet a plane, and how far from there a zero may be.
+    /// Returns the distances at which rays meet a plane, and how far a zero may be from each.
     #[inline(always)]
     fn plane_hits(&self, plane: &Plane<T>, patch: &TilePixels) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
@@ -160,8 +160,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
         let [mut a, b] = patch.screens(simd);
         for (a, b) in a.iter_mut().zip(b) {
-            // Each product is rounded, as in `length`. Which of the two a pixel gets depends on its
-            // neighbors, and must not matter.
+            // Each product is rounded before it is added, as in `length`. A pixel's neighbors
+            // determine which of both functions it gets, so they must agree.
             *a = (1.0 + *a * *a + b * b).sqrt();
         }
         a
@@ -197,7 +197,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
     }
 
-    /// Follows up to sixteen rays one by one to the end, each within the region.
+    /// Follows up to sixteen rays, clipped to the region, one by one to the end.
     pub(super) fn follow_each(&mut self, rays: &[(TileRay<T>, [f64; 2])]) {
         let (region, error, start) = (self.method.task.region, self.frame.error, self.frame.start);
         let [mut screens, mut spans] = [[Lanes::splat(0.0); 2]; 2];
@@ -212,8 +212,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         let screen = |lane: usize| screens.each_ref().map(|lanes| lanes[lane]);
         let mut insides = [f64::NEG_INFINITY, f64::INFINITY].map(Lanes::splat);
         if rays.iter().any(|(ray, _)| !ray.within) {
-            // Clipped as closely as `f64` allows: where rays leave the region may be the open
-            // question.
+            // Rays are clipped as closely as `f64` allows, since the undecided place may be where
+            // they leave the region.
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }

@@ -1,5 +1,5 @@
-//! Planes from the forms of tiles. The zeros on a tile's rays lie near a plane in screen
-//! coordinates and s.
+//! Planes in the space of screen coordinates and s, from the forms of tiles. All zeros on a tile's
+//! rays lie near its plane.
 
 use super::screens::ScreenRays;
 use crate::scalar::Scalar;
@@ -23,14 +23,14 @@ pub(super) struct Plane<T> {
     /// s at the center, then its change per unit of each screen coordinate.
     s: T,
     per_screen: [T; 2],
-    /// Maximum distance of a zero from the plane, along s. It covers the rounding here, and that of
-    /// rays' screen coordinates to `T`.
+    /// Maximum distance of a zero from the plane, along s. It covers the rounding of this
+    /// computation, and that of rays' screen coordinates to `T`.
     pub reach: T,
 }
 
 impl<T: Scalar> PlaneLanes<T> {
-    /// Computes the planes from the tiles' forms. A plane that is NaN bounds nothing. `aside`: the
-    /// largest screen coordinates of the picture's rays.
+    /// Computes the planes from the tiles' forms. A NaN in a plane means that it bounds nothing.
+    /// `aside`: the largest screen coordinates of the picture's rays.
     #[inline(always)]
     pub fn find<S: Simd>(&mut self, simd: S, batch: &Tiles<T>, out: &Planes<T>, aside: [f64; 2]) {
         let [rounding, few, lost] =
@@ -47,8 +47,8 @@ impl<T: Scalar> PlaneLanes<T> {
             let [across, upward, along] = [across * scale, upward * scale, along * scale];
             let per_value = half / -along;
             let size = value.abs() + across.abs() + upward.abs() + error;
-            // This covers the rounding here and where rays meet the plane, the underflow of the
-            // quotient, and the form's error.
+            // The reach covers the rounding here and where rays meet the plane, the underflow of
+            // the quotient, and the form's error.
             let each = per_value.abs();
             let terms = each.mul_add(size, middle.abs() + half);
             let mut reach = each.mul_add(error, terms.mul_add(rounding, size * lost));
@@ -62,7 +62,7 @@ impl<T: Scalar> PlaneLanes<T> {
                 screen += half;
                 part.store(per_screen, &mut self.per_screen[axis]);
             }
-            // These sums are rounded too, and products with screen coordinates may underflow.
+            // These sums are rounded, too. Products with screen coordinates may underflow.
             reach = reach.mul_add(few, reach) + screen * T::LEAST_NORMAL;
             part.store(per_value.mul_add(value, middle), &mut self.s);
             part.store(reach, &mut self.reach);
@@ -115,7 +115,8 @@ impl<T: Scalar> Plane<T> {
                     reach = part.load(half).mul_add(part.splat(per_screen).abs(), reach);
                 }
             }
-            // More than the rounding of these sums. An overflow gives NaN, which bounds nothing.
+            // This is more than the rounding error of these sums. An overflow gives NaN, which
+            // bounds nothing.
             let reach = (s.abs() + reach).mul_add(rounding, reach);
             let [start, end] = [part.load(near), part.load(far)];
             let (first, last) = ((s - reach).max_precise(start), (s + reach).min_precise(end));

@@ -1,13 +1,15 @@
 //! Rays of several tiles, followed together to the end.
 //!
-//! After the rays of a tile were evaluated once, few are left, and a kernel takes little longer for
-//! sixteen rays than for one. So those few wait here until there are sixteen, and so do the rays of
-//! a tile that has few from the start. A segment that got much shorter stays in its lane. Otherwise
-//! its nearer part stays, and the other part comes later. Some rays are set apart and followed one
-//! by one: rays beyond the precision of tiles, possible hits of a rational form, and all rays of
-//! tiles cut by a clipping plane or the edge of a ball.
+//! After the rays of a tile were evaluated once, few are left. A kernel takes little longer for
+//! sixteen rays than for one, so these few wait here until there are sixteen. The same holds for a
+//! tile that has few rays from the start. If a segment is cut, the nearer part stays in its lane,
+//! and the other part waits.
 //!
-//! A ray is here at most once: the next segment of its tile waits until the ray is finished.
+//! Some rays are set apart and followed one by one: rays that need more precision than tiles have,
+//! possible hits of a rational form, and all rays of tiles cut by a clipping plane or the edge of a
+//! ball.
+//!
+//! A ray is in the pool at most once: the next segment of its tile waits until the ray is finished.
 
 use super::classify::EvaluatedSegments;
 use super::narrow::Scratch;
@@ -62,7 +64,7 @@ pub(super) struct Pool<T: Scalar> {
     pub inside: [Lanes<T>; 2],
     pub tiles: [TilePlace; LANES],
     pub bits: [u32; LANES],
-    /// [`TileRay::within`], as bits by lane.
+    /// Lanes whose rays are [within](TileRay::within) the region, as bits.
     within: u16,
     /// Per lane, how often the ray was evaluated.
     pub rounds: [u8; LANES],
@@ -101,15 +103,15 @@ impl<T: Scalar> RayBuffers<T> {
 }
 
 impl<T: Scalar> Pool<T> {
-    /// Puts a part of the segment in a lane aside, to be evaluated after what is nearer.
+    /// Puts a part of the segment in a lane aside, to be evaluated after the nearer parts.
     pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
         self.later[lane].push(part);
         self.waiting |= 1 << lane;
     }
 
-    /// Sets where the ray in a lane is certainly in the region, and cuts its segment there. No sign
-    /// is known where a ray leaves the region, so the parts are evaluated separately. All but the
-    /// nearest are put aside.
+    /// Sets where the ray in a lane is certainly in the region, and cuts its segment at these
+    /// places. The sign is unknown where a ray leaves the region, so the parts are evaluated
+    /// separately. All parts but the nearest are put aside.
     pub fn cut_at_faces(&mut self, lane: usize, [first, last]: [T; 2]) {
         let segments = &self.evaluated.segments;
         (self.inside[0][lane], self.inside[1][lane]) = (first, last);
@@ -165,8 +167,9 @@ impl<T: Scalar> Pool<T> {
         }
     }
 
-    /// Returns whether a ray of a tile is in the pool or set apart. For a tile of a coarser level,
-    /// `finer` is the number of low bits in which the places of its 4×4 tiles may differ.
+    /// Returns whether the pool holds a ray of a tile, or a ray of it is set apart. For a tile of a
+    /// coarser level, `finer` is the number of low bits in which the places of its 4×4 tiles may
+    /// differ.
     #[inline(always)]
     pub fn has_ray_of<S: Simd>(&self, simd: S, place: [usize; 2], finer: u32) -> bool {
         let counts = !tile_place([(1 << finer) - 1; 2]);
@@ -176,8 +179,8 @@ impl<T: Scalar> Pool<T> {
         same & self.live != 0 || self.apart.iter().any(|(ray, _)| ray.tile & counts == tile)
     }
 
-    /// Copies rays of a tile from these lanes of a batch, which are also their bits, to as many
-    /// free lanes.
+    /// Copies rays of a tile to the pool: those in the lanes `from` of its batch to the free lanes
+    /// `to`. A ray's bit in the tile is its lane in the batch.
     #[inline(always)]
     pub fn take<S: Simd>(
         &mut self,
@@ -218,7 +221,8 @@ impl<T: Scalar> Pool<T> {
         if !saves_a_vector::<T, S>(self.live) {
             return;
         }
-        // A local copy need not be read again for each quantity.
+        // The compiler keeps this local copy in a register, instead of reading it again for each
+        // quantity.
         let kept = self.live;
         let (EvaluatedSegments { segments, longest }, [first, last]) =
             (&mut self.evaluated, &mut self.inside);

@@ -21,10 +21,10 @@ fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
 }
 
 impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
-    /// Puts rays of a tile into the pool: as many as it has lanes for, and at least one. `rest`
-    /// holds their lanes in the tile's batch, which are also their bits; admitted rays are removed
-    /// from it. `rounds`: how often they were evaluated. Returns their lanes in the batch and in
-    /// the pool, in the same order.
+    /// Puts rays of a tile into the pool: as many as there are free lanes, and at least one. `rest`
+    /// holds their lanes in the tile's batch, which are also their bits in the tile; the rays that
+    /// are added are removed from it. `rounds`: how often they were evaluated. Returns their lanes
+    /// in the batch and in the pool, in the same order.
     #[inline(always)]
     pub(super) fn add_to_pool(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
         while self.memory.pool.live == u16::MAX {
@@ -98,7 +98,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Evaluates the segments in the pool once.
     #[inline(always)]
     fn evaluate_pool(&mut self) {
-        // A function of its own, since many places call it; compiled for the same vectors.
+        // This is called from many places, so the code is kept out of line. It is compiled for the
+        // same vectors.
         self.simd.vectorize(
             #[inline(always)]
             || self.evaluate_pool_once(),
@@ -140,7 +141,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
                 ends = [near[lane], far[lane]];
             }
             let (ray, last) = self.memory.pool.free_lane(lane);
-            // The part that stays open reaches to the end of the segments put aside.
+            // The undecided part reaches to the end of the segments that were put aside.
             let [near, far] = [ends[0], last.unwrap_or(ends[1])];
             self.set_apart(ray, [near.into(), far.into()]);
         }

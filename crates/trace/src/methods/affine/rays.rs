@@ -1,4 +1,5 @@
-//! Single rays, sixteen at a time, followed to a proven hit, to the end, or to an open segment.
+//! Single rays, sixteen at a time, followed to a proven hit, to the end, or to an undecided
+//! segment.
 
 use super::MIN_BRACKET;
 use super::frame::FORM_BLUR;
@@ -15,7 +16,7 @@ use std::sync::OnceLock;
 use zeroset_eval::{Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Zeros};
 use zeroset_interval::Facts;
 
-/// Returns whether a ray's bracket must be so short that `T` would narrow its segments in vain.
+/// Returns whether a ray's bracket must be so short that segments cannot be narrowed to it in `T`.
 fn is_blurred<T: Scalar>(local_ray: &LocalRay) -> bool {
     local_ray.longest * local_ray.direction.length()
         < MIN_BRACKET * FORM_BLUR * rounding::<T>(local_ray).max_element()
@@ -24,20 +25,20 @@ fn is_blurred<T: Scalar>(local_ray: &LocalRay) -> bool {
 /// Follows single rays.
 pub(super) struct Follower<'a, T: Scalar> {
     narrower: Narrower<'a, T>,
-    /// True if open segments are examined again in `f64`.
+    /// True if undecided segments are examined again in `f64`.
     refines: bool,
     /// Narrower in `f64`, created when the first ray needs it.
     double: OnceLock<Option<Narrower<'a, f64>>>,
     task: Task<'a>,
 }
 
-/// Length of a stretch that is examined in `f64`, in multiples of the part that stayed open in
+/// Length of a stretch that is examined in `f64`, in multiples of the segment that is undecided in
 /// `f32`.
 const STRETCH: f64 = 256.0;
 
-/// Beside a gap more parts stay open than are examined. The length that is skipped behind each
-/// grows by this factor, up to that of a hit's bracket. The ray is undecided anyway, and a root
-/// behind the gap should be painted.
+/// Beside a gap there are more undecided segments than are examined. The length that is skipped
+/// behind each grows by this factor, up to the length of a hit's bracket. The ray is undecided
+/// anyway, and a root behind the gap should be painted.
 const GROWTH: f64 = 4.0;
 
 impl<'a, T: Scalar> Follower<'a, T> {
@@ -73,7 +74,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
         let finer = blurred.contains(&true).then(|| self.double()).flatten();
         while pending.iter().any(Option::is_some) {
-            // A ray's outcome depends on no other ray.
+            // Whether a ray is followed in `f64` is decided by that ray alone, so that its outcome
+            // depends on no other ray.
             let is_finer = |lane: usize| finer.is_some() && blurred[lane];
             let part = |fine: bool| -> [Option<[f64; 2]>; LANES] {
                 std::array::from_fn(|lane| pending[lane].filter(|_| is_finer(lane) == fine))
@@ -100,8 +102,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
                     |from: f64| (from < local_ray.span[1]).then_some([from, local_ray.span[1]]);
                 pending[lane] = match steps[lane] {
                     FollowResult::Empty => None,
-                    // The zero on which a ray starts does not count. Its segment in `f64` may be
-                    // too short for `T` to get past it.
+                    // The zero on which a ray starts does not count. A segment found in `f64` may
+                    // be so short that `T` cannot resolve its end, so a minimum length is skipped.
                     FollowResult::Hit([near, far]) | FollowResult::Open([near, far], _)
                         if start == Start::OnSurface && near <= local_ray.span[0] =>
                     {
@@ -141,8 +143,9 @@ impl<'a, T: Scalar> Follower<'a, T> {
         outcomes
     }
 
-    /// Examines in `f64` what stayed open in `f32`, and a stretch behind it. Where one segment is
-    /// below the rounding of `f32`, so are many. Each stretch is longer than the one before.
+    /// Examines again in `f64` the segments that are undecided in `f32`, and a stretch behind each.
+    /// If one segment is too short for `f32`, many others nearby are. Each stretch is longer than
+    /// the one before.
     fn refine(
         &self,
         local_rays: &[LocalRay],
@@ -154,12 +157,12 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return;
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
-            // Also in a preview: the segment may be a jump, or out of the range of `T`.
+            // A preview refines too: the segment may be at a jump, or out of the range of `T`.
             FollowResult::Open([near, far], _) => {
                 let [first, longest] = local_rays[lane].span;
-                // In `T` the segment may begin before its ray.
+                // In `T` the segment may begin before the start of its ray.
                 let near = near.max(first);
-                // Long enough that another segment in `T` begins behind it.
+                // The stretch is so long that the next segment in `T` begins behind it.
                 let least = T::GRAIN * first.abs().max(longest.abs());
                 let open = STRETCH * (far - near);
                 stretch[lane] = (4.0 * stretch[lane]).max(open).max(least);
@@ -184,13 +187,13 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    /// Returns the narrower in `f64`, if open segments are examined in `f64`.
+    /// Returns the narrower in `f64`, if undecided segments are examined again in `f64`.
     fn double(&self) -> Option<&Narrower<'a, f64>> {
         let make = || Narrower::new(self.task, false).ok();
         self.refines.then(|| self.double.get_or_init(make).as_ref()).flatten()
     }
 
-    /// Returns why a part stays open, and whether it is likely a zero.
+    /// Returns why a segment is undecided, and whether it is likely to hold a zero.
     fn classify_open(
         &self,
         local_ray: &LocalRay,
@@ -204,7 +207,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    /// Returns a bracket of the first zero, if it lies in an open segment or close behind it.
+    /// Returns a bracket of the first zero, if that lies in an undecided segment or close behind
+    /// it.
     fn bracket_across_gap(&self, local_ray: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
         if self.refines {
             self.bracket_across_gap_in::<f64>(local_ray, segment)
@@ -218,7 +222,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         local_ray: &LocalRay,
         segment: [f64; 2],
     ) -> Option<[f64; 2]> {
-        // A preview paints the place anyway.
+        // A preview paints an undecided segment anyway.
         if !self.task.options.intervals || self.task.options.least > 0.0 {
             return None;
         }

@@ -4,10 +4,10 @@ use crate::scalar::{HALF, Scalar};
 use fearless_simd::{f64x4, f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes};
 
-/// Screen coordinates of rays; or of the centers of tiles, and their half extents.
+/// Screen coordinates of rays; or of the centers of tiles, together with the tiles' half extents.
 pub(super) type ScreenRays<'a, T> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
 
-/// Returns the screen coordinates of a square of sixteen, row by row, from those of its columns and
+/// Returns the screen coordinates of 4×4 places, row by row, given those of the columns and of the
 /// rows.
 #[inline(always)]
 pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[f64x8<S>; 2]; 2] {
@@ -31,8 +31,8 @@ pub(super) const LANE_INDICES: [u8; LANES] = {
     things
 };
 
-/// Returns whether fewer vectors of `T` hold the live lanes after they are moved to the front.
-/// Kernels use vectors of this width.
+/// Returns whether fewer vectors of `T` would hold the live lanes if these were moved to the front.
+/// Kernels use vectors of the same width.
 #[inline(always)]
 pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
     let lanes = (S::f32s::LEN * size_of::<f32>() / size_of::<T>()) as u32;
@@ -42,7 +42,8 @@ pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
         && live.count_ones().div_ceil(lanes) < (LANES as u32 - live.leading_zeros()).div_ceil(lanes)
 }
 
-/// Returns the live lanes after they are moved to the front. At least one lane must not be live.
+/// Returns the mask of the live lanes after they are moved to the front. At least one lane must not
+/// be live.
 #[inline]
 pub(super) fn packed(live: u16) -> u16 {
     (1 << live.count_ones()) - 1
@@ -51,9 +52,9 @@ pub(super) fn packed(live: u16) -> u16 {
 /// The remaining parts of segments, a lane each: near ends, then far ends.
 pub(super) type Ends = [Lanes<f64>; 2];
 
-/// Writes the remaining parts of segments as floats of `T`. An end that differs from the one that
-/// was `asked`, which is a float already, is rounded outward. Returns the lanes in which anything
-/// is left, as bits. No segment reaches farther than `size` from 0.
+/// Writes the remaining parts of segments as floats of `T`. `asked` holds the ends before, which
+/// are such floats. An end that differs from them is rounded outward. Returns the lanes in which
+/// anything is left, as bits. No segment reaches farther than `size` from 0.
 #[inline(always)]
 pub(super) fn outward<S: Simd, T: Scalar>(
     simd: S,

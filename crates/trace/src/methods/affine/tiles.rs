@@ -17,26 +17,26 @@ use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use zeroset_eval::{LANES, Lanes, Tiles};
 
-/// A tile is split once its segment is no longer than this many times its width; per level.
+/// For each level: a tile is split once its segment is no longer than this many times its width.
 const SLENDER: [f64; 2] = [3.0, 4.0];
-/// The same for patches. Surfaces at outlines are deep, patches are narrow, and the rays of a patch
-/// fill a batch.
+/// The ratio for patches. It is larger: surfaces at outlines are deep, patches are narrow, and the
+/// rays of a patch fill a batch.
 const SLENDER_PATCH: f64 = 12.0;
-/// A tile is also split once the error of its form is no larger than this many times the form's
-/// change across the tile. Then the surface is steep rather than curved, and parts of the tile need
+/// A tile is also split once the error of its form is at most this many times the form's change
+/// across the tile. Then the surface is steep rather than curved, and the parts of the tile have
 /// shorter segments.
 const TILTED: f64 = 2.0;
-/// A segment that stays longer than this share of its length before is not evaluated again. Its
-/// tile is split, or it is cut.
+/// If more than this share of a segment's length is left, the segment is not evaluated again. Its
+/// tile is split, or the segment is cut.
 const STALL_RATIO: f64 = 0.85;
 
-/// Buffers that a thread needs for a band. They are used for one band after another: to create them
+/// Buffers that a thread needs for a band. They are reused for later bands, since creating them
 /// takes a few hundred allocations.
 #[derive(Default)]
 pub(super) struct BandBuffers<T: Scalar> {
     levels: [Level<T>; SIDES.len()],
     memory: RayBuffers<T>,
-    /// [`BandTracer::screens`].
+    /// Memory for [`BandTracer::screens`].
     screens: [Vec<[f64; 4]>; 2],
 }
 
@@ -101,7 +101,7 @@ fn trace_with<T: Scalar, S: Simd>(
         calls_at_check: 0,
         simd,
     };
-    // Rounded outward once. All later ends are floats of `T`.
+    // The ends are rounded outward here. All later ends are floats of `T` already.
     let [near, far] = tracer.frame.span;
     let span = [-T::above(-near).into(), T::above(far).into()];
     let (first, count) = if is_patched {
@@ -168,18 +168,19 @@ fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: b
     }
 }
 
-/// Decisions about tiles that may hold a zero. At most one of the first four masks has a lane's
-/// bit.
+/// Decisions about tiles that may hold a zero. A lane is set in at most one of the first four
+/// masks.
 struct TileClasses<T> {
     /// Tiles whose form proves a zero on each ray, and locates it closely enough.
     flat: u16,
     /// Tiles whose segment got much shorter, and is evaluated once more.
     shorter: u16,
-    /// Tiles whose parts are examined.
+    /// Tiles whose parts are examined next.
     finer: u16,
     /// Tiles whose segment is cut in two.
     cut: u16,
-    /// Tiles of `finer` that were evaluated so often that they are not cut again.
+    /// Tiles of `finer` that were evaluated so often that all of their remaining segment goes to
+    /// their parts.
     exhausted: u16,
     /// Tiles whose remaining segment lies in the region.
     within: u16,
@@ -228,7 +229,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     }
 
     /// Decides about the tiles that may hold a zero. Replaces each segment by its remaining part,
-    /// or by the nearer part if it is cut.
+    /// or by the nearer half of that part if it is cut.
     #[inline(always)]
     fn tile_classes<const DEPTH: usize>(
         &self,
@@ -273,7 +274,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             let is_tilted = error.simd_le(tilt * tilted);
             short |= part.bits(left.simd_le(footprint * slender) | is_tilted);
             let between = left.mul_add(share, near);
-            // At an eye in the region pixels are 0 wide, so only `grain` ends the cutting.
+            // For an eye in the region, a pixel at the eye has width 0, so only `grain` ends the
+            // cutting.
             let progress = are_progress([near, far], between, before);
             whole |= part.bits(left.simd_gt(grain) & progress);
             part.store(near, &mut batch.near);

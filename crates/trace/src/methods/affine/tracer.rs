@@ -1,4 +1,5 @@
-//! The state of a band while it is traced: where its tiles are, and which pixels are not finished.
+//! The state of a band while it is traced: the places of its tiles, and the pixels that are not
+//! finished.
 
 use super::Affine;
 use super::classify::LengthLimits;
@@ -40,9 +41,9 @@ pub(super) struct BandTracer<'a, 'b, 'm, T: Scalar, S> {
     pub limits: LengthLimits<T>,
     pub memory: &'a mut RayBuffers<T>,
     pub work: &'a mut KernelStats,
-    /// True if the rest of the band is not wanted any more.
+    /// True if the rest of the band is no longer wanted.
     pub over: bool,
-    /// Number of kernel calls when this was last checked.
+    /// Number of kernel calls at the last of these checks.
     pub calls_at_check: u64,
     /// Vector instructions of the processor.
     pub simd: S,
@@ -57,8 +58,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         [range(column, self.band.width), range(row, self.band.height)]
     }
 
-    /// Returns the screen coordinate at the middle of a column of tiles, and the maximum distance
-    /// of its rays from there.
+    /// Returns the screen coordinate of the middle of a column of tiles, and the maximum distance
+    /// of the tiles' rays from it.
     #[inline(always)]
     pub(super) fn across(&self, column: usize, level: usize) -> [f64; 2] {
         let [columns, _] = self.pixels([column, 0], level);
@@ -76,15 +77,15 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         self.extent(1, top + rows[0], top + rows[1])
     }
 
-    /// Like [`Self::across`], for columns of pixels (axis 0) or rows (axis 1), including the last.
+    /// Like [`Self::across`], for pixels `first` to `last` along an axis: columns (0) or rows (1).
     #[inline(always)]
     pub(super) fn extent(&self, axis: usize, first: usize, last: usize) -> [f64; 2] {
         let centre = self.rays.screen(first + last, first + last)[axis];
         [centre, (last - first) as f64 * self.rays.unit]
     }
 
-    /// Returns the first column and row of these tiles, if they are a square of sixteen of the last
-    /// level with all pixels in the picture.
+    /// Returns the first column and row of these tiles, if they are 4×4 tiles of the last level
+    /// with all pixels in the picture.
     #[inline(always)]
     pub(super) fn square(
         &self,
@@ -113,7 +114,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         all
     }
 
-    /// Returns the part of a segment to examine, which a patch limits.
+    /// Returns the part of a segment to examine, which is limited if the tile is a patch.
     pub(super) fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
         match self.rays.patch(self.band.top + place[1]) {
             Some(patch) => {
@@ -137,7 +138,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         ones(lanes).filter(is_hidden).map(|lane| 1 << lane).sum()
     }
 
-    /// Returns whether all rays of a tile are behind hits of other surfaces from s on.
+    /// Returns whether all rays of a tile, from s on, are behind hits of other surfaces.
     pub(super) fn is_hidden(&self, place: [usize; 2], level: usize, s: f64) -> bool {
         let (status, drawn) = self.band.before;
         if status.is_empty() {
@@ -149,7 +150,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             (centre.abs() - half).max(0.0)
         };
         let (a, b) = (aside(0, columns), aside(1, rows.map(|row| self.band.top + row)));
-        // The ray with the shortest direction is the nearest at s.
+        // The ray with the shortest direction has the least distance at s.
         let shortest = if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
         // A hit's bracket reaches no farther than this behind the painted point.
         let bracket = self.method.longest * self.footprint(s);
@@ -189,8 +190,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         self.rays.footprint(self.frame.start + s)
     }
 
-    /// Returns whether the rest of the band is not wanted any more. This is not checked each time,
-    /// since reading a clock takes as long as a short call.
+    /// Returns whether the rest of the band is no longer wanted. This is not checked at each call,
+    /// since reading a clock takes as long as a short kernel call.
     #[inline(always)]
     pub(super) fn is_cancelled(&mut self) -> bool {
         let calls = self.work.tiles.calls + self.work.segments.calls;

@@ -1,4 +1,5 @@
-//! Refinement of an isolated root to the tolerance. Signs at both ends of its part stay certain.
+//! Refinement of an isolated root to the tolerance. The signs at both ends of the part that holds
+//! it stay certain.
 
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::{LocalRay, bounds};
@@ -25,7 +26,7 @@ pub(super) struct Isolated {
 /// Maximum number of rounds. Every third round halves the part, so that it reaches 2⁻²² of the
 /// ray's length: the resolution of `f32`.
 const ROUNDS: u32 = 66;
-/// Distance from the end that was moved last to the next place, as a share of the tolerance.
+/// Distance of the next place from the end that was moved last, as a share of the tolerance.
 const STEP_BEYOND: f64 = 0.75;
 
 /// Refines roots to the tolerance.
@@ -74,8 +75,8 @@ impl Isolated {
         self.ends
     }
 
-    /// Returns the longer side beside the uncertain stretch, or the whole part without such a
-    /// stretch.
+    /// Returns the longer of the two parts beside the uncertain stretch, or the whole part if there
+    /// is no such stretch.
     fn longer(&self) -> [f64; 2] {
         let [near, far] = self.ends;
         match self.uncertain {
@@ -89,14 +90,14 @@ impl Isolated {
         let [near, far] = self.longer();
         let middle = 0.5 * (near + far);
         let is_short = self.ends[1] - self.ends[0] <= self.enough;
-        // The uncertain stretch does not shrink. The ends are near enough to it once they are
-        // within a share of the tolerance.
+        // The uncertain stretch does not shrink. So the part is done once the ends are within a
+        // share of the tolerance of that stretch.
         let is_near = self.uncertain.is_some() && far - near <= 0.125 * self.enough;
         is_short || is_near || !(near < middle && middle < far)
     }
 
-    /// Returns the next place to evaluate: where a line through the ends meets 0, then a little
-    /// beyond so that the other end comes near too, then the middle.
+    /// Returns the next place to evaluate. In turn, this is where a line through the ends meets 0,
+    /// a place a little beyond it so that the other end comes near too, and the middle.
     fn next(&self, round: u32) -> f64 {
         let ([near, far], [a, b]) = (self.ends, self.values);
         let [from, to] = self.longer();

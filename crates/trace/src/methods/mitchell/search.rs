@@ -1,4 +1,4 @@
-//! Search for the first root on up to sixteen rays, whose parts are halved.
+//! Search for the first root on each of up to sixteen rays, by halving parts of the rays.
 
 use super::isolated::{Isolated, refine, sign};
 use crate::kernel_stats::KernelStats;
@@ -118,7 +118,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         parts
     }
 
-    /// Isolates the root of each part, cuts it in two, or finds it empty.
+    /// Isolates the root of each part, cuts the part in two, or finds it empty.
     fn classify(&self, rays: &mut [RaySearch], parts: &[RayPart], work: &mut KernelStats) {
         let slopes = self.slopes.along(
             &cuboids(parts),
@@ -165,7 +165,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         }
     }
 
-    /// Cuts a part in two, or leaves it open if it is as short as precision allows.
+    /// Cuts a part in two, or makes it undecided if it is as short as precision allows.
     fn cut(&self, ray: &mut RaySearch, part: &RayPart, work: &mut KernelStats) {
         let [near, far] = part.ends;
         let cut = near + CUT * (far - near);
@@ -208,8 +208,8 @@ impl<'a> RaySearch<'a> {
     fn new<T: Scalar>(local_ray: &'a LocalRay, start: Start) -> Self {
         let [near, far] = local_ray.span;
         let [first, last] = [local_ray.inside[0].max(near), local_ray.inside[1].min(far)];
-        // No sign is known where the ray crosses the region's faces. Rounding leaves the ends there
-        // open, so they are separate parts.
+        // The sign is unknown where the ray crosses the region's faces. Because of rounding, the
+        // parts there stay undecided, so they are separate.
         let mut parts = Vec::with_capacity(16);
         if first < last {
             parts.extend([[last, far], [first, last], [near, first]]);
