@@ -111,7 +111,9 @@ fn examples_of_the_language_read() {
     lines.lines().for_each(read);
     let blocks = blocks("docs/language.md");
     assert!(!blocks.is_empty());
-    blocks.iter().for_each(|block| read(block));
+    for block in &blocks {
+        read(block);
+    }
 }
 
 /// README, ARCHITECTURE, CONTRIBUTING and the manual.

@@ -127,7 +127,8 @@ impl<M: Machine> Rule<'_, M> {
         Form { bounds, facts, ..form }
     }
 
-    /// The form of `a` times a value that depends on no symbol.
+    /// The form of `a` times a value that depends on no symbol, whose error must include its
+    /// rounding.
     fn form_scaled<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -267,7 +268,10 @@ impl<M: Machine> Rule<'_, M> {
         let reciprocal = self.form_reciprocal(&b.value, &b_bounds.value);
         let form = match (a.value.slopes, reciprocal.slopes) {
             (Some(_), Some(_)) => self.form_product_varying(&a.value, &reciprocal),
-            (Some(_), None) => self.form_scaled(a, &FormOperand::new(reciprocal)),
+            (Some(_), None) => {
+                let reciprocal = self.including_rounding(&FormOperand::new(reciprocal));
+                self.form_scaled(a, &reciprocal)
+            }
             (None, _) => {
                 self.form_scaled(&FormOperand::new(reciprocal), &FormOperand::new(a.value))
             }
