@@ -43,8 +43,7 @@ fn main() {
     let size = std::env::args().find_map(|given| given.strip_prefix("--size=")?.parse().ok());
     // Memory larger than the caches, to be written before each picture.
     let mut others = vec![0_u8; if given("--cold") { 64 << 20 } else { 0 }];
-    // If a name belongs to both a surface and a method, it selects the surface. Given twice, it
-    // selects both.
+    // A name of both a surface and a method selects the surface. Given twice, it selects both.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
     let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
     let named = |method: &&Method| times(method.name) > usize::from(is_surface(method.name));

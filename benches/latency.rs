@@ -5,8 +5,7 @@
 //! the worst surface of the gallery against the targets of 2 ms and 8 ms. Then it prints the
 //! slowest surfaces with the time of each stage. `-- gyroid` at the end of the command selects the
 //! surfaces whose names contain `gyroid`. A surface's time is the median over rounds. Each round
-//! covers all surfaces, so that a disturbance affects many surfaces in one round, not one surface
-//! in all rounds.
+//! covers all surfaces, so that a disturbance affects many surfaces once, not one surface always.
 
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -76,8 +75,7 @@ fn round<T: KernelFloat>(example: &Example) -> [Duration; NAMES.len()] {
     let (function, function_tape) = time(|| tape(KernelSource::Function));
     let (kernel, code) = time(|| Compiled::<Enclose, T>::new(function));
     kernel.expect(example.slug);
-    // `zeros` compiles the function a second time. Without that time, the rest is the cost of
-    // poles.
+    // `zeros` compiles the function a second time; the rest is the cost of poles.
     let zeros = time(|| _ = program.kernels::<T>(0).zeros().expect(example.slug)).1;
     let poles = zeros.saturating_sub(function_tape + code);
     let (derivatives, gradient_tape) = time(|| tape(KernelSource::Gradient));

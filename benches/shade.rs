@@ -171,8 +171,7 @@ fn main() {
     for (name, radius) in [("full", 10.0), ("sphere", 1.0)] {
         let mut buffer = paint(&rays, radius);
         let drawn = (0..all).filter(|&pixel| buffer.is_drawn(pixel)).count();
-        // Set-up costs the same for every pixel. From the other stages, the cost of the background
-        // is subtracted.
+        // Set-up costs the same for every pixel. Other stages exclude the cost of the background.
         let (share, mut times) = ((all - drawn) as f64 / all as f64, time(&rays, &mut buffer));
         for (stage, time) in times.iter_mut().enumerate() {
             *time = if PER_PIXEL_STAGES.contains(&stage) {

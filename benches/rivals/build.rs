@@ -32,8 +32,7 @@ fn main() {
 /// A build of the rival with this number of lanes.
 fn rival(lanes: &str) -> cc::Build {
     let mut build = cc::Build::new();
-    // In an executable, this model of thread-local storage makes the counter a plain memory
-    // operand.
+    // This model makes the thread-local counter of an executable a plain memory operand.
     build.cpp(true).opt_level(3).flag("-ftls-model=local-exec");
     build.flags(FLAGS).define("W", lanes).file(SOURCE);
     build

@@ -1,4 +1,4 @@
-//! Affine forms hold the oracle's values, and no contraction loses a root.
+//! Affine forms enclose the oracle's values, and no contraction loses a root.
 
 #![no_main]
 

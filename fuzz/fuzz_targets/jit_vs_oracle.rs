@@ -1,4 +1,4 @@
-//! Native intervals hold the oracle's values of the function as typed.
+//! Intervals of native code enclose the oracle's values of the function as typed.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Any bytes are read or refused, and a printed document reads as the same one.
+//! Any bytes are read or refused. A printed document reads back as the same document.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Simplifying keeps values and domains.
+//! Simplification preserves values and domains of definition.
 
 #![no_main]
 

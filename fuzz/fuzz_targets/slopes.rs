@@ -1,4 +1,4 @@
-//! Bounds of gradients hold the oracle's slopes and derivatives.
+//! Bounds of gradients enclose the oracle's slopes and derivatives.
 
 #![no_main]
 

@@ -1,5 +1,5 @@
-//! Generated texts of forms, vectors, piecewise definitions and sums: they read as they print, and
-//! are simplified and enclosed soundly.
+//! Generated texts with forms, vectors, piecewise definitions and sums. They read back as printed,
+//! and are simplified and enclosed soundly.
 
 #![no_main]
 

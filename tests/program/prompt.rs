@@ -377,7 +377,7 @@ fn precision_is_chosen_shown_and_kept_in_the_command() {
     terminal.type_in(":png fine.png\r");
     terminal.shows("--precision f64 --max-depth 32 -o fine.png");
     terminal.type_in(":precision f32\r");
-    terminal.shows("f32: depth 20 of at most 20");
+    terminal.shows("precision f32 (32 bits");
     terminal.shows("knoll f32 20");
     terminal.type_in(":status\r");
     terminal.shows("knoll, precision f32");

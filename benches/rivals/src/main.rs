@@ -135,8 +135,7 @@ impl Arguments {
     }
 }
 
-/// Number of rows and columns of the rays that determine the function's sign where rays enter the
-/// domain.
+/// Rows and columns of rays that determine the function's sign where they enter the domain.
 const ENTRIES: usize = 64;
 
 fn main() -> Result<()> {

@@ -14,8 +14,7 @@ use zeroset_space::Region;
 pub struct Surface {
     /// Name in the C++.
     pub name: &'static str,
-    /// Half the edge of the domain, a cube around the origin. Reported distances are multiples of
-    /// it.
+    /// Half the edge of the domain, a cube around the origin. Distances are multiples of it.
     pub half: f64,
     /// Whether the domain cuts the surface open.
     pub is_cut: bool,

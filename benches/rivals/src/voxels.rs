@@ -1,7 +1,6 @@
 //! fidget's renderer, which prunes voxels from front to back by intervals in native code.
 //!
-//! It draws solids, f < 0, not zero sets. So the sign of f is chosen such that most rays start
-//! outside.
+//! It draws solids, f < 0. So the sign of f is chosen such that most rays start outside.
 
 use crate::reference::Entries;
 use crate::side::Side;

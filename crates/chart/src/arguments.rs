@@ -107,8 +107,7 @@ pub struct RunArguments {
     #[arg(long, visible_alias = "size", value_delimiter = ',', default_value = "256", value_name = "PIXELS",
         value_parser = number(8..=8192))]
     sizes: Vec<usize>,
-    /// Number of views of each surface, whose kinds alternate: standard, around, close, grazing,
-    /// inside
+    /// Number of views of each surface, in turn standard, around, close, grazing, inside
     #[arg(long, default_value_t = 8, value_parser = number(1..=1000))]
     views: usize,
     /// Seed of views, sampled pixels and the order of measurements

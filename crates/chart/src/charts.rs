@@ -89,8 +89,7 @@ impl<'a> MeasuredRows<'a> {
     }
 }
 
-/// Value that stands for an error of 0 pixels in geometric means. It is far below what a picture
-/// shows.
+/// Value in place of an error of 0 pixels in means. It is far below what a picture shows.
 const LEAST: f64 = 1e-6;
 
 /// The geometric mean, with values raised to at least [`LEAST`]; 0 if all values are 0.
@@ -133,8 +132,7 @@ fn series(configuration: &Configuration) -> PlotSeries {
     }
 }
 
-/// Configurations grouped by method and precision. Those of a group differ only in depth, tolerance
-/// or steps.
+/// Configurations grouped by method and precision. A group differs only in numbers.
 fn families(rows: &MeasuredRows<'_>) -> Vec<Vec<Configuration>> {
     let configurations = distinct(rows.0.iter().map(|(_, configuration)| *configuration));
     let families = grouped(configurations, |one| (one.method, one.precision));

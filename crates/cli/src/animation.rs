@@ -107,8 +107,7 @@ impl<W: Write> Animation<W> {
             FrameSink::Gif(encoder) => {
                 let [width, height] = self.size.map(|side| side as u16);
                 let mut frame = gif::Frame::from_rgb_speed(width, height, rgb, GIF_SPEED);
-                // Round the end times of frames, not their delays, so that rounding errors do not
-                // add up.
+                // Round frames' end times, not their delays, so that rounding errors do not add up.
                 let hundredths = |frame: u32| (100 * u64::from(frame)).div_ceil(self.fps.into());
                 frame.delay = (hundredths(self.frame + 1) - hundredths(self.frame)) as u16;
                 encoder.write_frame(&frame).map_err(io::Error::other)?;

@@ -1,5 +1,4 @@
-//! Pixel data as arrays in numpy's `.npy` format: a table with the flag, help and writer of each
-//! array.
+//! Pixel data as arrays in numpy's `.npy` format: a table of each array's flag, help and writer.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use npyz::{AutoSerialize, NpyWriter, WriterBuilder};
@@ -59,8 +58,7 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: false,
         needs_brackets: false,
         begin: |out, [rows, columns], precision| match precision {
-            // Kernels of this precision compute in `f32`, so an `f32` is precise enough for the
-            // distance.
+            // Kernels of this precision compute in `f32`, so the distance needs no more.
             Precision::F32 => array(out, &[rows, columns], |picture, array| {
                 array.extend(distances(&picture.buffer).map(|distance| distance as f32))
             }),
@@ -150,8 +148,7 @@ impl Args for Arrays {
 
 type Writer<T> = NpyWriter<T, Box<dyn Write>>;
 
-/// Starts an array of this shape in C order. For each strip of the picture, `add` appends the
-/// values.
+/// Starts an array of this shape in C order. `add` appends the values of each strip.
 fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> NewRowWriter
 where
     T: AutoSerialize + Copy + 'static,

@@ -214,7 +214,7 @@ mod tests {
             told("view top"),
             [word("view", WordKind::Setting), word("top", WordKind::InSetting)]
         );
-        // `top` and `looks` have a meaning only in settings; elsewhere they are plain names.
+        // A word that has a meaning only in settings is a plain name elsewhere.
         assert_eq!(told("top + looks"), []);
     }
 

@@ -23,8 +23,7 @@ use zeroset_syntax::Options;
 /// Longest line that is accepted, in bytes. The parser limits a formula to fewer.
 const LONGEST_LINE: u64 = 4 << 20;
 
-/// Largest number of compiled formulas in the cache. A full cache is cleared before the next
-/// formula.
+/// Largest number of compiled formulas in the cache. A full cache is cleared.
 const MAX_CACHED: usize = 256;
 
 pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
@@ -179,9 +178,8 @@ fn sample<T: KernelFloat>(
     point: [f64; 3],
 ) -> Value {
     let out = gradient.eval_all(&Points::near(&[point]));
-    // Rounding can give a number where the function has no value, such as for atan(1/x) at 0. The
-    // kernel rounds the point to `T`, but an enclosure around the exact point can prove that there
-    // is no value.
+    // Rounding can give a number where the function has no value, such as for atan(1/x) at 0. An
+    // enclosure around the exact point, not rounded to `T`, can prove that there is no value.
     let facts = if point.iter().all(|c| c.is_finite()) {
         bounds_and_facts(bounds, point.map(|c| Interval { lo: c, hi: c })).1
     } else {

@@ -72,8 +72,8 @@ impl Protocol {
     }
 
     /// Returns the text that shows a picture (three bytes per pixel) at the cursor. The picture is
-    /// scaled to these columns and rows of characters, except for sixels, which are not scaled.
-    /// `None` if encoding fails.
+    /// scaled to these columns and rows of characters; only sixels are not. `None` if encoding
+    /// fails.
     pub fn encode(
         self,
         rgb: &[u8],
@@ -120,8 +120,7 @@ impl Protocol {
 #[cfg(feature = "sixel")]
 fn sixels(rgb: &[u8], width: usize, height: usize) -> Option<String> {
     let opaque: Vec<u8> = rgb.chunks_exact(3).flat_map(|c| [c[0], c[1], c[2], 255]).collect();
-    // 256 colors are enough to shade one or two surfaces smoothly. Dithering would only add grain
-    // and 50 % more bytes.
+    // 256 colors shade one or two surfaces smoothly. Dithering would only add grain and size.
     let options = icy_sixel::EncodeOptions { diffusion: 0.0, ..Default::default() };
     icy_sixel::sixel_encode(&opaque, width, height, &options).ok()
 }

@@ -61,15 +61,13 @@ fn hexadecimal(text: &str) -> Option<f64> {
     exponent += odd.trailing_zeros() as i32;
     let odd = odd >> odd.trailing_zeros();
     let bits = 64 - odd.leading_zeros() as i32;
-    // The leading bit's exponent determines the lowest bit that an `f64` can hold. Subnormals hold
-    // fewer bits.
+    // The leading bit's exponent determines the lowest bit that the `f64` can hold.
     let top = exponent + bits - 1;
     let lowest = (top - 52).max(-1074);
     if !(-1074..=1023).contains(&top) || exponent < lowest {
         return None;
     }
-    // The power of two is split so that neither factor leaves the range of `f64`. Both products are
-    // exact.
+    // The power of two is split so that no factor leaves the range of `f64`.
     let half = exponent / 2;
     Some(odd as f64 * power_of_two(half) * power_of_two(exponent - half))
 }

@@ -120,8 +120,7 @@ fn sink(path: &Path) -> Result<Sink> {
         Ok(found) if !found.is_file() => {
             return Ok(Sink::Direct(BufWriter::new(File::options().write(true).open(&path)?)));
         }
-        // A rename would replace even a read-only file, so check that the file can be opened for
-        // writing.
+        // A rename would replace even a read-only file, so check that it can be written to.
         Ok(_) => drop(File::options().write(true).open(&path)?),
         Err(_) => {}
     }
@@ -154,8 +153,7 @@ fn copy_and_rename(mut written: File, target: &Path) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Follows symbolic links to their target, since a rename would replace a link. The target need not
-/// exist.
+/// Follows symbolic links, since a rename would replace a link. The target need not exist.
 fn resolve_links(mut path: PathBuf) -> std::io::Result<PathBuf> {
     for _ in 0..MOST_LINKS {
         if !path.is_symlink() {

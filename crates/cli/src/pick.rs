@@ -115,8 +115,7 @@ impl<'a> Pick<'a> {
     }
 }
 
-/// Number of decimals for a coordinate with this error, so that the last one is the error's first
-/// digit.
+/// Number of decimals of a coordinate with this error. The last one is the error's first digit.
 fn digits(reach: f64) -> usize {
     (-reach.log10().floor()).clamp(0.0, 17.0) as usize
 }

@@ -24,8 +24,7 @@ const CHARACTER: (usize, usize) = (8, 16);
 /// scaled, so these are the sizes of a small font.
 const SMALL_CHARACTER: (usize, usize) = (6, 12);
 
-/// Longest wait for the terminal's answer to a query. A terminal that never answers costs this time
-/// once.
+/// Longest wait for the terminal's answer to a query. It passes once if there is no answer.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// Returns the columns and rows of characters that a picture may take.

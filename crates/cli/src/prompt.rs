@@ -67,8 +67,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         let _ = editor.load_history(history);
         session.recall(editor.history().iter().cloned());
     }
-    // Number of the session's lines, entered here or in the window, that the editor's history
-    // contains.
+    // Number of the session's lines that are in the editor's history.
     let mut known = 0;
     session.history_since(&mut known);
     let mut last = preview.then(|| session.live.request());
@@ -87,8 +86,8 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                 forget_line(&typing);
                 line
             }
-            // As in a shell, Ctrl-C drops the line that is being typed. It ends the session only if
-            // the line is empty.
+            // As in a shell, Ctrl-C drops the typed line. It ends the session only if that is
+            // empty.
             Err(ReadlineError::Interrupted) if forget_line(&typing) => {
                 session.live.type_line("");
                 continue;
@@ -129,8 +128,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             abandoned_formula(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
-                // Show the picture only if it has changed, so that a command's output stays in
-                // view.
+                // If nothing has changed, show no picture, so that the output stays in view.
                 Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
                     session.fit_terminal();
                     let shown = session.live.request();

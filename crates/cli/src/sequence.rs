@@ -289,8 +289,7 @@ impl<'a> FrameRenderer<'a> {
         Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
     }
 
-    /// Renders a frame, with the kernels of the model `last` if possible. Stores the frame's model
-    /// there.
+    /// Renders a frame with the kernels of `last` if possible, and stores its model there.
     fn render_frame(
         &mut self,
         frame: usize,

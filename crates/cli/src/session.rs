@@ -168,8 +168,7 @@ impl Session {
         let watched = DocumentSource::File(path.clone());
         let report = move |change| {
             let Some(session) = session.upgrade() else { return };
-            // The document may have another source by the time of the change, for example after an
-            // undo.
+            // The document may have another source by now, for example after an undo.
             if session.live.request().source != watched {
                 return;
             }

@@ -59,8 +59,7 @@ impl Subject {
         }
     }
 
-    /// Reports the document's notes, about parts of the text that were read in a possibly
-    /// surprising way.
+    /// Reports the document's notes, about text that was read in a possibly surprising way.
     pub fn show_notes(&self) {
         for note in &self.document.notes {
             let Source { from, text } = &self.source;
@@ -69,8 +68,7 @@ impl Subject {
     }
 }
 
-/// Reports that the flag `--time` has no effect, if it is given but the document does not depend on
-/// time.
+/// Reports that `--time` has no effect, if it is given but the document does not use it.
 pub fn note_time(time: Option<f64>, document: &Document) {
     if time.is_some() && !view::depends_on_time(document) {
         notes::note("--time changes nothing: `t` occurs nowhere in the formula");

@@ -31,8 +31,7 @@ pub enum QueryAnswer {
     Given(String),
     /// There was no answer in time; it may still come.
     Late,
-    /// No query was sent: there is no terminal, or input that would mix with the answer is already
-    /// waiting.
+    /// No query was sent: there is no terminal, or waiting input would mix with the answer.
     NotAsked,
 }
 

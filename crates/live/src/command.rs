@@ -1,5 +1,5 @@
-//! Entered lines and the table of commands. Parsing, help, completion and suggestions are derived
-//! from the table. Reading and writing files is left to the caller.
+//! The table of commands, and the parsing of entered lines. Help, completion and suggestions are
+//! derived from the table. Reading and writing files is left to the caller.
 
 use super::help::help;
 use super::pipeline::Request;
@@ -14,11 +14,11 @@ use zeroset_space::Region;
 use zeroset_style::StandardView;
 use zeroset_trace::OPTIONS;
 
-/// An entered line, parsed.
+/// A parsed line.
 enum Line<'a> {
     /// Only whitespace.
     Empty,
-    /// A part of the document.
+    /// A formula, a definition or a setting, to be entered into the document.
     Text(&'a str),
     /// A command and its arguments.
     Command(&'static CommandRow, &'a str),
@@ -37,13 +37,13 @@ pub struct CommandRow {
     run: fn(&Live, &str) -> Option<Result<Reply, Refusal>>,
 }
 
-/// Number of rows before the options of methods. The last of them is `method`.
+/// Number of rows of [`ROWS`] before the method options. The last of these rows is `method`.
 const OPTIONS_AFTER: usize = 18;
 
 /// Name of the command that adds a surface.
 const ADD: &str = "add";
 
-/// All commands, in the order of the help, including one for each option of a method.
+/// All commands, in the order of the help, including one for each method option.
 pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
     let options = OPTIONS.iter().filter(|option| !option.command.is_empty());
     let rows = options.map(|option| CommandRow {
@@ -56,7 +56,7 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
     before.iter().copied().chain(rows).chain(after.iter().copied()).collect()
 });
 
-/// The commands that are not options of a method.
+/// The commands that do not set a method option.
 #[rustfmt::skip]
 const ROWS: &[CommandRow] = &[
     CommandRow { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
@@ -119,8 +119,8 @@ const ROWS: &[CommandRow] = &[
 ];
 
 impl Live {
-    /// Draws the document as it would be with `line` entered, while it is still being typed.
-    /// Commands other than `:add` change nothing.
+    /// Previews a line that is being typed: draws the document as it would be after entering
+    /// `line`. Commands other than `:add` are not previewed.
     pub fn type_line(&self, line: &str) {
         match read(line) {
             Ok(Line::Text(formula)) => self.show_typed(Some(formula), false),
@@ -131,7 +131,7 @@ impl Live {
         }
     }
 
-    /// Enters a line: a part of the document, or a command.
+    /// Enters a line: a formula, definition or setting of the document, or a command.
     ///
     /// # Errors
     /// If the document would have errors, or the command has one.
@@ -157,7 +157,7 @@ fn done(result: Result<(), Refusal>) -> Result<Reply, Refusal> {
     result.map(|()| Reply::Done)
 }
 
-/// An opacity within [0, 1], which may be typed in percent.
+/// Parses an opacity, as a number in [0, 1] or in percent.
 fn opacity(text: &str) -> Option<f64> {
     let share = match text.strip_suffix('%') {
         Some(hundredths) => view::number(hundredths)? / 100.0,
@@ -166,7 +166,7 @@ fn opacity(text: &str) -> Option<f64> {
     (0.0..=1.0).contains(&share).then_some(share)
 }
 
-/// The text, unless it is empty.
+/// Returns the text, or `None` if it is empty.
 fn given(text: &str) -> Option<String> {
     (!text.is_empty()).then(|| text.to_owned())
 }
@@ -182,7 +182,7 @@ fn set(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
     let (name, value) = (name.trim(), value.trim());
     let plain = |c: char| c.is_alphanumeric() || c == '_';
     let valid = !name.is_empty() && name.chars().all(plain) && !value.is_empty();
-    // Refuses anything but a single definition.
+    // Accept only a single definition.
     if !valid || value.contains(['\n', ';', '=']) {
         return None;
     }
@@ -238,13 +238,13 @@ fn read(text: &str) -> Result<Line<'_>, String> {
 }
 
 impl CommandRow {
-    /// The command with its arguments.
+    /// The command and its arguments, as a line of help shows them.
     pub fn usage(&self) -> String {
         format!(":{} {}", self.name, self.arguments).trim_end().to_owned()
     }
 }
 
-/// The row of a command, by its name or a unique prefix.
+/// Finds the row of a command by its name or a unique prefix.
 fn row(name: &str) -> Result<&'static CommandRow, String> {
     if let Some(row) = COMMANDS.iter().find(|row| row.name == name) {
         return Ok(row);
@@ -256,7 +256,7 @@ fn row(name: &str) -> Result<&'static CommandRow, String> {
     }
     let shown: String = name.chars().take(20).collect();
     let options = if shortened.is_empty() {
-        // Suggests only typing errors, not other words.
+        // Correct small typing errors only, and do not suggest other words.
         let distance = |row: &&CommandRow| strsim::damerau_levenshtein(row.name, &shown);
         let nearest = COMMANDS.iter().min_by_key(distance).filter(|row| distance(row) <= 2);
         nearest.into_iter().collect()

@@ -8,9 +8,9 @@ use zeroset_scene::view::{ClipChoice, typed_clip};
 use zeroset_space::{HalfSpace, Region};
 
 impl Live {
-    /// Switches the clipping plane on or off. A new plane passes through the camera's target, faces
-    /// the eye, and cuts away the near half. Returns whether there is a plane. Does nothing before
-    /// the first picture.
+    /// Adds a clipping plane, or removes it if there is one. A new plane passes through the
+    /// camera's target, faces the eye, and cuts away the near half. Returns whether there is a
+    /// plane afterwards. Does nothing before the first picture.
     pub fn toggle_cut(&self) -> bool {
         let Some(seen) = self.snapshot().rendering else { return false };
         let mut cuts = false;
@@ -28,7 +28,7 @@ impl Live {
         cuts
     }
 
-    /// Moves the clipping plane along its normal; positive `steps` uncover more. A step is a
+    /// Moves the clipping plane along its normal. Positive `steps` cut away less. A step is a
     /// fiftieth of the region's half extent. Does nothing without a plane.
     pub fn move_cut(&self, steps: f64) {
         let Some(seen) = self.snapshot().rendering else { return };
@@ -42,7 +42,7 @@ impl Live {
     }
 }
 
-/// The choice of no plane. It is explicit only if the document has one.
+/// The choice that shows no plane. `Off` is needed only if the document sets a plane.
 fn none(own: Option<HalfSpace>) -> ClipChoice {
     if own.is_some() { ClipChoice::Off } else { ClipChoice::Document }
 }

@@ -1,4 +1,5 @@
-//! Enters lines into a document's text. Knows statements and lines, but not their meaning.
+//! Enters lines into a document's text. Knows statements and lines, but not their meaning. A
+//! "drawing" is a statement that draws a surface.
 
 use super::values::{Place, kept_range, name, place, right_side};
 use std::ops::Range;
@@ -10,11 +11,11 @@ use zeroset_syntax::{Limits, parse, setting_word};
 ///
 /// - A definition replaces the one with the same name; a single value is replaced in place.
 /// - A drawing replaces all others, or is added to them if `adding`. It is never hidden.
-/// - A line such as `domain`, `view` or `color` replaces the earlier one.
+/// - A setting such as `domain`, `view` or `color` replaces the earlier one.
 /// - A new number keeps the range of the old value, widened to hold it.
 ///
-/// Text and line may contain errors; reading the result reports them. If the text has errors that
-/// `line` does not mend, the result is `line` alone.
+/// Text and line may contain errors, which are reported when the result is read. If the text has
+/// errors that `line` does not correct, the result is `line` alone.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
@@ -25,7 +26,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let joined = format!("{base}\n{line}");
     if let Some(word) = scene_word(line) {
         let (kept, new) = (without_lines(base, word), line);
-        // These apply to the drawings below them, so the line goes to the top.
+        // Style lines apply to the drawings below them, so the line goes to the top.
         return if matches!(word, "color" | "opacity" | "hidden") {
             let (comment, rest) = kept.split_at(leading_comments(&kept));
             format!("{comment}{new}\n{rest}")
@@ -37,8 +38,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         return joined;
     };
     let start = base.len() + 1;
-    // Statements that the parser adds, such as definitions of coordinates, have no place in the
-    // text.
+    // The parser adds statements that are not in the text, such as definitions of coordinates.
     let typed =
         statements.iter().map(|one| (statement_span(one), one)).filter(|(_, one)| is_typed(one));
     let (old, new): (Vec<_>, Vec<_>) = typed.partition(|(span, _)| span.start < start);
@@ -54,7 +54,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
         kept.replace_range(statement_piece(&joined, span), "");
     }
-    // Removing a function may break a program, so both stay. The later definition takes effect.
+    // If a program needs an old function, keep both. The later definition takes effect.
     if parse(&kept, &limits).is_err() {
         return joined;
     }
@@ -68,7 +68,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     kept.trim_start_matches('\n').to_owned()
 }
 
-/// Returns whether a line consists of definitions that make the text parse.
+/// Returns whether a line consists of definitions only, with which the text parses.
 pub(super) fn completes(text: &str, line: &str) -> bool {
     let limits = Limits::default();
     parse(line, &limits).is_ok_and(|all| all.iter().all(|one| name(one).is_some()))
@@ -81,7 +81,7 @@ fn is_hidden_below(text: &str) -> bool {
     last.is_some_and(|line| line.split_whitespace().nth(1) != Some("off"))
 }
 
-/// The text without the scene lines that begin with this word.
+/// The text without the setting lines that begin with this word.
 fn without_lines(text: &str, word: &str) -> String {
     let kept: Vec<&str> = text.lines().filter(|line| scene_word(line) != Some(word)).collect();
     kept.join("\n")
@@ -90,7 +90,7 @@ fn without_lines(text: &str, word: &str) -> String {
 /// The text without its `number`-th drawing, counted from 1.
 ///
 /// # Errors
-/// The number of typed drawings if there is no such drawing, or 0 if the text has errors.
+/// If there is no such drawing: the number of drawings, or 0 if the text has errors.
 pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize> {
     let drawings = drawings(text);
     let Some(span) = number.checked_sub(1).and_then(|index| drawings.get(index)) else {
@@ -101,21 +101,21 @@ pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize
     Ok(kept.trim_start_matches('\n').trim_end().to_owned())
 }
 
-/// The ranges of the drawings in a text, in order.
+/// The byte ranges of the drawings in a text, in order.
 fn drawings(text: &str) -> Vec<Range<usize>> {
     let statements = parse(text, &Limits::default()).unwrap_or_default();
     let draws = |one: &&Statement| matches!(one, Statement::Draw { .. }) && is_typed(one);
     statements.iter().filter(draws).map(statement_span).collect()
 }
 
-/// Returns whether entering a line into a text adds a drawing. Alone, `x = r` may define `r`; in a
-/// text that defines `r`, it is a drawing.
+/// Returns whether entering a line into a text adds a drawing. This depends on the text: `x = r`
+/// alone may define `r`, but is a drawing if the text defines `r`.
 pub(super) fn draws(text: &str, line: &str) -> bool {
     let joined = format!("{text}\n{line}");
     scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
 }
 
-/// The text without the comments, `domain` lines and `view` lines that `lines` contains.
+/// The text without those comments, `domain` lines and `view` lines that also occur in `lines`.
 pub(super) fn without_scenery(text: &str, lines: &str) -> String {
     let is_scenery = |line: &str| {
         line.trim_start().starts_with('#') || matches!(scene_word(line), Some("domain" | "view"))
@@ -134,8 +134,8 @@ fn is_typed(statement: &Statement) -> bool {
     span.start < span.end
 }
 
-/// The text with one value replaced in place, so that parameters keep their order. `None` if `line`
-/// is anything but one definition of a value that the text has once.
+/// The text with one value replaced in place, so that parameters keep their order. `None` unless
+/// `line` is a single definition of a value that the text defines exactly once.
 fn with_value_replaced(
     base: &str,
     line: &str,
@@ -161,11 +161,11 @@ fn with_value_replaced(
     Some(format!("{}{line}{space}{}", &base[..span.start], &base[end..]))
 }
 
-/// The text with `name` set to `value`. A definition without a range gets `range`. A missing
-/// definition is added. `None` if the result would not parse.
+/// The text with `name` set to `value`. The definition gets `range` if it has no range, and is
+/// added if it is missing. `None` if the result would not parse.
 pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Option<String> {
     let Some(Place { body, range: typed }) = place(text, name) else {
-        // A text that lacks a value from the command line parses only with the definition added.
+        // If the value comes from the command line, the text parses only with the definition added.
         let joined = format!("{}\n{name} = {value} in {range}", text.trim_end());
         return parse(&joined, &Limits::default()).is_ok().then_some(joined);
     };
@@ -175,22 +175,22 @@ pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Op
             let (low, high) = (number(&text[low])?, number(&text[high])?);
             Some((low..=high).contains(&number(value)?))
         };
-        // A value from the command line may lie outside the range, so the next ones may, too.
+        // A value from the command line may lie outside the range, which is then extended.
         let extended = || entered(text, &format!("{name} = {value}"), false);
         return Some(if holds() == Some(false) { extended() } else { with(value) });
     }
-    // Some definitions, as in programs, allow no range.
+    // Some definitions, such as those in programs, cannot have a range.
     let is_read = |new: &String| right_side(new, name).is_some_and(|(read, _)| read == value);
     [format!("{value} in {range}"), value.to_owned()].iter().map(|what| with(what)).find(is_read)
 }
 
-/// A statement and its range in the text.
+/// The byte range of a statement in the text, and the statement.
 type Placed<'a> = (Range<usize>, &'a Statement);
 
-/// The first word of a line about the scene. `None` if the line is a formula or a definition.
+/// The first word of a setting line such as `view top`. `None` for a formula or a definition.
 fn scene_word(line: &str) -> Option<&'static str> {
     let word = line.split_whitespace().next()?;
-    // `domain = 2` would define a value of that name.
+    // A setting's word may also be defined as a value: `domain = 2` is a definition.
     let defines = line.trim_start()[word.len()..].trim_start().starts_with(['=', '(']);
     setting_word(word).filter(|_| !defines)
 }
@@ -213,8 +213,8 @@ fn statement_span(statement: &Statement) -> Range<usize> {
     }
 }
 
-/// The part of the text that holds a statement: from the last line break or semicolon before it
-/// through the break or comment after it.
+/// The part of the text to remove with a statement. It starts after the last line break or
+/// semicolon before the statement, and ends after the next one or the comment behind the statement.
 fn statement_piece(text: &str, span: &Range<usize>) -> Range<usize> {
     let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
     let rest = &text[span.end..];
@@ -234,7 +234,6 @@ fn end_of_statement(rest: &str) -> Option<usize> {
     rest.find("//").filter(|at| end.is_none_or(|end| *at < end)).or(end)
 }
 
-/// Returns whether `rest` begins with a comment.
 fn is_comment(rest: &str) -> bool {
     rest.starts_with('#') || rest.starts_with("//")
 }

@@ -1,5 +1,5 @@
-//! Edits of the document: entering lines, setting values, deleting surfaces. An edit that would be
-//! wrong is refused before anything changes. Knows no commands.
+//! Edits of the document: entering lines, setting values, deleting surfaces. An edit that would
+//! cause an error is refused and changes nothing. Knows no commands.
 
 use super::draft::{completes, draws, entered, without_scenery};
 use super::pipeline::Request;
@@ -16,20 +16,19 @@ use zeroset_scene::view::is_idle;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Document, ErrorKind, Limits, Note, NoteKind, parse};
 
-/// Result of an edit.
 pub(super) struct Edit {
     text: Arc<str>,
     /// Names that the edit defines or redefines.
     defined: Vec<String>,
-    /// The new source of the document, if it changes.
+    /// The new source of the document. `None` if the source stays.
     source: Option<DocumentSource>,
-    /// The document as read. `None` while it only defines names.
+    /// The document as read. `None` if the text has definitions but draws nothing.
     document: Option<Document>,
 }
 
 impl Live {
-    /// Draws the document as it would be with `line` entered, while it is still being typed. `None`
-    /// draws the document itself.
+    /// Draws the document as it would be after entering `line`, which is still being typed. Without
+    /// a line, draws the document itself.
     pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
         let shown = |Checkpoint { request, readable, .. }: &Checkpoint| {
             Ok(match line {
@@ -85,7 +84,7 @@ impl Live {
     }
 
     /// Replaces the document by the result of `work`, which gets the request and the last text that
-    /// parsed. Returns the document as read. The edit may be part of a gesture.
+    /// parsed. Returns the new document. The edit is part of `gesture`, if there is one.
     pub(super) fn edit(
         &self,
         gesture: Option<Gesture>,
@@ -114,12 +113,12 @@ impl Live {
 }
 
 impl Edit {
-    /// Reads an edited text. The edit has `defined` these names.
+    /// Reads an edited text, in which the edit has `defined` these names.
     ///
     /// # Errors
     /// If the text has an error, or a formula has no surface.
     pub fn checked(request: &Request, text: String, defined: Vec<String>) -> Result<Self, Refusal> {
-        // Otherwise, a value from the command line would override the new definition.
+        // Drop values given on the command line that would override the new definitions.
         let mut request = request.clone();
         request.forget_given(&defined);
         let document = match zeroset_syntax::read(&text, &request.options()) {
@@ -134,15 +133,15 @@ impl Edit {
         Ok(Self { text: text.into(), defined, source: None, document })
     }
 
-    /// The result of an edit that leaves all formulas as they were.
+    /// The result of an edit that changes no formula.
     pub fn unchecked(text: String, document: Document) -> Self {
         let (defined, source, document) = (Vec::new(), None, Some(document));
         Self { text: text.into(), defined, source, document }
     }
 }
 
-/// The text with `line` entered, and whether it is another document. A formula that replaces a
-/// gallery surface also removes the gallery's domain, view and comments.
+/// The text with `line` entered, and whether that is a new document. A formula that replaces a
+/// gallery surface makes a new document, without the gallery's domain, view and comments.
 fn with_line(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
     let base = base(request, readable, line);
     match request.source {
@@ -153,8 +152,8 @@ fn with_line(request: &Request, readable: &str, line: &str, adding: bool) -> (St
     }
 }
 
-/// The text that `line` is entered into: the document if it parses, alone or with the line, or else
-/// `readable`. Values that the document lacks are added from the command line.
+/// The text that `line` is entered into: the document if it parses, alone or with `line`, or else
+/// `readable`. If the document uses values given on the command line, their definitions are added.
 pub(super) fn base<'a>(request: &'a Request, readable: &'a str, line: &str) -> Cow<'a, str> {
     let is_read = |text: &str| parse(text, &Limits::default()).is_ok();
     // An empty document stays empty.

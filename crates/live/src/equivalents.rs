@@ -1,6 +1,6 @@
-//! Equivalents of formulas from other programs: one table, for the help and the manual.
+//! Equivalents of other programs' formulas, in one table for the help and the README.
 
-/// Rows of program, formula as written there, and formula as written here.
+/// Each row has a program, a formula in its syntax, and the equivalent formula here.
 pub const EQUIVALENTS: &[(&str, &str, &str)] = &[
     ("Desmos", "z = {x < 0: x^2, x}", "the same; a slider is `a = 1 in [0, 5]`"),
     (

@@ -1,5 +1,4 @@
-//! The help of the prompt, built from the tables of commands, of functions and of equivalents in
-//! other programs.
+//! The prompt's help, built from the tables of commands, functions and equivalents.
 
 use super::command::COMMANDS;
 use super::equivalents;
@@ -16,7 +15,7 @@ const EQUIVALENTS_TOPIC: &str = "coming";
 /// The command whose help also explains the words of the window's status line.
 const STATUS: &str = "status";
 
-/// Help on a function, command or word. Without a name, the list of all.
+/// Returns help on a function, command or word. Without a name, lists all of them.
 pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     if name.is_empty() {
         return say(everything());
@@ -63,7 +62,7 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     let nearest = language_names()
         .chain(commands)
         .map(|other| {
-            // Among equally near names, prefers one that `bare` starts with.
+            // Among equally near names, prefer one that is a prefix of `bare`.
             (strsim::damerau_levenshtein(other, bare), !bare.starts_with(other), other)
         })
         .min()

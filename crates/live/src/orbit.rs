@@ -1,13 +1,12 @@
-//! A turntable camera, which dragging and zooming change. Lengths are in half extents of the
-//! region, so that the view adapts when a surface grows. Angles are in radians. Knows no mouse,
-//! only pixels.
+//! A turntable camera for dragging and zooming. Lengths are in half extents of the region, so that
+//! the view adapts when a surface grows. Angles are in radians. Knows no mouse, only pixels.
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use zeroset_space::Region;
 use zeroset_trace::{Camera, CameraError, Projection};
 
-/// A camera position that turns about a pole.
+/// A camera that turns around its target, about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orbit {
     /// Axis of the turntable, of length 1.
@@ -18,15 +17,15 @@ pub struct Orbit {
     distance: f64,
     /// The target, relative to the region's center.
     target: DVec3,
-    /// Projection. The height of a parallel projection is in half extents.
+    /// Projection. The height of a parallel projection is in half extents of the region.
     projection: Projection,
 }
 
-/// Nearest and farthest distance that zooming reaches.
+/// Smallest and largest distance between target and eye, in half extents.
 const NEAREST: f64 = 1e-4;
 const FARTHEST: f64 = 1e3;
 
-/// Largest share of the picture that the region's box takes when fitted.
+/// Largest share of the picture that the region's box fills when it is fitted.
 const FILLED: f64 = 0.88;
 
 /// Angle of a drag across the picture's whole height.
@@ -38,7 +37,7 @@ impl Orbit {
         let scale = region.half_extent();
         let back = camera.eye() - camera.target();
         let frame = camera.rays(1, 1);
-        // The pole is z if that keeps the horizon level, else the camera's own up direction.
+        // Use z as the pole if that keeps the horizon level, or else the camera's own up direction.
         let level = frame.right().z.abs() < 1e-9;
         let pole = match level {
             true if frame.up().z < -1e-9 => DVec3::NEG_Z,
@@ -46,7 +45,7 @@ impl Orbit {
             false => camera.up().normalize(),
         };
         let elevation = frame.forward().dot(-pole).clamp(-1.0, 1.0).asin();
-        // Straight up or down, the azimuth follows from the up direction.
+        // If the camera looks straight up or down, the azimuth follows from its up direction.
         let lying = if back.cross(pole).length() < 1e-9 * back.length() {
             frame.up() * -elevation.signum()
         } else {
@@ -82,7 +81,7 @@ impl Orbit {
         Camera::new(target + back * self.distance * scale, target, up, projection)
     }
 
-    /// Unit vectors to the eye, to the right and upward in the picture.
+    /// Unit vectors toward the eye, to the right in the picture and up in the picture.
     fn directions(&self) -> (DVec3, DVec3, DVec3) {
         let (a, b) = axes(self.pole);
         let (sine, cosine) = self.azimuth.sin_cos();
@@ -91,8 +90,8 @@ impl Orbit {
         (level * run + self.pole * rise, right, self.pole * run - level * rise)
     }
 
-    /// Half extents per pixel in the plane through the target, for a picture of this height in
-    /// pixels.
+    /// Length of a pixel's side in the plane through the target, in half extents, for a picture of
+    /// `height` pixels.
     fn unit(&self, height: usize) -> f64 {
         let visible = match self.projection {
             Projection::Orthographic { height } => height,
@@ -114,8 +113,8 @@ impl Orbit {
         self.target += (up * down - right * across) * self.unit(height);
     }
 
-    /// Scales the view by `1 / factor` about a point this many pixels to the right of and below the
-    /// picture's middle.
+    /// Zooms so that sizes in the picture are divided by `factor`. The point this many pixels to
+    /// the right of and below the picture's middle stays in place.
     pub fn zoom(&mut self, factor: f64, across: f64, down: f64, height: usize) {
         let factor = (self.distance * factor).clamp(NEAREST, FARTHEST) / self.distance;
         let (_, right, up) = self.directions();
@@ -126,16 +125,17 @@ impl Orbit {
         }
     }
 
-    /// Fits the box of `shown` into a picture of this size in pixels, seen from the same side, with
-    /// space around it for labels. Lengths of the orbit are in half extents of `region`.
+    /// Fits the box of `shown` into a picture of this size in pixels, with space around it for
+    /// labels. The side from which it is viewed stays. The orbit's lengths are in half extents of
+    /// `region`.
     pub fn fit(&mut self, shown: &Region, region: &Region, width: usize, height: usize) {
         let scale = region.half_extent();
         self.target = (shown.centre() - region.centre()) / scale;
         let (back, right, up) = self.directions();
         let aspect = width.max(1) as f64 / height.max(1) as f64;
         let half = (shown.high() - shown.low()) / (2.0 * scale);
-        // For each corner: its distance from the picture's middle in half heights, and its distance
-        // from the target toward the eye.
+        // For each corner: its distance from the picture's middle, in half heights of the picture,
+        // and its distance from the target toward the eye.
         let corners = (0..8).map(|n: i32| {
             let side = |axis: usize| if n >> axis & 1 == 1 { half[axis] } else { -half[axis] };
             let corner = DVec3::new(side(0), side(1), side(2));
@@ -154,7 +154,8 @@ impl Orbit {
         }
     }
 
-    /// Switches between perspective and parallel projection. Sizes at the target's distance stay.
+    /// Switches between perspective and parallel projection. Objects at the target's distance keep
+    /// their size in the picture.
     pub fn toggle_projection(&mut self) {
         let visible = self.unit(1);
         self.projection = match self.projection {
@@ -225,14 +226,14 @@ mod tests {
         let turned = orbit.camera(&region).expect("valid");
         assert!((turned.eye().z - start.eye().z).abs() < 1e-9);
         assert!((turned.eye() - start.eye()).length() > 1.0);
-        // The near side follows the pointer: the eye goes to the left.
+        // The near side follows the pointer to the right, so the eye moves to the left.
         assert!((turned.eye() - start.eye()).dot(start.rays(1, 1).right()) < 0.0);
         orbit.turn(0.0, 1e6, 400);
         let top = orbit.camera(&region).expect("straight down is a view");
         assert!(top.rays(1, 1).forward().z < -0.999_999);
     }
 
-    /// Pixel position of a point, from the picture's middle to the right and downward.
+    /// Position of a point in pixels, to the right of and below the picture's middle.
     fn pixel(camera: &Camera, point: DVec3, height: f64) -> (f64, f64) {
         let frame = camera.rays(1, 1);
         let way = point - camera.eye();

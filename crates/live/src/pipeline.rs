@@ -1,9 +1,9 @@
-//! The worker that turns the latest request into pictures: it reads, compiles, and draws a coarse
-//! and then a fine picture.
+//! The worker thread that turns the latest request into pictures. It reads the text, compiles it,
+//! and draws a coarse and then a fine picture.
 //!
 //! A new request interrupts the previous one between tiles. The result of a stage is reused until
-//! something it depends on changes. Pictures and models are reference-counted, so the last user of
-//! a kernel frees it.
+//! something it depends on changes. Pictures and models are reference-counted, so a kernel is freed
+//! with its last user.
 
 mod domain_hysteresis;
 mod glide;
@@ -60,7 +60,7 @@ pub struct Request {
     pub text: Arc<str>,
     /// Names with values that override those of the text.
     pub overrides: Vec<(String, String)>,
-    /// The time, which overrides that of the text.
+    /// The time `t`, which overrides the value in the text.
     pub time: Option<f64>,
     /// Choice of the region.
     pub domain: DomainChoice,
@@ -111,18 +111,20 @@ pub struct Rendering {
     pub model: Arc<Model>,
     /// The automatic domain, if the region was searched for.
     pub searched: Option<AutoDomain>,
-    /// The region that views are relative to: that of the formula's first picture, even if
-    /// parameters have moved since.
+    /// The region that views are relative to. It is the region of the formula's first picture, and
+    /// stays when parameters change.
     pub view_anchor: Region,
     /// Camera of the picture.
     pub camera: Camera,
     /// Why the picture is blank, if it is.
     pub blank: Option<Blank>,
-    /// The picture. A coarse one has fewer pixels than requested, or leaves some rays open.
+    /// The picture. A coarse one has fewer pixels than requested, or leaves some pixels undecided
+    /// that a finer picture decides.
     pub picture: Picture,
-    /// Set if a finer picture is to follow.
+    /// Set if a finer picture follows.
     pub coarse: bool,
-    /// Time of reading, if this request needed it. The times of later stages are in the picture.
+    /// Time to read the document, close to zero if it was reused. The times of later stages are in
+    /// the picture.
     pub parse: Duration,
     /// Time from the request to this picture.
     pub latency: Duration,
@@ -143,7 +145,7 @@ impl Rendering {
     }
 }
 
-/// Why the latest request has no picture.
+/// An error: why the latest request has no picture.
 #[derive(Debug)]
 pub struct Fault {
     /// Revision of the request.
@@ -180,7 +182,7 @@ impl Fault {
         }
     }
 
-    /// The single letter without a value, if that is the only error.
+    /// The undefined single letter, if that is the only error.
     pub fn missing_letter(&self) -> Option<char> {
         match &self.reason {
             FaultReason::Text(errors) => missing_letter(errors),
@@ -200,14 +202,14 @@ impl Fault {
     }
 }
 
-/// The results that are visible at one moment.
+/// The latest results of the worker.
 #[derive(Clone, Default)]
 pub struct Snapshot {
-    /// The last picture that succeeded.
+    /// The latest picture.
     pub rendering: Option<Arc<Rendering>>,
     /// The error of the latest request, if it has one.
     pub fault: Option<Arc<Fault>>,
-    /// The latest request that is finished.
+    /// Revision of the latest request that is finished.
     pub settled: u64,
 }
 
@@ -227,27 +229,27 @@ struct PipelineState {
     revision: u64,
     requested: Instant,
     snapshot: Snapshot,
-    /// Set while a hand or the clock moves values. An automatic view holds still until they stop.
+    /// Set while the user or the clock moves values. An automatic view holds still until they stop.
     moving: bool,
-    /// The next change of that view.
+    /// How the automatic view changes next.
     next_view: NextView,
     stop: bool,
 }
 
-/// A way in which an automatic view changes.
+/// How an automatic view changes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum NextView {
-    /// At once: someone who types waits for a picture.
+    /// Immediately, since the user waits for the picture.
     Immediate,
-    /// Not while a value moves, although a new view is due.
+    /// Later: a new view is due, but values are still moving.
     Deferred,
-    /// By gliding, after a value has moved.
+    /// By gliding, now that values have stopped.
     Gliding,
 }
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, PipelineState> {
-        // Every write leaves the state whole, so a panic elsewhere does not spoil it.
+        // Each write leaves the state consistent, so it is usable even after a panic elsewhere.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -269,7 +271,7 @@ impl Pipeline {
         Self { shared, worker: Some(std::thread::spawn(move || worker.run())) }
     }
 
-    /// Requests a picture, replacing all earlier requests. Returns the revision.
+    /// Requests a picture, replacing all earlier requests. Returns the new revision.
     pub fn request(&self, request: Request) -> u64 {
         let mut state = self.shared.lock();
         state.request = Arc::new(request);
@@ -279,7 +281,7 @@ impl Pipeline {
         state.revision
     }
 
-    /// Sets whether values are being moved. Returns whether a new view is due because they stopped.
+    /// Sets whether values are moving. Returns whether they have stopped and a new view is due.
     pub fn set_moving(&self, moving: bool) -> bool {
         let mut state = self.shared.lock();
         state.moving = moving;
@@ -295,8 +297,8 @@ impl Pipeline {
         self.shared.lock().snapshot.clone()
     }
 
-    /// Waits until `done` holds for the results and the latest revision. Returns whether that
-    /// happened in time.
+    /// Waits until `done` returns true for the results and the latest revision. Returns whether
+    /// that happened in time.
     pub fn wait(&self, timeout: Duration, done: impl Fn(&Snapshot, u64) -> bool) -> bool {
         let state = self.shared.lock();
         let waiting = |state: &mut PipelineState| !done(&state.snapshot, state.revision);
@@ -316,7 +318,7 @@ impl Drop for Pipeline {
     }
 }
 
-/// The single letter without a value, if that is the only error.
+/// The undefined single letter, if that is the only error.
 pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
     let letter = |error: &zeroset_syntax::Error| match &error.kind {
         ErrorKind::UnknownName { name, letter } => {

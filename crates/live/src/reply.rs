@@ -4,7 +4,7 @@ use super::pipeline::missing_letter;
 use zeroset_scene::program::ProgramError;
 use zeroset_syntax::Errors;
 
-/// The reply to an entered line.
+/// The reply to an entered line. Some replies ask the caller to do something.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reply {
     /// The line was carried out.
@@ -51,7 +51,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// The single letter without a value, if that is the only error.
+    /// The undefined single letter, if that is the only error.
     pub fn missing_letter(&self) -> Option<char> {
         match self {
             Self::Text { errors, .. } => missing_letter(errors),
@@ -68,7 +68,7 @@ impl Refusal {
     }
 }
 
-// All command functions return a `Result`, so this one does too.
+// Returns a `Result`, as all command functions do.
 #[allow(clippy::unnecessary_wraps)]
 pub(super) fn say(text: String) -> Result<Reply, Refusal> {
     Ok(Reply::Say(text))

@@ -1,4 +1,5 @@
-//! A document and its picture, shared by everything that types, drags and looks. Knows no commands.
+//! The live document and its picture, for everything that types, drags and shows pictures. Knows no
+//! commands.
 
 use super::draft::with_value;
 use super::orbit::Orbit;
@@ -19,33 +20,33 @@ use zeroset_syntax::{Limits, parse};
 /// A live document and its picture.
 ///
 /// All methods may be called from any thread. The lock is held only briefly: reading and
-/// simplifying run without it, and moving a value or the view never waits for them.
+/// simplifying run without it, so moving a value or the view never waits for them.
 pub struct Live {
     state: Mutex<SessionState>,
     pipeline: Pipeline,
 }
 
-/// A deferred move of a value.
+/// A move of a value that has been postponed.
 type Move = Box<dyn FnOnce(&Live) + Send>;
 
 #[derive(Default)]
 pub(super) struct SessionState {
     /// The current request, with the document as entered.
     pub request: Request,
-    /// The text that is drawn: the document, or the document with the line being typed.
+    /// The text that is drawn: the document, or the document with the line that is being typed.
     pub shown: Arc<str>,
-    /// Names that the line being typed defines.
+    /// Names defined by the line that is being typed.
     pub typed: Vec<String>,
-    /// The last text that parsed: the base of edits when a watched file stops parsing.
+    /// The last text that parsed. Edits start from it when a watched file stops parsing.
     pub readable: Arc<str>,
     /// The text as last loaded or saved.
     kept: Arc<str>,
-    /// Values that were dragged since the document set them.
+    /// Values that have been dragged, with their definitions before the drag.
     pub dragged: Vec<Dragged>,
     pub undo: Undo,
     /// Number of edits that block moves of values.
     first: usize,
-    /// The blocked moves: the latest of each gesture.
+    /// The blocked moves. For each gesture, only the latest is kept.
     waiting: Vec<(Gesture, Move)>,
     revision: u64,
     /// The revision at which the document last became empty. Results up to it are not shown.
@@ -62,7 +63,7 @@ impl SessionState {
         }
     }
 
-    /// Returns whether the document is unchanged since this snapshot.
+    /// Returns whether the document is unchanged since this checkpoint.
     fn has_same_document(&self, checkpoint: &Checkpoint) -> bool {
         same_document(&self.request, &checkpoint.request)
             && self.readable == checkpoint.readable
@@ -71,8 +72,7 @@ impl SessionState {
 }
 
 impl Checkpoint {
-    /// The dragged values whose definitions in `text` are the same as in this snapshot. A value
-    /// whose definition has changed no longer counts as dragged.
+    /// The dragged values, except those that `text` defines differently from this checkpoint.
     pub fn dragged_in(&self, text: &str) -> Vec<Dragged> {
         let side = |text, one: &Dragged| right_side(text, &one.name);
         let kept =
@@ -81,7 +81,7 @@ impl Checkpoint {
     }
 }
 
-/// Blocks moves of values during an edit. The waiting moves run when it is dropped.
+/// Blocks moves of values during an edit. When it is dropped, the waiting moves are applied.
 struct MoveBlock<'a>(&'a Live);
 
 impl<'a> MoveBlock<'a> {
@@ -95,7 +95,7 @@ impl Drop for MoveBlock<'_> {
     fn drop(&mut self) {
         loop {
             let mut state = self.0.lock();
-            // Further moves queue up behind these, so that the latest is applied last.
+            // New moves queue up behind the waiting ones, so that the latest is applied last.
             if state.first > 1 || state.waiting.is_empty() {
                 state.first -= 1;
                 return;
@@ -124,7 +124,7 @@ impl Live {
     }
 
     pub(super) fn lock(&self) -> MutexGuard<'_, SessionState> {
-        // Every write leaves the state whole, so a panic elsewhere does not spoil it.
+        // Each write leaves the state consistent, so it is usable even after a panic elsewhere.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -146,8 +146,8 @@ impl Live {
         self.pipeline.wait(timeout, |seen, _| seen.settled >= revision)
     }
 
-    /// Waits for the fine picture of one request. Returns `None` on timeout, on an error in the
-    /// request, or once a newer request is made.
+    /// Waits for the fine picture of the request with this revision. Returns `None` on timeout, if
+    /// the request has an error, or if there is a newer request.
     pub fn finished(&self, revision: u64, timeout: Duration) -> Option<Arc<Rendering>> {
         self.pipeline.wait(timeout, |seen, latest| seen.settled >= revision || latest > revision);
         let Snapshot { rendering, fault, .. } = self.snapshot();
@@ -164,8 +164,8 @@ impl Live {
         })
     }
 
-    /// Waits until a picture of the latest request has all its pixels, although some may still be
-    /// open. Returns whether that happened in time.
+    /// Waits until a picture of the latest request has all its pixels, some of which may be
+    /// undecided until a finer picture. Returns whether that happened in time.
     pub fn wait_for_full(&self, timeout: Duration) -> bool {
         let revision = self.lock().revision;
         self.pipeline.wait(timeout, |seen, _| {
@@ -174,8 +174,8 @@ impl Live {
         })
     }
 
-    /// Sets whether a hand or the clock is moving values. An automatic view holds still until they
-    /// stop, and then glides to fit the surface.
+    /// Sets whether the user or the clock is moving values. An automatic view holds still until
+    /// they stop, and then glides to fit the surface.
     pub fn set_moving(&self, moving: bool) {
         if self.pipeline.set_moving(moving) {
             self.refresh();
@@ -213,8 +213,9 @@ impl Live {
         self.lock().request.settings.clone()
     }
 
-    /// Runs `work`, which may be slow, without the lock, then applies its result. If the document
-    /// has changed by then, `work` runs again. From the third try on, moves of values are blocked.
+    /// Runs `work`, which may be slow, without the lock, and then applies its result. If the
+    /// document has changed meanwhile, `work` runs again. From the third try on, moves of values
+    /// are blocked.
     pub(super) fn change_after<W, R>(
         &self,
         work: impl Fn(&Checkpoint) -> Result<W, Refusal>,
@@ -255,8 +256,7 @@ impl Live {
     }
 
     /// Replaces the document by `text`. With `again`, `text` is a newer version of the same
-    /// document: the view stays, and dragged values stay unless the new text changes their
-    /// definitions.
+    /// document. Then the view stays, and so do dragged values whose definitions have not changed.
     pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
@@ -268,7 +268,7 @@ impl Live {
             dragged.retain(|one| {
                 right_side(text, &one.name).map_or(String::new(), |(_, side)| side) == one.side
             });
-            // Equal right after the program has saved the document.
+            // The texts are equal right after the program itself has saved the document.
             let is_same = text.trim_end() == checkpoint.request.text.trim_end();
             let text = || with_dragged(text, &checkpoint.readable, &dragged).into();
             Ok(((!is_same).then(text), dragged))
@@ -306,7 +306,7 @@ impl Live {
         self.load(DocumentSource::Typed, "", false);
     }
 
-    /// Notes that the document was saved as `text` to the file at `path`.
+    /// Records that the document was saved as `text` to the file at `path`.
     pub fn saved(&self, path: &Path, text: &str) {
         let mut state = self.lock();
         state.request.source = DocumentSource::File(path.to_owned());
@@ -334,7 +334,7 @@ impl Live {
     pub fn turn(&self, turn: impl FnOnce(&mut Orbit)) {
         let Some(seen) = self.snapshot().rendering else { return };
         self.change_by(Some(Gesture::View), |request| {
-            // The requested orbit may be ahead of the visible one.
+            // The requested orbit may be newer than the one of the visible picture.
             let orbit = request
                 .orbit
                 .get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.view_anchor));
@@ -342,7 +342,7 @@ impl Live {
         });
     }
 
-    /// Fits the whole region into the picture, seen from the same side. Does nothing before the
+    /// Fits the whole region into the picture, viewed from the same side. Does nothing before the
     /// first picture.
     pub fn fit(&self) {
         let Some(seen) = self.snapshot().rendering else { return };
@@ -368,18 +368,18 @@ impl Live {
         });
     }
 
-    /// Requests the same picture again under a new revision. [`Live::finished`] returns `None` for
-    /// earlier ones.
+    /// Requests the picture again under a new revision. [`Live::finished`] returns `None` for
+    /// earlier revisions.
     pub fn refresh(&self) {
         self.change(|_| {});
     }
 
-    /// Changes the request except for its text.
+    /// Changes the request, but not its text.
     pub(super) fn change(&self, change: impl FnOnce(&mut Request)) {
         self.change_by(None, change);
     }
 
-    /// Like [`Live::change`], as part of a gesture.
+    /// Like [`Live::change`]. With a gesture, the change is part of its undo step.
     pub(super) fn change_by(&self, gesture: Option<Gesture>, change: impl FnOnce(&mut Request)) {
         let mut state = self.lock();
         let before = state.checkpoint();
@@ -410,13 +410,13 @@ impl Live {
         true
     }
 
-    /// Sets whether a mouse button is held. All turning or dragging while it is held is one step of
+    /// Sets whether a mouse button is held. Turning or dragging while it is held is one step of
     /// [`Live::undo`].
     pub fn hold(&self, held: bool) {
         self.lock().undo.hold(held);
     }
 
-    /// Requests a picture of the current state, and records the state before as a step to undo.
+    /// Requests a picture of the current state. Records the state `before` as an undo step.
     pub(super) fn record(
         &self,
         state: &mut SessionState,
@@ -437,7 +437,7 @@ impl Live {
         }
         let mut request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };
         request.forget_given(&state.typed);
-        // An error in the line being typed is not an error of the file.
+        // The error messages of a line that is being typed must not name the file.
         if state.shown != state.request.text {
             request.source = DocumentSource::Typed;
         }
@@ -445,7 +445,7 @@ impl Live {
     }
 }
 
-/// `text` with the dragged values as they are in `present`.
+/// `text`, with each dragged value set to its value in the text `present`.
 fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {
     dragged.iter().fold(text.to_owned(), |text, one| {
         let moved = || {
@@ -506,8 +506,7 @@ mod tests {
         };
         let changed = live.change_after(work, |state, text| state.request.text = text.into());
         assert!(changed.is_ok());
-        // The first two tries come too late. Then moves wait, and the last of them is applied
-        // afterwards.
+        // Moves make the first two tries obsolete, and then wait until the third is applied.
         assert_eq!(tries.into_inner(), 3);
         assert_eq!(live.text(), TEXT.replace("r = 0", "r = 3") + "\nz = 0");
         live.drag(&slider, 4.0);

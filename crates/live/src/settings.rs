@@ -1,4 +1,4 @@
-//! Commands for picture settings: each sets a value if one is given, and reports the current one.
+//! Commands for picture settings. Each sets a value if one is given, or reports the current one.
 
 use super::reply::{Refusal, Reply, refused, say};
 use super::session::Live;
@@ -44,8 +44,8 @@ pub(super) fn switch(word: &str) -> Option<bool> {
     }
 }
 
-/// The answer where `name` is not in a table. If it is empty, lists the table with a star at the
-/// row in use; otherwise refuses.
+/// Refuses a `name` that is not in the table. For an empty name, lists the table, with a star at
+/// the row in use.
 fn listed<'a>(
     kind: &str,
     name: &str,
@@ -63,7 +63,7 @@ fn listed<'a>(
     say(rows.map(line).collect::<Vec<_>>().join("\n"))
 }
 
-/// Sets an option of methods unless `text` is empty, and reports its value.
+/// Sets a method option unless `text` is empty, and reports its value.
 pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<Reply, Refusal> {
     if !text.is_empty() {
         let mut refused = None;
@@ -85,7 +85,7 @@ pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<R
     ))
 }
 
-/// A remark if the current method ignores an option; else empty.
+/// A note if the current method does not use this option; else empty.
 fn unused_note(settings: &Settings, option: &MethodOption) -> String {
     let method = settings.method;
     if method.reads.contains(option) {

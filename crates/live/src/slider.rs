@@ -1,5 +1,5 @@
-//! Sliders: the values that can be moved by hand or by the clock, and their ranges. A move edits
-//! the document. Knows no window and no mouse.
+//! Sliders: values that can be moved by hand or by the clock, and their ranges. Moving a slider
+//! edits the document. Knows no window and no mouse.
 
 use super::draft::with_value;
 use super::edit::base;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use zeroset_scene::view::{self, nearest};
 use zeroset_syntax::{Parameter, ParameterKind};
 
-/// A movable value, as a picture shows it.
+/// A movable value of the document that a picture shows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slider {
     /// Name of the parameter in the document.
@@ -47,14 +47,14 @@ impl Slider {
         width > 0.0 && width.is_finite()
     }
 
-    /// `value` clamped to the range. For a NaN, the current value.
+    /// `value`, clamped to the range. If it is NaN, the slider's current value.
     fn within(&self, value: f64) -> f64 {
         let value = if value.is_nan() { self.value } else { value };
         value.max(self.low).min(self.high)
     }
 
-    /// `value` clamped to the range, and rounded to the fewest digits at which values that differ
-    /// by `step` look different.
+    /// `value`, clamped to the range and rounded to as few digits as distinguish values that differ
+    /// by `step`.
     pub fn rounded(&self, value: f64, step: f64) -> f64 {
         let value = self.within(value);
         let digits = self.digits(step);
@@ -68,14 +68,15 @@ impl Slider {
         self.within(text.parse().unwrap_or(value))
     }
 
-    /// Number of decimal places at which values that differ by `step` look different. -1 stands for
-    /// tens, -2 for hundreds, and so on.
+    /// Number of decimal places needed to distinguish values that differ by `step`. Negative
+    /// numbers stand for tens (-1), hundreds (-2), and so on.
     fn digits(&self, step: f64) -> i32 {
         let step = step.max((self.high - self.low) * 1e-12).max(f64::MIN_POSITIVE);
         (-step.log10().floor()).clamp(-300.0, 17.0) as i32
     }
 
-    /// The value as text, with the digits of [`Slider::rounded`].
+    /// The value as text, with as many decimals as `step` needs, up to 9. Very large and very small
+    /// values have an exponent.
     pub fn shown(&self, step: f64) -> String {
         let value = self.value;
         let is_plain = value == 0.0 || (1e-4..1e6).contains(&value.abs());
@@ -97,7 +98,7 @@ fn default_range(value: f64) -> (f64, f64) {
 }
 
 impl Rendering {
-    /// The sliders, in document order. The time is among them if something drawn depends on it.
+    /// The sliders, in document order. The time is one of them if a surface depends on it.
     pub fn sliders(&self) -> Vec<Slider> {
         let document = &self.document;
         let moves =
@@ -107,16 +108,16 @@ impl Rendering {
 }
 
 impl Live {
-    /// Sets a value within its slider's range, as dragging does. Returns the latest revision. The
-    /// document changes at once, or later if an edit is blocking moves. A definition without a
-    /// range gets the slider's, so that code compiled for it serves all later values.
+    /// Sets a value as dragging does, clamped to its slider's range. Returns the latest revision.
+    /// The document changes at once, or after an edit that is blocking moves. A definition without
+    /// a range gets the slider's range, so that code is compiled once for all values.
     ///
     /// Consecutive calls are one step of [`Live::undo`].
     pub fn drag(&self, slider: &Slider, value: f64) -> u64 {
         self.request_value(slider, &format_value(slider.within(value)), true)
     }
 
-    /// Like [`Live::drag`], for the clock: no step to undo.
+    /// Like [`Live::drag`], for the clock. Does not record an undo step.
     pub fn pass(&self, slider: &Slider, value: f64) -> u64 {
         self.request_value(slider, &format_value(slider.within(value)), false)
     }

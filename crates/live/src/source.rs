@@ -7,7 +7,7 @@ use zeroset_scene::gallery::Example;
 /// The source of a document. It is displayed as the name used in messages.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DocumentSource {
-    /// The keyboard, or a command-line argument.
+    /// The keyboard or a command-line argument.
     #[default]
     Typed,
     /// A named stream that can be read only once, such as standard input.

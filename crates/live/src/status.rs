@@ -12,7 +12,7 @@ use zeroset_scene::view::{self, ClipChoice, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_trace::{Fallback, Method, MethodOption, OPTIONS, Projection};
 
-/// The note on a function that may be 0 everywhere.
+/// Note on a picture whose function may be 0 everywhere.
 pub const FLAT: &str =
     "a function could not be distinguished from 0 at any sampled point: it may be 0 everywhere";
 
@@ -81,7 +81,7 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     text
 }
 
-/// The options that the method uses, in the order of the table.
+/// The options that the method uses, in the order of [`OPTIONS`].
 fn read_options(settings: &Settings) -> impl Iterator<Item = &'static MethodOption> {
     let method = settings.method;
     OPTIONS.iter().filter(|option| method.reads.contains(option))
@@ -109,8 +109,8 @@ impl Rendering {
         Some(self.blank?.describe(&|ends| format!(":domain {ends}")))
     }
 
-    /// One short line: time, size, method with its options, undecided pixels and compile time. For
-    /// a blank picture, the reason.
+    /// A short line with time, size, method with its options, undecided pixels and compile time.
+    /// For a blank picture, the reason.
     pub fn summary(&self) -> String {
         if let Some(why) = self.why_blank() {
             return why;
@@ -137,7 +137,7 @@ impl Rendering {
         )
     }
 
-    /// The command that reproduces this picture at full size, as `output`.
+    /// The shell command that writes this picture, at its full size, to the file `output`.
     pub fn command(&self, output: &str) -> String {
         let request = &self.request;
         let settings = &request.settings;
@@ -150,7 +150,7 @@ impl Rendering {
             let _ = write!(command, " --time {time}");
         }
         match request.domain {
-            // An automatic domain may depend on the one shown before.
+            // State the domain, since an automatic domain may depend on the one shown before.
             DomainChoice::Document | DomainChoice::Auto if self.searched.is_some() => {
                 let [x, y, z] = view::bounds(self.model.region())
                     .map(|Interval { lo, hi }| [lo, hi].map(coordinate).join(","));

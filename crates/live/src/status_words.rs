@@ -6,7 +6,7 @@ use super::status::ms;
 use zeroset_render::picture::Settings;
 use zeroset_trace::{METHODS, Proves, UndecidedReason};
 
-/// Placeholder for the first method that proves hits and misses.
+/// Placeholder in [`WORDS`] for the name of the first method that proves hits and misses.
 const PROVER: &str = "{prover}";
 
 /// Words of the status line and their explanations.
@@ -51,7 +51,7 @@ pub(super) fn explained() -> String {
     format!("What the status line says\n{}", lines.join("\n"))
 }
 
-/// The reason shown for undecided pixels.
+/// A short reason for undecided pixels.
 fn why(reason: UndecidedReason) -> &'static str {
     match reason {
         UndecidedReason::None => "no reason known",
@@ -65,8 +65,8 @@ fn why(reason: UndecidedReason) -> &'static str {
 }
 
 impl Rendering {
-    /// One short line in plain words: progress or proof, time, size, and the method unless it is
-    /// the default. For a blank picture, the reason.
+    /// A short line in plain words: progress or what is proven, time, size, and the method unless
+    /// it is the default. For a blank picture, the reason.
     pub fn in_words(&self) -> String {
         if let Some(why) = self.why_blank() {
             return why;
@@ -97,7 +97,7 @@ impl Rendering {
         parts.join(" · ")
     }
 
-    /// The part of the picture that is proven, in words.
+    /// What is proven about the picture, in words.
     fn proven(&self) -> String {
         let reasons = UndecidedReason::ALL.into_iter().zip(self.picture.buffer.reasons());
         let open: Vec<(UndecidedReason, usize)> = reasons.filter(|(_, count)| *count > 0).collect();

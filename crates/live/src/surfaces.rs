@@ -1,5 +1,5 @@
-//! Style and order of a document's surfaces: listing and changing them. Each change is an edit of
-//! the text. Knows style lines and their places, but no window.
+//! Lists a document's surfaces and changes their style and order by edits of its text. A "drawing"
+//! is a statement that draws a surface. Knows style lines and their places, but no window.
 
 use super::draft::without_drawing;
 use super::edit::{Edit, base, nothing_drawn};
@@ -14,10 +14,10 @@ use zeroset_syntax::{Document, Options, SurfaceColor};
 /// First words of style lines. These apply to the drawings below them.
 const STYLE_WORDS: [&str; 3] = ["color", "opacity", "hidden"];
 
-/// Number of sample colors of a color map in a list.
+/// Number of sample colors in a list for a surface with a color map.
 const SWATCH: usize = 6;
 
-/// A surface as a list shows it.
+/// A surface's row in a list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceEntry {
     /// The formula as it was read.
@@ -36,7 +36,7 @@ impl Rendering {
         let surfaces = self.document.surfaces.iter().enumerate();
         let listed = |(number, surface): (usize, &zeroset_syntax::Surface)| {
             let own = || {
-                // The list shows both sides, since either may be visible.
+                // List the colors of both sides, since either side may be visible.
                 let SurfaceColors { positive, negative, .. } = SurfaceColors::default_for(number);
                 vec![positive.to_srgb(), negative.to_srgb()]
             };
@@ -60,13 +60,13 @@ impl Rendering {
 struct StyledDrawing {
     /// Formula, as typed.
     body: String,
-    /// Arguments of the `color` line, without an opacity.
+    /// Arguments of the `color` line, but without an opacity.
     color: String,
     opacity: f64,
     hidden: bool,
 }
 
-/// The style without any style lines: color, opacity, hidden.
+/// Color, opacity and hiding of a drawing without style lines above it.
 const DEFAULT_STYLE: (&str, f64, bool) = ("auto", 1.0, false);
 
 impl StyledDrawing {
@@ -91,8 +91,8 @@ impl StyledDrawing {
         surfaces.map(one).collect()
     }
 
-    /// The style lines that this drawing needs after the drawing before it. Only lines with these
-    /// `words` are written.
+    /// The style lines needed above this drawing, if `before` is the drawing above it. Only lines
+    /// that begin with these `words` are returned.
     fn lines(&self, before: Option<&Self>, words: &[&str]) -> Vec<String> {
         let (color, opacity, hidden) =
             before.map_or(DEFAULT_STYLE, |one| (one.color.as_str(), one.opacity, one.hidden));
@@ -115,9 +115,9 @@ fn percent(share: f64) -> f64 {
     (share * 1e4).round() / 1e2
 }
 
-/// Applies `change` to the drawings of a text, and returns the new text with its document. All
-/// style lines with these `words` are written anew. Returns `None` where style lines cannot express
-/// the change, as in a program.
+/// Applies `change` to the drawings of a text, and rewrites all style lines that begin with these
+/// `words`. Returns the new text and its document. Returns `None` if style lines cannot express the
+/// change, as in a program.
 fn changed(
     text: &str,
     options: &Options<'_>,
@@ -176,7 +176,7 @@ fn changed(
     Some((new, said))
 }
 
-/// The range of a style line, with its line end or semicolon unless a comment follows.
+/// The range of a style line with the line break or semicolon behind it, if no comment comes first.
 fn whole(text: &str, line: &Range<usize>) -> Range<usize> {
     let rest = &text[line.end..];
     let blank = rest.len() - rest.trim_start_matches([' ', '\t']).len();
@@ -217,7 +217,7 @@ impl Live {
                 drawn[number - 1].opacity = opacity.clamp(0.0, 1.0);
             }))
         });
-        // A move that waits for an edit is not refused.
+        // A move that waits for an edit is not refused, so this succeeds.
         set.unwrap_or(Ok(()))
     }
 
@@ -262,15 +262,15 @@ impl Live {
                     "this text has no place for that: write `{words}` lines yourself"
                 ));
             };
-            // The formulas are unchanged and need no new check.
+            // The formulas are unchanged, so they are not checked again.
             Ok(Edit::unchecked(text, document))
         };
         self.edit(gesture, work).map(drop)
     }
 }
 
-/// The text without a drawing. The other drawings keep their style. The error is the number of
-/// drawings.
+/// The text without one drawing. The other drawings keep their style. Errors are as for
+/// [`without_drawing`].
 pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Result<String, usize> {
     let plain = without_drawing(text, number)?;
     let look = |text: &str| {
@@ -285,8 +285,8 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     if look(&plain).is_none_or(|now| now == wanted) {
         return Ok(plain);
     }
-    // Style lines with no drawing below them apply to the drawings above. So the drawing is first
-    // moved to the end, with the style of the one before it.
+    // Style lines with no drawing below them would apply to drawings above. So the drawing is first
+    // moved to the end, with the style of the drawing before it.
     let last = changed(text, options, &STYLE_WORDS, |drawn| {
         let one = drawn.remove(number - 1);
         let like = drawn.last().unwrap_or(&one).clone();
@@ -296,7 +296,7 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
 }
 
-/// The error for a surface number beyond the `count` surfaces.
+/// The error for a surface number above `count`, the number of surfaces.
 pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
     Refusal::Command(match count {
         0 => "nothing is drawn".to_owned(),
@@ -356,7 +356,7 @@ mod tests {
             set("color viridis(z, -1, 1)\nopacity 0.5\nx = 1", 0, 0.123_456).as_deref(),
             Some("color viridis(z, -1, 1)\nopacity 12.35%\nx = 1")
         );
-        // This drawing has no line of its own.
+        // A style line would have to stand inside a statement of the program.
         assert_eq!(set("float d = length(p) - 1.;", 0, 0.5), None);
     }
 

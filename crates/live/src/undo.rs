@@ -5,10 +5,10 @@ use std::mem;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Number of steps kept.
+/// Largest number of undo steps.
 const MAX_STEPS: usize = 200;
 
-/// Longest pause between changes of one gesture.
+/// Longest pause between two changes that belong to one gesture.
 const PAUSE: Duration = Duration::from_secs(1);
 
 /// A kind of continuous change. All its small changes are undone as one step.
@@ -18,17 +18,17 @@ pub(super) enum Gesture {
     View,
     /// Moving the clipping plane.
     Clip,
-    /// Dragging or playing the value of this name.
+    /// Dragging a value of this name, or moving it by the clock.
     Value(String),
 }
 
-/// A value that was dragged, as the document defined it before.
+/// A dragged value, with its definition before the drag.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Dragged {
     pub name: String,
     /// The value before it was dragged, as typed.
     pub value: String,
-    /// The whole right side of its definition before, or empty if there was none.
+    /// The right side of the definition before the drag, with the range. Empty if there was none.
     pub side: String,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Returns whether both are the same, except for the picture's size and the axes.
+    /// Returns whether both are equal, apart from the picture's size and the axes.
     fn is_same(&self, other: &Self) -> bool {
         let mut framed = self.clone();
         framed.copy_size_and_axes(other);
@@ -63,7 +63,7 @@ pub(super) struct Undo {
     past: Vec<Checkpoint>,
     future: Vec<Checkpoint>,
     last: Option<(Gesture, Instant)>,
-    /// Set while a mouse button is held. A gesture then continues through any pause.
+    /// Set while a mouse button is held. A gesture then continues despite pauses.
     held: bool,
 }
 
@@ -87,8 +87,7 @@ impl Undo {
         self.past.push(before);
     }
 
-    /// Keeps the gesture going until this is called with `false`. The next change starts a new
-    /// step.
+    /// Sets whether a mouse button is held. The next change starts a new step.
     pub fn hold(&mut self, held: bool) {
         self.held = held;
         self.last = None;

@@ -1,4 +1,4 @@
-//! Where a document's text defines a value, and the format of values. Knows definitions and their
+//! Finds where a document's text defines a value, and formats values. Knows definitions and their
 //! ranges, but no pictures.
 
 use std::ops::Range;
@@ -9,15 +9,15 @@ use zeroset_syntax::{Limits, parse};
 /// Name of the time.
 pub(super) const TIME: &str = "t";
 
-/// Byte ranges of the definition of a value in a text.
+/// Byte ranges in a text of a value's definition.
 pub(super) struct Place {
-    /// The value.
+    /// Byte range of the value.
     pub body: Range<usize>,
-    /// Lower and upper end of its range.
+    /// Byte ranges of the lower and the upper end of the value's range.
     pub range: Option<(Range<usize>, Range<usize>)>,
 }
 
-/// The last definition of `name` as a value.
+/// Finds the last definition of `name` as a value.
 pub(super) fn place(text: &str, name: &str) -> Option<Place> {
     let statements = parse(text, &Limits::default()).ok()?;
     statements.iter().rev().find_map(|one| match one {
@@ -27,7 +27,7 @@ pub(super) fn place(text: &str, name: &str) -> Option<Place> {
             let body = definition.body.span.range();
             let range = definition.range.as_ref();
             let range = range.map(|(low, high)| (low.span.range(), high.span.range()));
-            // Definitions that the parser adds have no place in the text.
+            // Definitions that the parser adds are not in the text.
             (!body.is_empty() && body.end <= text.len()).then_some(Place { body, range })
         }
         Statement::Define(_) | Statement::Draw { .. } => None,
@@ -48,7 +48,7 @@ pub(super) fn defined(line: &str) -> Vec<String> {
     statements.iter().filter_map(name).map(str::to_owned).collect()
 }
 
-/// The value and the whole right side of its definition, including the range, as typed.
+/// A value as typed, and the right side of its definition with the range.
 pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
     let Place { body, range } = place(text, name)?;
     let value = text.get(body.clone())?.to_owned();
@@ -60,7 +60,8 @@ pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
 }
 
 /// The range to append to `line`, a new definition of `name`, so that the range in `text` is kept.
-/// It is widened to hold the new value. `None` if `line` has a range, or its value is not a number.
+/// It is widened to hold the new value. `None` if `text` has no range, if `line` has one, or if a
+/// value is not a number.
 pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
     let (low, high) = place(text, name)?.range?;
     let Place { body, range: None } = place(line, name)? else { return None };

@@ -1,4 +1,4 @@
-//! The automatic camera: as near as the visible points allow, and not edge-on to flat surfaces.
+//! The automatic camera: as near as the visible points allow, and no edge-on view of flat surfaces.
 //!
 //! The visible points come from a small picture of the whole region. Points behind them lie within
 //! the same outline, so only the outline has to fit. Nothing here is a proof, and nothing depends
@@ -20,27 +20,26 @@ const SIDE: usize = 64;
 /// Share of the picture's shorter side that the visible points fill.
 const FILLED: f64 = 0.86;
 
-/// Share of one of the picture's sides that the region's box takes, with room for axis labels.
+/// Share of the picture's width or height that the box fills; axis labels need the rest.
 const FILLED_BY_DOMAIN: f64 = 0.8;
 
-/// Radius, in pixels, that a painted pixel of the small picture stands for.
+/// Radius around a visible point that must also be in the picture, in pixels of the small picture.
 const SPOT_RADIUS: f64 = 0.75;
 
-/// With fewer painted pixels than this, the whole region is shown.
+/// Least number of visible points. With fewer, the camera shows the whole region.
 const LEAST: usize = 8;
 
-/// A surface is flat if it is thinner than this share of its width. It is shown from a direction
-/// whose angle to the surface has at least this sine.
+/// A surface is flat if its thickness is below this share of its width. It is then viewed from a
+/// direction whose angle to the surface has at least this sine.
 const THIN: f64 = 0.15;
 const LEAST_SINE: f64 = 0.5;
 
-/// For a camera that turns: number of sides from which small pictures are taken, and number of
-/// positions at which their points must fit.
+/// For a camera that turns around its target: number of sides from which small pictures are taken,
+/// and number of camera positions from which their points must fit.
 const ROUND_SIDES: usize = 4;
 const ROUND_STEPS: usize = 24;
 
-/// Directions for flat surfaces, in order of preference: a higher one first, then from the right
-/// and the left.
+/// Directions from which flat surfaces are viewed, in order of preference.
 const SIDES: [DVec3; 5] = [
     DVec3::new(2.0, -3.0, 2.6),
     DVec3::new(3.0, 2.0, 2.6),
@@ -66,8 +65,8 @@ pub fn camera_while(
     camera_over(&[model], document, choice, settings, model.region(), false, wanted)
 }
 
-/// As [`camera_while`], for pictures of several models over the same region. If the camera is to
-/// turn about its target, the points visible from other sides must fit, too.
+/// Like [`camera_while`], for pictures of several models over the same region. If the camera turns
+/// about its target, the points visible from all sides must fit.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -106,12 +105,12 @@ pub fn camera_over(
     } else {
         view.fitted(side, &seen, FILLED)
     };
-    // If the fitted camera is not valid in floats, the usual one is used.
+    // If floats cannot represent the fitted camera, use the usual one.
     Ok(Some(fitted.unwrap_or(usual)))
 }
 
-/// As [`camera_while`], within a part of the settings' time budget. When that runs out, the camera
-/// shows the whole region.
+/// Like [`camera_while`], within a part of the settings' time budget. When that time is over, the
+/// camera shows the whole region.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -140,7 +139,7 @@ pub(crate) fn whole(
     Ok(usual(document, region, choice, settings)?.0)
 }
 
-/// The camera for the whole region, and the data for fitting another one if that is allowed.
+/// The camera for the whole region, and data for fitting another one if that is allowed.
 fn usual(
     document: &Document,
     region: &Region,
@@ -158,7 +157,7 @@ fn usual(
     Ok((usual, view))
 }
 
-/// As [`camera_while`], but fits the region's whole box with its axis labels.
+/// Like [`camera_while`], but fits the region's whole box with its axis labels.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -192,7 +191,7 @@ fn is_chosen(document: &Document, choice: &CameraChoice) -> bool {
         })
 }
 
-/// A visible point, and the radius that it stands for.
+/// A visible point, and a radius around it that must also be in the picture.
 #[derive(Clone, Copy)]
 struct Spot {
     at: DVec3,
@@ -203,7 +202,7 @@ fn corners(region: &Region) -> Vec<Spot> {
     view::corners(region).map(|at| Spot { at, radius: 0.0 }).to_vec()
 }
 
-/// Properties of a camera besides its position.
+/// Properties of a camera that fitting does not change.
 struct FreeView {
     fov: f64,
     up: DVec3,
@@ -212,8 +211,8 @@ struct FreeView {
 }
 
 impl FreeView {
-    /// The visible points in small pictures of the models, seen from the direction `back`. `None`
-    /// if that is no longer wanted.
+    /// The visible points in small pictures of the models, viewed from the direction `back`.
+    /// Returns `None` once `wanted` returns false.
     fn seen(
         &self,
         models: &[&Model],
@@ -254,9 +253,9 @@ impl FreeView {
         Ok(Some(seen))
     }
 
-    /// A camera on the side of `back` whose target is on an upright axis, so that its eye can turn
-    /// around it. It fits the points that `look` finds from all sides. Returns `usual` if that
-    /// camera is not valid in floats, and `None` if it is no longer wanted.
+    /// A camera on the side of `back` whose eye can turn around its target about an upright axis.
+    /// It fits the points that `look` finds from all sides. Returns `usual` if that camera is not
+    /// valid in floats, and `None` once `look` does.
     fn fitted_around(
         &self,
         back: DVec3,
@@ -289,26 +288,25 @@ impl FreeView {
         };
         let everywhere: Vec<Spot> = (0..ROUND_STEPS).flat_map(around).collect();
         let Ok(camera) = self.fitted(back, &everywhere, FILLED) else { return Ok(Some(*usual)) };
-        // The target moves to the point where the view passes the axis.
+        // Move the target along the view to the upright axis.
         let (eye, target) = (camera.eye(), camera.target());
         let off = (target - centre).reject_from(axis);
         let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
         Ok(Some(on_axis.unwrap_or(camera)))
     }
 
-    /// Half of the visible height at a distance of 1.
+    /// Half of the height that is visible at a distance of 1.
     fn slope(&self) -> f64 {
         (self.fov.to_radians() / 2.0).tan()
     }
 
-    /// The nearest camera on the side of `back` that shows all spots within a share of the
+    /// The nearest camera on the side of `back` that shows all spots within this share of the
     /// picture's shorter side.
     fn fitted(&self, back: DVec3, spots: &[Spot], share: f64) -> Result<Camera, CameraError> {
         self.fitted_within(back, spots, [share * self.slope() * self.aspect.min(1.0); 2])
     }
 
-    /// The nearest camera that shows all spots within these slopes, sideways and upward from the
-    /// middle.
+    /// The nearest camera that shows all spots within these slopes, sideways and upward.
     fn fitted_within(
         &self,
         back: DVec3,
@@ -322,7 +320,8 @@ impl FreeView {
             Camera::new(middle + back * size.max(f64::MIN_POSITIVE), middle, self.up, projection)?;
         let frame = trial.rays(1, 1);
         let (forward, right, up) = (frame.forward(), frame.right(), frame.up());
-        // Distance by which a plane through the eye and an edge of the picture must move outward.
+        // Distance by which a plane through the eye and an edge of the picture must be moved
+        // outward to contain all spots.
         let edge = |side: DVec3, slope: f64| {
             let room = (1.0 + slope * slope).sqrt();
             let outside = |spot: &Spot| {
@@ -340,7 +339,7 @@ impl FreeView {
     }
 }
 
-/// The normal of a plane near all spots. `None` if they are not flat.
+/// The normal of a plane to which all spots are near. `None` if there is no such plane.
 fn flat(spots: &[Spot]) -> Option<DVec3> {
     let first = spots.first()?.at;
     let farthest = |distance: &dyn Fn(DVec3) -> f64| {

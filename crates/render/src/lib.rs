@@ -1,7 +1,8 @@
 //! Pictures of a document: whole, in strips, or in sequences.
 //!
-//! A [`model::Model`] compiles the surfaces of a document once and draws pictures from any camera.
-//! [`framing`] chooses a camera where none is given. The crate knows no files or terminals.
+//! A [`model::Model`] compiles a document's surfaces once and draws pictures of them from any
+//! camera. The module [`framing`] chooses a camera if none is given. The crate knows no files or
+//! terminals.
 
 pub mod framing;
 pub mod model;

@@ -1,4 +1,4 @@
-//! Compiled surfaces over one region, drawn from any camera.
+//! The compiled surfaces of a document over one region, which are drawn from any camera.
 
 mod antialias;
 mod layers;
@@ -30,7 +30,7 @@ use zeroset_trace::{Camera, TraceOptions};
 pub struct Model {
     region: Region,
     program: Program,
-    /// Styles of the surfaces: everything but their functions.
+    /// Styles of the surfaces. Their functions are in `program`.
     styles: Vec<zeroset_syntax::Surface>,
     setting: DocumentStyle,
     remarks: Vec<String>,
@@ -48,9 +48,9 @@ struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
     lines: PictureLines,
-    /// The default value for contour lines: z. `None` without contour lines.
+    /// The value for contour lines if none is given, which is z. `None` without contour lines.
     height: Option<PointValue>,
-    /// Values of the parameters, by number.
+    /// Values of the parameters, indexed by parameter number.
     parameters: Vec<f64>,
 }
 
@@ -91,8 +91,9 @@ impl Model {
         Ok(model.expect("wanted to the end"))
     }
 
-    /// As [`Model::new`], but can be cancelled: returns `None` once `wanted` returns false, which
-    /// is checked between kernels. The code serves all of `reach`, which must contain `region`.
+    /// Like [`Model::new`], but can be cancelled. It returns `None` once `wanted` returns false,
+    /// which is checked between kernels. The code serves all regions within `reach`, which must
+    /// contain `region`.
     ///
     /// # Errors
     /// As [`Model::new`].
@@ -147,7 +148,7 @@ impl Model {
 
     /// The same code with the parameter values of another document, in another region. Returns
     /// `None` if the documents differ in more than values and colors, or if the code does not serve
-    /// the values or the region. It serves a slider's whole range.
+    /// the values or the region. For a slider, the code serves its whole range.
     ///
     /// # Errors
     /// If a formula is constant or undefined everywhere.
@@ -200,15 +201,15 @@ impl Model {
         self.precision
     }
 
-    /// Value and gradient, at a point, of the function whose zeros are drawn: the typed one or a
-    /// [simpler one](Program::is_reduced). The point is rounded to the model's precision, or to
-    /// `f64` for [`Precision::Auto`]. Everything is NaN if there is no such surface, or its code
-    /// fails to compile.
+    /// Returns value and gradient at a point. The function is the typed one or a [simpler
+    /// one](Program::is_reduced) with the same zeros. The point is rounded to the model's
+    /// precision, or to `f64` for [`Precision::Auto`]. All results are NaN if there is no such
+    /// surface, or its code fails to compile.
     pub fn sample(&self, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
         self.sample_of(&self.program, surface, point)
     }
 
-    /// As [`Model::sample`], for the function as typed. `document` must be the model's.
+    /// Like [`Model::sample`], but always for the typed function. `document` must be the model's.
     pub fn sample_typed(
         &self,
         document: &Document,
@@ -232,8 +233,9 @@ impl Model {
         values.flatten().unwrap_or(UNKNOWN)
     }
 
-    /// Returns whether some surface's function cannot be told from 0 at any of [`FLAT_POINTS`]
-    /// points of the region. It is then 0 everywhere, or smaller than its own rounding errors.
+    /// Returns whether some surface's function cannot be distinguished from 0 at any of
+    /// [`FLAT_POINTS`] points of the region. Then it is 0 everywhere, or smaller than its rounding
+    /// errors.
     fn is_flat<T: KernelFloat>(&self) -> Result<bool, ProgramError> {
         let (low, high) = (self.region.low(), self.region.high());
         let points = (1..=FLAT_POINTS).map(|n| {
@@ -278,15 +280,15 @@ impl Model {
     }
 }
 
-/// Length at which previews, and rays for looks only, leave a segment undecided, as a share of the
-/// longest bracket.
+/// A segment shorter than this share of the longest bracket may stay undecided in a preview. The
+/// same holds for rays that affect only colors.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
-/// Method options for a picture's rays to a surface of this kind.
+/// Method options for the rays of a picture, for a surface of this kind.
 fn options(settings: &Settings, kind: SurfaceKind) -> TraceOptions {
     TraceOptions {
         least: if settings.is_preview { PREVIEWED } else { 0.0 },
-        // A surface has no point at a pole, but a solid may have a face there.
+        // An equation has no zeros at a pole, but a solid may have a face there.
         suppress_asymptotes: kind == SurfaceKind::Equation,
         ..settings.options
     }
@@ -329,7 +331,7 @@ pub fn make_kernels<T: KernelFloat>(
     Ok(traced.and(other).and(bounds)?)
 }
 
-/// Value and gradient where they are not available.
+/// Result for a value and gradient that cannot be computed.
 const UNKNOWN: (f64, [f64; 3]) = (f64::NAN, [f64::NAN; 3]);
 
 fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<(f64, [f64; 3])> {
@@ -337,7 +339,7 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 
-/// Callback for progress: pixels done, and pixels in total. Called from several threads.
+/// Progress callback: finished pixels, and all pixels. Called from several threads.
 pub type ProgressCallback<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Draws all surfaces of `document` in `region` from `camera`.
@@ -356,10 +358,11 @@ pub fn render(
 
 /// Number of points at which a function is tested for being 0 everywhere.
 const FLAT_POINTS: usize = 64;
-/// Multiples of these fractions fill a cube evenly (Roberts 2018, generalised golden ratios).
+/// Multiples of these numbers, modulo 1, fill a cube evenly (Roberts 2018, generalised golden
+/// ratios).
 const FLAT_STEPS: DVec3 = DVec3::new(0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9);
 
-/// Measures consecutive stages.
+/// Measures the times of consecutive stages.
 struct Stopwatch(Instant);
 
 impl Stopwatch {

@@ -1,12 +1,12 @@
-//! Names of settings: one table for each, for the command line, the prompt and their output.
+//! Names of settings, in one table for each setting, for the command line, prompt and messages.
 
 use crate::picture::{Normals, Precision};
 use zeroset_scene::view::ClipShape;
 use zeroset_shade::UndecidedStyle;
 
-/// A setting chosen by name.
+/// A type of setting whose values have names.
 pub trait Named: Copy + PartialEq + Send + Sync + 'static {
-    /// Each value, with its name and one line of help.
+    /// The table of values, each with its name and one line of help.
     const NAMES: &'static [(Self, &'static str, &'static str)];
 
     /// The value called `name`.

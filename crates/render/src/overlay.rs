@@ -13,7 +13,7 @@ use axes::draw_box;
 use ticks::ticks;
 use zeroset_syntax::Document;
 
-/// Number of picture rows per unit of the letters' scale, which is rounded.
+/// Number of picture rows for each unit of letter size. The size is rounded.
 const ROWS: usize = 640;
 
 /// Height of all legends together, as a share of the picture's height.
@@ -22,7 +22,7 @@ const TALL: f64 = 0.42;
 /// Largest number of letters in a legend's title.
 const LONGEST: usize = 24;
 
-/// Choice of the drawings around a picture.
+/// Choice of what is drawn over a picture.
 #[derive(Clone, Copy)]
 pub struct Overlay {
     /// Set to draw the region's box with ticks.
@@ -32,24 +32,24 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// With or without axes. A legend comes with axes unless the document says otherwise.
+    /// With or without axes. A legend comes with axes unless the document chooses otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {
         Self { axes, legend: document.picture.legend.unwrap_or(axes) }
     }
 
-    /// Axes and legend if either the caller or the document wants them.
+    /// An overlay with axes, or with a legend, if the caller or the document wants them.
     pub fn asked(axes: bool, legend: bool, document: &Document) -> Self {
         let said = Self::new(axes || document.picture.axes == Some(true), document);
         Self { legend: legend || said.legend, ..said }
     }
 
-    /// Axes and legend as the document says.
+    /// An overlay with axes and legend as the document chooses.
     pub fn said(document: &Document) -> Self {
         Self::new(document.picture.axes == Some(true), document)
     }
 
     /// Draws axes and legends over a picture in the upper `height` rows of the canvas. Legends
-    /// start at the top, or end at the bottom with `to_bottom`.
+    /// begin at the picture's top, or with `to_bottom` end at its bottom.
     pub fn draw(self, canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
         if self.axes {
             draw_box(canvas, shown, height);
@@ -59,8 +59,8 @@ impl Overlay {
         }
     }
 
-    /// Axes and legends for a picture of this size, to be mixed into its rows. `shown` may be a
-    /// smaller picture of the same view.
+    /// Records axes and legends for a picture of this size, to be mixed into its rows. `shown` may
+    /// be a smaller picture of the same view.
     pub fn marks(self, shown: PictureView<'_>, [width, height]: [usize; 2]) -> Canvas {
         let scale = ((height + ROWS / 2) / ROWS).max(1);
         let mut canvas = Canvas::new(width, height, Vec::new(), scale);
@@ -78,8 +78,8 @@ impl Overlay {
     }
 }
 
-/// Draws legends below each other at the right edge of a picture that takes `height` rows of the
-/// canvas. They start at the top, or end at the bottom with `to_bottom`.
+/// Draws legends one below another at the right edge of a picture in the upper `height` rows of the
+/// canvas. They begin at the picture's top, or with `to_bottom` end at its bottom.
 fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
     let legends = &shown.picture.legends;
     let (ink, space) = (shown.ink(), 10 * canvas.scale);
@@ -99,7 +99,7 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
     let marks = if extent > 0.0 {
         ticks(legend.low, legend.high).0
     } else {
-        // The single value, rounded to the digits that its floats support.
+        // A single value, rounded to four digits since the rest may be rounding errors.
         let value = format!("{:.3e}", legend.low).parse().unwrap_or(legend.low);
         vec![(legend.low, f64::to_string(&value))]
     };
@@ -174,7 +174,7 @@ mod tests {
         let lines = changed(&picture, &after);
         let on_surface = lines.iter().filter(|&&n| picture.buffer.is_drawn(n)).count();
         assert!(lines.len() > 1500 && on_surface > 20, "{} {on_surface}", lines.len());
-        // The same lines, with nothing in front of them.
+        // The same lines, without a surface in front of them.
         let mut clear = picture.clone();
         clear.buffer.drawn.fill(f64::INFINITY);
         let seen =

@@ -26,31 +26,33 @@ pub struct Settings {
     pub method: &'static Method,
     /// Options of the method.
     pub options: TraceOptions,
-    /// Set if a finer picture follows: hard rays are then left undecided sooner, and painted.
+    /// Set if a finer picture follows. Rays that are slow to decide are then left undecided sooner,
+    /// and painted.
     pub is_preview: bool,
     /// Set to keep the brackets of hits.
     pub brackets: bool,
-    /// Set to keep normals that no later step needs. Without them a picture is faster, but must be
-    /// traced again to be relit or settled.
+    /// Set to keep normals even if this picture does not need them later. Without them it is drawn
+    /// faster, but is traced again by [`Model::relight`](crate::model::Model::relight) and
+    /// `settle`.
     pub keeps_normals: bool,
     /// Time limit for tracing. Pixels not reached by then are undecided and unpainted.
     pub budget: Option<Duration>,
-    /// Start of the budget's time. `None` if it starts with the picture.
+    /// Time from which the budget counts. `None` if it counts from the start of the picture.
     pub begun: Option<Instant>,
     /// Number of halvings along shadow rays. `None` for no shadows.
     pub shadow_depth: Option<u32>,
     /// Source of normals. `None` if neither colors nor normals are wanted.
     pub normals: Option<Normals>,
-    /// Style of undecided pixels.
+    /// How undecided pixels are drawn.
     pub undecided: UndecidedStyle,
     /// Lighting and background. `None` for those of the document, or else the first look.
     pub look: Option<&'static Look>,
     /// Set to compute ambient occlusion, if the look has it.
     pub occlusion: bool,
-    /// Rays whose mean color a pixel on an edge gets. Proofs always concern the ray through the
-    /// center.
+    /// Pattern of rays whose mean color a pixel on an edge gets. Proofs always concern the ray
+    /// through the center of the pixel.
     pub antialias: Pattern,
-    /// Position of the light. `None` for far above and left of the camera.
+    /// Position of the light. `None` for a light far above and to the left of the camera.
     pub light: Option<DVec3>,
     /// Share of ambient light, within [0, 1]. `None` for that of the look.
     pub ambient: Option<f32>,
@@ -93,7 +95,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Default number of halvings of a shadow ray: one less than for camera rays.
+    /// Default number of halvings along a shadow ray: one less than along camera rays.
     pub fn usual_shadow_depth(&self) -> u32 {
         self.options.depth.saturating_sub(1).max(1)
     }
@@ -104,14 +106,14 @@ impl Settings {
         Self { begun: Some(Instant::now()), ..self.clone() }
     }
 
-    /// Returns a function that tells whether the budget has time left. The budget starts now unless
-    /// `begun` is set.
+    /// Returns a function that tells whether any of the budget is left. The budget counts from now
+    /// unless `begun` is set.
     pub fn has_time(&self) -> impl Fn() -> bool + Sync + use<> {
         self.has_time_for(1.0)
     }
 
-    /// Like [`Settings::has_time`], for choosing a region or a camera. Each may take a quarter of
-    /// the time that is left now, so that most of it remains for the picture.
+    /// Like [`Settings::has_time`], for choosing a region or a camera. It allows a quarter of the
+    /// time that is left, so that most of the time remains for the picture.
     pub fn has_time_to_choose(&self) -> impl Fn() -> bool + Sync + use<> {
         self.has_time_for(0.25)
     }
@@ -123,7 +125,7 @@ impl Settings {
         move || end.is_none_or(|end| Instant::now() < end)
     }
 
-    /// These settings with the light and antialiasing of `others`.
+    /// These settings, with the light and antialiasing settings of `others`.
     #[must_use]
     pub fn lit_as(&self, others: &Self) -> Self {
         Self {
@@ -155,9 +157,9 @@ pub struct Picture {
     pub buffer: GBuffer,
     /// Red, green and blue bytes (sRGB) of each pixel. Empty if no colors were requested.
     pub rgb: Vec<u8>,
-    /// The method that traced the surfaces. A fallback method if that traced all of them.
+    /// The method that traced the surfaces. If a fallback method traced all of them, that method.
     pub method: &'static Method,
-    /// Surfaces, by number, that were traced by a fallback method.
+    /// Numbers of the surfaces that were traced by a fallback method, with that method.
     pub fallbacks: Vec<(usize, Fallback)>,
     /// Precision of the kernels.
     pub precision: Precision,
@@ -169,10 +171,10 @@ pub struct Picture {
     pub statistics: Statistics,
     /// Set if some surface's function is proven undefined in the whole region.
     pub undefined: bool,
-    /// One line for each surface whose function is constant on the region.
+    /// Remarks: one line for each surface whose function is constant in the region.
     pub remarks: Vec<String>,
-    /// Set if some surface's function may be 0 everywhere: it could not be told from 0 at any test
-    /// point.
+    /// Set if some surface's function may be 0 everywhere, since it cannot be distinguished from 0
+    /// at any sampled point.
     pub flat: bool,
 }
 
@@ -185,7 +187,7 @@ impl Picture {
         self
     }
 
-    /// Adds the statistics of another part of the same picture.
+    /// Adds the statistics of another strip of the same picture.
     pub(crate) fn add(&mut self, other: &Self) {
         let (all, part) = (&mut self.statistics, &other.statistics);
         all.times += part.times;
@@ -201,19 +203,19 @@ impl Picture {
         self.flat |= other.flat;
     }
 
-    /// Number of pixels left open only because of the preview or the budget.
+    /// Number of pixels that are undecided only because the preview or the budget ended the search.
     pub fn left_open(&self) -> usize {
         self.statistics.open.reasons[UndecidedReason::Budget as usize]
     }
 
-    /// For each pixel, row by row, whether it is undecided only because a preview or the budget
-    /// allowed no closer look.
+    /// For each pixel, whether it is undecided only because the preview or the budget ended the
+    /// search. Row by row from the top.
     pub(crate) fn open_mask(&self) -> impl Iterator<Item = bool> + '_ {
         (0..self.buffer.status.len())
             .map(|pixel| self.buffer.reason(pixel) == UndecidedReason::Budget)
     }
 
-    /// Recycles the memory for later pictures, which are then faster. The memory of up to two
+    /// Hands the memory back for later pictures, which are then faster. The memory of up to two
     /// pictures is kept until the process ends.
     pub fn hand_back(self) {
         self.buffer.hand_back();
@@ -255,15 +257,15 @@ pub struct Statistics {
     pub pixels: PixelCounts,
     /// Statistics of undecided pixels.
     pub open: UndecidedStatistics,
-    /// Evaluations of kernels, except for antialiasing.
+    /// Evaluations of kernels, without those for antialiasing.
     pub work: KernelStats,
     /// Number of rays for antialiasing.
     pub edge_rays: usize,
     /// Total size of machine code, in bytes.
     pub code_bytes: usize,
-    /// Kernels compiled for this picture or earlier.
+    /// All kernels compiled so far, for this picture or earlier ones.
     pub kernels: Vec<CompiledKernel>,
-    /// Number of nodes in the graph, as typed and simplified.
+    /// Number of nodes in the graph, first as typed and then simplified.
     pub nodes: (usize, usize),
 }
 
@@ -272,10 +274,10 @@ pub struct Statistics {
 pub struct UndecidedStatistics {
     /// Number of pixels for each of [`UndecidedReason::ALL`].
     pub reasons: [usize; UndecidedReason::ALL.len()],
-    /// Number of unpainted undecided pixels. It excludes rays of methods that prove nothing, and
-    /// rays without a bound of the slope.
+    /// Number of undecided pixels that are not painted. Rays of methods that prove nothing do not
+    /// count, nor do rays without a bound of the slope.
     pub blank: usize,
-    /// Number of these pixels that were not reached in time.
+    /// Number of those unpainted pixels that were not reached in time.
     pub unreached: usize,
 }
 
@@ -315,7 +317,7 @@ pub struct Times {
 }
 
 impl AddAssign for Times {
-    /// Adds the times of another part of the picture. Kernels are compiled only once.
+    /// Adds the times of another strip. The strips share simplifying and compiling.
     fn add_assign(&mut self, part: Self) {
         self.trace += part.trace;
         self.shade += part.shade;

@@ -1,8 +1,8 @@
-//! Sequences of pictures, with values that move or a camera that turns.
+//! Sequences of pictures, in which values move or the camera turns.
 //!
-//! A frame depends on its number alone, so frames can be drawn in any order and on different
-//! machines. All frames share one region and one camera, apart from turning. Both are chosen from
-//! samples of the whole sequence.
+//! A frame depends only on its number, so frames can be drawn in any order and on different
+//! machines. All frames share one region, and one camera apart from its turning. Both are chosen
+//! from samples of the whole sequence.
 
 use crate::framing;
 use crate::model::Model;
@@ -16,17 +16,17 @@ use zeroset_space::Region;
 use zeroset_syntax::{Document, Errors, Options};
 use zeroset_trace::{Camera, CameraError};
 
-/// Number of evenly spread frames from which region and camera are chosen.
+/// Number of frames, spread evenly over the sequence, from which region and camera are chosen.
 const SAMPLES: usize = 33;
 
-/// A value that moves.
+/// A parameter that moves from one value to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// Name of the parameter; `t` is the time.
     pub name: String,
     /// Value in the first frame.
     pub from: f64,
-    /// Value in the last frame, or one frame later in a loop.
+    /// Value in the last frame. In a loop, it is reached one frame after the last.
     pub to: f64,
 }
 
@@ -39,7 +39,7 @@ pub struct Sequence {
     pub sweeps: Vec<Sweep>,
     /// Degrees by which the camera turns around its target, counter-clockwise seen from above.
     pub turn: Option<f64>,
-    /// Set to omit the end, because it looks like the start.
+    /// Set to leave out the end of the motion, since it looks like the start.
     pub is_loop: bool,
 }
 
@@ -76,13 +76,13 @@ pub enum SequenceError {
 }
 
 impl Sequence {
-    /// Progress at a frame, from 0 to 1. Frames count from 0.
+    /// Progress of the motion at a frame, from 0 to 1. Frames count from 0.
     fn share(&self, frame: usize) -> f64 {
         let steps = if self.is_loop { self.frames } else { self.frames.saturating_sub(1) };
         frame as f64 / steps.max(1) as f64
     }
 
-    /// The moving values at a frame. Frames count from 0.
+    /// Names and values of the moving parameters at a frame. Frames count from 0.
     pub fn values(&self, frame: usize) -> impl Iterator<Item = (&str, f64)> {
         let share = self.share(frame);
         self.sweeps
@@ -108,7 +108,7 @@ impl Sequence {
             zeroset_syntax::read(text, &Options { overrides: &overrides, ..*options })?;
         let point = |value: f64| Interval::point(value).map(Constant::enclosed);
         for sweep in &self.sweeps {
-            // Values are passed as decimal text, which may read as one ulp beyond these floats.
+            // Values are passed as decimal text, which may be read as one ulp beyond these floats.
             let low = sweep.from.min(sweep.to).next_down();
             let high = sweep.from.max(sweep.to).next_up();
             let mut parameters = document.parameters.iter_mut();
@@ -161,7 +161,7 @@ impl Sequence {
         for document in &seen {
             let rebound = models.first().and_then(|model| model.rebound(document, &region));
             let made = rebound.unwrap_or_else(|| Model::new(document, &region, settings));
-            // A frame without a surface is reported when it is drawn.
+            // Frames without a surface are reported later, when they are drawn.
             models.extend(made);
         }
         let models: Vec<&Model> = models.iter().collect();

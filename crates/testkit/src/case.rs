@@ -27,8 +27,7 @@ pub struct Case {
 
 impl Case {
     /// Returns a graph drawn by `options` over a random domain: all of space, or a box whose ends
-    /// need not be `f32`. The code may assume that a parameter has its value, is in a wider range,
-    /// or is any real.
+    /// need not be `f32`. The code may assume a parameter's exact bounds, a wider range, or nothing.
     pub fn random(rng: &mut Rng, options: &GraphOptions) -> Self {
         let (graph, root) = random_graph(rng, options);
         let domain = random_domain(rng);

@@ -1,7 +1,7 @@
 //! Properties that must hold for every input. Fuzz targets and tests check them on bytes.
 //!
 //! Each property draws its input from bytes or a seed, returns how much it compared, and prints a
-//! failing case so that it can be reproduced. Which bytes are worth trying is not known here.
+//! failing case so that it can be reproduced. The caller chooses the bytes.
 
 mod agreement;
 mod contracting;
@@ -48,7 +48,7 @@ pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
 
 /// Operations in the largest formula drawn from a fuzzer's bytes.
 const LARGEST: u32 = 24;
-/// The same limit for formulas that are differentiated, since derivatives grow.
+/// Operations in the largest formula that is differentiated. It is smaller, since derivatives grow.
 const LARGEST_DIFFERENTIATED: u32 = 8;
 
 /// Checks [`read_and_print`] on a text in any encoding.
@@ -118,12 +118,12 @@ pub fn slopes(data: &[u8]) -> Result<Tally, Failure> {
     ask(native, &case, &mut rng, BOXES)
 }
 
-/// Checks [`check_contraction`] on a case or [`linear`] on an operation. Bytes choose it and the precision.
+/// Checks [`check_contraction`] on a case, or [`linear`] on an operation. Bytes choose between
+/// them, and choose the input and the precision.
 ///
-/// # Errors
-/// The first contradiction.
+/// # Errors The first contradiction.
 pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
-    /// Batches per kernel, and vectors of operands.
+    /// Batches per kernel, and vectors of operands per operation.
     const BATCHES: usize = 2;
     const VECTORS: usize = 8;
     let mut rng = Rng::from_bytes(data);

@@ -1,7 +1,7 @@
 //! Random inputs, most of them adversarial.
 //!
 //! Every input is drawn from an [`Rng`] by integer arithmetic and exact scaling, so the same seed
-//! or bytes give the same inputs on every platform. How the inputs are used is not known here.
+//! or bytes give the same inputs on every platform. The caller decides how to use the inputs.
 
 mod graphs;
 mod places;

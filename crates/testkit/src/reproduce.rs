@@ -126,7 +126,7 @@ pub fn hexadecimal(value: f64) -> String {
 /// A text under construction.
 ///
 /// Shared sub-expressions and expressions too long for one line become definitions. In the graph
-/// `pieces` each is a parameter with the name of its definition.
+/// `pieces`, each of them is a parameter with the definition's name.
 #[derive(Default)]
 struct Document {
     pieces: Graph,
@@ -221,22 +221,23 @@ fn document(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> (String, 
     (document.definitions + &formula, document.notes)
 }
 
-/// Returns a name of letters only, since digits after a letter would read as a lost exponent.
+/// Returns a name that has only letters, since digits after a letter would look like a mistyped
+/// exponent.
 fn letters(prefix: &str, mut number: usize) -> String {
     let mut name = prefix.to_owned();
     loop {
         name.push(char::from(b'a' + (number % 16) as u8));
         number /= 16;
         if number == 0 {
-            // No name of the language ends in q.
+            // No name of the language ends in q, so there is no conflict.
             return name + "q";
         }
     }
 }
 
-/// Returns all digits of a finite float.
+/// Returns a finite float in decimal, with all its digits.
 fn decimal(value: f64) -> String {
-    // The least subnormal ends at the 1074th digit.
+    // The last digit of the least subnormal is the 1074th decimal.
     let digits = format!("{value:.1074}");
     let digits = digits.trim_end_matches('0').trim_end_matches('.');
     digits.to_owned()

@@ -1,8 +1,8 @@
-//! Levels of vectors, for tests that compare them.
+//! Vector instruction sets (SIMD levels), for tests that compare them.
 
 use fearless_simd::Level;
 
-/// Whether vectors of this level add to a product without rounding it first.
+/// Whether this level has fused multiplication and addition, with a single rounding.
 pub fn is_fused(level: Level) -> bool {
     #[cfg(target_arch = "x86_64")]
     return level.as_avx2().is_some();
@@ -10,8 +10,7 @@ pub fn is_fused(level: Level) -> bool {
     return !level.is_fallback();
 }
 
-/// All levels of vectors that this processor has. Those that are [fused](is_fused) compute the same
-/// bits.
+/// All levels that this processor has. Those that are [fused](is_fused) compute the same bits.
 pub fn levels() -> Vec<Level> {
     let best = Level::new();
     #[allow(unused_mut, reason = "other processors have one kind")]

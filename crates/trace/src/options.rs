@@ -271,7 +271,7 @@ pub const NO_CONTRACT: MethodOption = MethodOption {
     name: "no-contract",
     help: "Halve segments, rather than narrow them to where an affine form may vanish",
     get: |options| switch(!options.contract),
-    set: |options, text| Ok(options.contract = !is_on(text)?),
+    set: |options, text| is_on(text).map(|is_left_out| options.contract = !is_left_out),
     describe: |_| "segments are halved, not narrowed".to_owned(),
     ..SWITCH
 };
@@ -281,7 +281,7 @@ pub const NO_TILES: MethodOption = MethodOption {
     name: "no-tiles",
     help: "Follow each ray alone, rather than tiles of rays",
     get: |options| switch(!options.tiles),
-    set: |options, text| Ok(options.tiles = !is_on(text)?),
+    set: |options, text| is_on(text).map(|is_left_out| options.tiles = !is_left_out),
     describe: |_| "each ray is followed alone".to_owned(),
     ..SWITCH
 };
@@ -291,7 +291,7 @@ pub const NO_INTERVALS: MethodOption = MethodOption {
     name: "no-interval",
     help: "Ask no intervals where affine forms leave a segment open",
     get: |options| switch(!options.intervals),
-    set: |options, text| Ok(options.intervals = !is_on(text)?),
+    set: |options, text| is_on(text).map(|is_left_out| options.intervals = !is_left_out),
     describe: |_| "no intervals where forms leave a segment open".to_owned(),
     ..SWITCH
 };
@@ -339,9 +339,12 @@ impl MethodOption {
     /// show.
     pub fn short(&self, options: &TraceOptions) -> Option<String> {
         let is_shown = self.is_always_shown || !self.is_default(options);
-        is_shown.then(|| match self.is_switch() {
-            true => self.name.to_owned(),
-            false => format!("{}{}", (self.get)(options), self.unit),
+        is_shown.then(|| {
+            if self.is_switch() {
+                self.name.to_owned()
+            } else {
+                format!("{}{}", (self.get)(options), self.unit)
+            }
         })
     }
 }

@@ -4,8 +4,7 @@ use super::{MeasuredRows, bar, families, mean, notes, series};
 use crate::groups::distinct;
 use crate::plot::{Figure, PlotMark};
 
-/// Time per pixel against size, with the middle configuration of each method. `None` if there is
-/// only one size.
+/// Time per pixel against size, with the middle configuration of each method. `None` for one size.
 pub fn chart(rows: &MeasuredRows<'_>) -> Option<Figure> {
     let rows = rows.in_one_precision();
     let mut sizes = distinct(rows.0.iter().map(|(row, _)| row.size));

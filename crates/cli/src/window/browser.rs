@@ -1,5 +1,4 @@
-//! The gallery in the window. A surface is chosen by a part of its name, by arrow keys or by the
-//! pointer.
+//! The gallery in the window. A surface is chosen by parts of its name, arrow keys or pointer.
 
 use super::Window;
 use super::enlarge::enlarge;
@@ -29,8 +28,7 @@ pub struct Browser {
     scroll: usize,
 }
 
-/// Everything that the drawing of the gallery depends on. For the pictures themselves, their
-/// version number.
+/// Everything that the gallery's drawing depends on; for its pictures, a version number.
 #[derive(Clone, PartialEq)]
 pub struct GalleryContent {
     filter: String,
@@ -103,8 +101,7 @@ impl Browser {
         }
     }
 
-    /// Returns the gallery indices that match the filter. Names that begin with the filter come
-    /// first.
+    /// Returns the gallery indices of names that match the filter, first those that begin with it.
     fn matches(&self) -> Vec<usize> {
         let examples = self.thumbnails.as_ref().map_or(&[][..], Thumbnails::examples);
         let filter = self.filter.trim().to_lowercase();

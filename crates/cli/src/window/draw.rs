@@ -76,8 +76,7 @@ impl Window {
             self.message = None;
         }
         self.compared = Instant::now();
-        // The title can change while the picture stays the same, for example when a document is
-        // saved.
+        // The title can change while the picture stays, for example when a document is saved.
         self.update_title();
         let content = self.content(seen);
         if self.drawn.as_ref() == Some(&content) {
@@ -173,8 +172,7 @@ fn echo(rendering: &Rendering) -> String {
     }
 }
 
-/// Draws the status line: the status at its left, and the point under the pointer or a hint at its
-/// right.
+/// Draws the status at the left, and the point under the pointer or a hint at the right.
 fn draw_status(
     canvas: &mut Canvas,
     layout: &Layout,

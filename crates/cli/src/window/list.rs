@@ -8,8 +8,7 @@ use zeroset_render::overlay::{Canvas, Rgb};
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
-/// Largest and smallest number of letters of a formula. With space for fewer, only colors are
-/// shown.
+/// Largest and smallest number of letters of a formula. Narrower lists show only colors.
 const MAX_LETTERS: usize = 24;
 const MIN_LETTERS: usize = 8;
 /// Largest share of the window's width that the list takes.

@@ -47,8 +47,7 @@ const PAUSE: Duration = Duration::from_millis(300);
 
 /// Interval between polls of mouse and keyboard.
 const POLL_INTERVAL: Duration = Duration::from_millis(4);
-/// Poll interval after [`IDLE_AFTER`] without activity. It is longer, since a poll takes about 100
-/// µs.
+/// Poll interval after [`IDLE_AFTER`] without activity. A poll takes about 100 µs.
 const IDLE_POLL_INTERVAL: Duration = Duration::from_millis(20);
 const IDLE_AFTER: Duration = Duration::from_secs(2);
 /// Least time between two drawings of the window.

@@ -66,8 +66,7 @@ fn rows(canvas: &Canvas) -> usize {
     (room / canvas.line_height()).saturating_sub(1).max(1)
 }
 
-/// Breaks lines that are longer than this many letters. The continuation lines are indented
-/// further.
+/// Breaks lines longer than this many letters, and indents their continuation lines further.
 fn wrapped(text: &str, letters: usize) -> Vec<String> {
     let mut lines = Vec::new();
     for line in text.lines() {

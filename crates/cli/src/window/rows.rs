@@ -1,4 +1,4 @@
-//! The layout of rows over the picture, with scrolling if they do not fit. Knows nothing of their
+//! Layout of rows over the picture, which scroll if they do not fit. Knows nothing of their
 //! content.
 
 use crate::theme::GROUND;
@@ -51,8 +51,7 @@ impl RowLayout {
         self.shown < self.count
     }
 
-    /// Scrolls by one row, up if `steps` is positive. Returns false if all rows are visible
-    /// already.
+    /// Scrolls by a row, up if `steps` is positive. Returns false if all rows are visible.
     pub fn scroll(&self, scroll: &mut usize, steps: f64) -> bool {
         if self.scrolls() {
             *scroll = if steps > 0.0 { self.first.saturating_sub(1) } else { self.first + 1 };
@@ -72,8 +71,7 @@ impl RowLayout {
         canvas.fill(left as i64, self.top as i64, width, height, GROUND, 208);
     }
 
-    /// Writes the range of visible rows below them, unless all are visible. With `all`, adds their
-    /// number.
+    /// Writes the range of visible rows below them, unless all are visible; `all` adds the total.
     pub fn write_range(&self, canvas: &mut Canvas, left: i64, ink: Rgb, all: bool) {
         if self.scrolls() {
             let of = if all { format!(" of {}", self.count) } else { String::new() };

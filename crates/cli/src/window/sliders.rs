@@ -204,8 +204,7 @@ impl Window {
             return self.say("there is no time t in what is drawn: write it into a formula first");
         };
         let slider = self.sliders.all[index].clone();
-        // Record a step, so that an undo returns to this value. Changes by the clock are not
-        // recorded.
+        // Record an undo step for this value, since changes by the clock are not recorded.
         self.session.live.drag(&slider, slider.value);
         self.sliders.playing = Some(Playing { since: Instant::now(), from: slider.value });
     }

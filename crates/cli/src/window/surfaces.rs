@@ -144,8 +144,7 @@ impl Window {
         self.show_result(result);
     }
 
-    /// Deletes the surface with this index on another thread, since checking the remaining formulas
-    /// takes time.
+    /// Deletes a surface on another thread, since checking the remaining formulas takes time.
     fn delete_surface(&mut self, index: usize) {
         self.send(format!(":delete {}", index + 1));
     }
@@ -166,8 +165,7 @@ impl Window {
         true
     }
 
-    /// Scrolls the list if the pointer is over it and some rows are not visible. Returns whether it
-    /// did.
+    /// Scrolls the list under the pointer if some rows are not visible. Returns whether it did.
     pub(super) fn scroll_surfaces(&mut self, steps: f64) -> bool {
         let surfaces = &mut self.surfaces;
         let list = surfaces.list.filter(|_| surfaces.hovered.is_some());

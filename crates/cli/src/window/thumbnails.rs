@@ -76,8 +76,7 @@ impl Thumbnails {
     /// repeatedly while the gallery is visible.
     pub fn want(&mut self, first: Vec<usize>, session: &Arc<Session>) {
         *lock(&self.shared.order) = first;
-        // A thread that has been told to stop may still run for a moment. A later call then starts
-        // another.
+        // A thread that has been told to stop may still run. A later call then starts another.
         if self.thread.as_ref().is_some_and(|thread| !thread.is_finished()) {
             return;
         }
@@ -128,8 +127,7 @@ impl ThumbnailStore {
         while let Some(place) = self.next().filter(|_| wanted()) {
             let made = pool.install(|| self.picture(&self.examples[place], place, &wanted));
             if made.is_err() && wanted() {
-                // A surface that cannot be drawn gets a blank picture, so that it is not tried
-                // again.
+                // A surface that cannot be drawn gets a blank picture, so it is not tried again.
                 self.keep(place, self.side, vec![0xff; 3 * self.side * self.side]);
             }
         }

@@ -1,5 +1,5 @@
-//! Automatic regions that follow sliders. The region changes rarely, so that a surface visibly
-//! grows and shrinks, and code is reused.
+//! Automatic regions that follow sliders. The region changes rarely. So a surface visibly grows and
+//! shrinks, and compiled code is reused.
 
 use glam::DVec3;
 use zeroset_scene::program::Program;
@@ -7,19 +7,20 @@ use zeroset_scene::view::{self, DomainChoice};
 use zeroset_space::{HalfSpace, Region, RegionError};
 use zeroset_syntax::{Document, Parameter};
 
-/// A surface smaller than this share of the previous region gets a region of its own.
+/// A found region that is smaller than this share of the shown one replaces it.
 const LEAST_SHARE: f64 = 0.25;
 
-/// Margin of a region that grows, as a share of the surface's extent.
+/// Margin added where a region grows, as a share of the found region's extent.
 const MARGIN: f64 = 0.25;
 
-/// Number of sliders whose ends are searched when code is compiled.
+/// Number of sliders for whose ends the region is searched before compiling.
 const SLIDERS: usize = 4;
 
-/// Farthest that code is compiled beyond the shown region, in half extents of that region.
+/// Largest distance beyond the shown region for which code is compiled, in half extents of that
+/// region.
 const FARTHEST: f64 = 64.0;
 
-/// The same box or ball with this clipping plane.
+/// The box or ball of `region` with this clipping plane instead of its own.
 ///
 /// # Errors
 /// If the plane has no normal.
@@ -27,11 +28,12 @@ pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, Regio
     view::clipped(region.low(), region.high(), region.ball().is_some(), clip)
 }
 
-/// The next region to show, where the previous one was `before` and the present values need
-/// `found`. Returns `before` with the present clip while it fits.
+/// The next region to show, after `before`. The present values need the region `found`. If `found`
+/// lies in `before` and is neither much smaller nor of another shape, the result is `before` with
+/// the clipping plane of `found`.
 ///
 /// # Errors
-/// If `before` with the present clip is not a valid region.
+/// If `before` with that plane is not a valid region.
 pub fn next_region(before: &Region, found: &Region) -> Result<Region, RegionError> {
     let is_round = found.ball().is_some();
     let enough = is_inside(found, before)
@@ -46,8 +48,9 @@ pub fn next_region(before: &Region, found: &Region) -> Result<Region, RegionErro
     view::clipped(low, high, is_round, found.clip()).or(Ok(*found))
 }
 
-/// A box around the shown region and the regions needed at the ends of the sliders' ranges. Code
-/// compiled for it serves all values of the sliders.
+/// A box around the shown region and the regions found at the ends of the sliders' ranges. It is
+/// meant to contain the regions for all values of the sliders, so that code is compiled once for
+/// all.
 pub fn code_region(
     shown: &Region,
     document: &Document,

@@ -23,10 +23,10 @@ impl Glide {
         is_way.then(|| Self { from, to, since: Instant::now() })
     }
 
-    /// The current camera. `None` at the end.
+    /// The camera at the present time. `None` once the glide has ended.
     pub fn camera(&self) -> Option<Camera> {
         let share = self.since.elapsed().as_secs_f64() / GLIDE_TIME.as_secs_f64();
-        // Slow at both ends.
+        // Start and stop slowly.
         let eased = share * share * (3.0 - 2.0 * share);
         if share < 1.0 { between(&self.from, &self.to, eased) } else { None }
     }
@@ -39,7 +39,7 @@ impl Glide {
     }
 }
 
-/// The camera at this share of the way, in [0, 1]. `None` if it is not valid.
+/// The camera at this share of the way, from 0 to 1. `None` if there is no valid camera.
 fn between(from: &Camera, to: &Camera, share: f64) -> Option<Camera> {
     let projection = match (from.projection(), to.projection()) {
         (Projection::Perspective { fov: one }, Projection::Perspective { fov: other }) => {

@@ -1,22 +1,22 @@
-//! Chooses the sizes of pictures while someone waits or drags, from the times of earlier pictures.
+//! Chooses the sizes of pictures during typing and dragging, from the times of earlier pictures.
 //! Knows only times and pixel counts.
 
 use std::time::Duration;
 
-/// Target time of a coarse picture. With other work, about thirty appear per second.
+/// Target time of a coarse picture. With its other work, about thirty appear per second.
 const COARSE: Duration = Duration::from_millis(20);
 
-/// No coarse picture comes first if the full one takes at most this long.
+/// If the full picture takes at most this long, no coarse picture is drawn first.
 const PROMPT_FULL: Duration = Duration::from_millis(30);
 
-/// If the full picture is expected to take longer than this after a coarse one, a picture of half
-/// its width comes between.
+/// If the full picture is expected to take longer than this, a picture of half its width and height
+/// is drawn between the coarse and the full one.
 const PATIENCE: Duration = Duration::from_millis(150);
 
-/// Largest reduction of width and height. It is also used while the cost of a surface is unknown.
+/// Largest reduction of width and height. Also used for a surface whose cost is unknown.
 const COARSEST: f64 = 8.0;
 
-/// Below this reduction, the full picture is drawn instead.
+/// With a smaller reduction than this, the full picture is drawn instead.
 const NEARLY_FULL: f64 = 1.15;
 
 /// Measured cost of the current model's pictures.
@@ -29,8 +29,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Reduction of width and height for the first picture, where the full one has this many
-    /// pixels.
+    /// Reduction of the first picture's width and height. The full picture has this many pixels.
     pub fn first(&self, pixels: usize) -> f64 {
         let Some(affordable) = self.affordable else { return COARSEST };
         if self.full.is_some_and(|pixel| pixel * pixels as f64 <= PROMPT_FULL.as_secs_f64()) {
@@ -40,8 +39,8 @@ impl Pace {
         if scale <= NEARLY_FULL { 1.0 } else { scale.min(COARSEST) }
     }
 
-    /// Reduction for the picture after one of this `scale`. If the full picture is slow, a picture
-    /// with a quarter of its pixels comes between.
+    /// Reduction of width and height for the picture after one reduced by `scale`. If the full
+    /// picture of this many `pixels` is slow, half its width and height come first.
     pub fn next(&self, scale: f64, pixels: usize) -> f64 {
         let each = self.full.or(self.affordable.map(|pixels| COARSE.as_secs_f64() / pixels));
         let is_slow = each.is_some_and(|each| each * pixels as f64 > PATIENCE.as_secs_f64());
@@ -55,8 +54,7 @@ impl Pace {
         let affordable = pixels * COARSE.as_secs_f64() / seconds;
         if is_full {
             self.full = Some(seconds / pixels);
-            // A pixel of a coarse picture costs more, since fewer of its pixels are decided by
-            // tiles.
+            // A pixel of a coarse picture costs more, since tiles decide fewer of its pixels.
             self.affordable =
                 Some(self.affordable.map_or(affordable, |known| known.min(affordable)));
         } else {
@@ -75,8 +73,8 @@ mod tests {
         Duration::from_secs_f64(ms / 1e3)
     }
 
-    /// Reductions chosen for the pictures of one request. The full picture takes `full_ms`, and a
-    /// pixel of a coarse one takes a third longer.
+    /// Reductions chosen for the pictures of one request. The full picture takes `full_ms`, and
+    /// each pixel of a coarse picture takes a third longer than one of the full picture.
     fn scales(pace: &mut Pace, full_ms: f64) -> Vec<f64> {
         let mut scales = vec![pace.first(FULL)];
         loop {

@@ -10,8 +10,8 @@ use zeroset_scene::view::SceneError;
 use zeroset_trace::Camera;
 
 impl Worker {
-    /// The camera for a request, after the pictures of a glide if one is due. `None` if the request
-    /// is no longer wanted.
+    /// The camera for a request. If a glide is due, its pictures are drawn first. `None` if the
+    /// request is no longer wanted.
     pub fn camera(&mut self, context: &JobContext<'_>) -> Result<Option<Camera>, FaultReason> {
         if let Some(orbit) = &context.job.request.orbit {
             return Ok(Some(orbit.camera(&context.made.view_anchor)?));
@@ -41,7 +41,7 @@ impl Worker {
         while let Some(camera) = glide.camera() {
             let picture = context.made.model.trace(&camera, &settings, &wanted)?;
             if !wanted(0) {
-                // The next glide starts from the visible camera.
+                // The next glide starts from this camera, whose picture is visible.
                 if let Some(framed) = &mut self.framed {
                     (framed.camera, framed.arrived) = (camera, false);
                 }
@@ -53,7 +53,7 @@ impl Worker {
         Ok(wanted(0))
     }
 
-    /// The automatic camera: fitted once per model, and kept while only parameters move.
+    /// The automatic camera. It is fitted once per model, and kept while parameters are moving.
     fn framed(&mut self, context: &JobContext<'_>) -> Result<Option<Camera>, SceneError> {
         let JobContext { job, document, made: AnchoredModel { model, formula, .. }, .. } = context;
         let formula = *formula;

@@ -17,21 +17,20 @@ use zeroset_syntax::{Document, Errors};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, Proves};
 
-/// Least number of halvings along a ray in a coarse picture.
+/// Least depth of a coarse picture, which is the number of halvings along a ray.
 const LEAST_DEPTH: u32 = 6;
 
 /// State of the worker, with results of earlier requests that the next may reuse.
 pub(super) struct Worker {
     pub shared: Arc<Shared>,
-    /// The document read last, with its request.
+    /// The last request whose document was read, and the document.
     read: Option<(Arc<Request>, Arc<Document>)>,
     built: Option<CachedModel>,
-    /// Program of the last search for a region.
+    /// Program of the last search for a region, reused in the next search.
     search: Option<Program>,
     pub framed: Option<FittedCamera>,
-    /// Number of different formulas so far.
+    /// Number of different formulas so far, from which each formula gets its identity.
     formulas: u64,
-    /// Measured cost of the current model's pictures.
     pub pace: Pace,
     /// The request of the last complete picture.
     finished: Option<Arc<Request>>,
@@ -44,22 +43,22 @@ struct CachedModel {
     made: AnchoredModel,
 }
 
-/// A model with its automatic region, if any, and the region that views are relative to.
+/// A model, its automatic domain if there is one, and the region that views are relative to.
 #[derive(Clone)]
 pub(super) struct AnchoredModel {
     pub model: Arc<Model>,
     searched: Option<AutoDomain>,
     pub view_anchor: Region,
-    /// Identifies the formula, whatever its parameter values.
+    /// Number that identifies the formula. It stays the same when only parameter values change.
     pub formula: u64,
 }
 
-/// A fitted camera, and what it was fitted to.
+/// A fitted camera, and the model and settings it was fitted to.
 pub(super) struct FittedCamera {
     /// The model, unless it has been freed.
     pub model: Weak<Model>,
     pub region: Region,
-    /// Identifies the formula, as in [`AnchoredModel`].
+    /// Number that identifies the formula, as in [`AnchoredModel`].
     pub formula: u64,
     pub key: FitKey,
     pub camera: Camera,
@@ -109,7 +108,7 @@ impl JobContext<'_> {
     }
 }
 
-/// A request being worked on.
+/// A request that is being processed.
 pub(super) struct Job {
     pub request: Arc<Request>,
     revision: u64,
@@ -137,7 +136,7 @@ impl Worker {
             done = job.revision;
             let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
             let served = served.unwrap_or_else(|_| {
-                // State left by a panic may be inconsistent.
+                // A panic may leave the worker's state inconsistent.
                 self = Self::new(Arc::clone(&self.shared));
                 Err(FaultReason::Bug)
             });
@@ -164,8 +163,8 @@ impl Worker {
         self.shared.changed.notify_all();
     }
 
-    /// Draws the document that is shown with the new request's settings, when the new text has
-    /// errors.
+    /// Called when the text of a request has errors. Draws the document shown before with the
+    /// request's settings.
     fn redraw_shown(&mut self, job: &Job) {
         let Some(CachedModel { request: shown, .. }) = &self.built else { return };
         let Request { source, text, overrides, time, .. } = (**shown).clone();
@@ -175,13 +174,13 @@ impl Worker {
             return;
         }
         let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
-        // The error in the text matters more than one found here.
+        // Ignore errors here, since the error in the new text is already reported.
         if served.is_err() {
             *self = Self::new(Arc::clone(&self.shared));
         }
     }
 
-    /// Waits for a request other than this revision. `None` once the worker should stop.
+    /// Waits for a request with another revision than `done`. `None` once the worker should stop.
     fn next(&self, done: u64) -> Option<Job> {
         let waiting = |state: &mut PipelineState| !state.stop && state.revision == done;
         let state = self.shared.changed.wait_while(self.shared.lock(), waiting);
@@ -191,7 +190,7 @@ impl Worker {
         (!state.stop).then_some(job)
     }
 
-    /// Draws the pictures of a request, and stops when there is a newer one.
+    /// Draws the pictures of a request. Stops early when there is a newer request.
     fn serve(&mut self, job: &Job) -> Result<(), FaultReason> {
         let started = Instant::now();
         let document = self.document(&job.request).map_err(FaultReason::Text)?;
@@ -212,8 +211,8 @@ impl Worker {
             let is_full = scale <= 1.0;
             let settings = coarser(full, scale).plain();
             let started = Instant::now();
-            // While only the camera moves, a coarse picture is worth finishing: it shows the
-            // movement.
+            // Finish a coarse picture as long as the document stays, even if the camera moves on:
+            // the picture shows the movement.
             let advance =
                 |_| if is_full { self.shared.wanted(job) } else { self.is_coarse_wanted(job) };
             let picture = made.model.trace(&camera, &settings, &advance)?;
@@ -231,7 +230,7 @@ impl Worker {
         }
     }
 
-    /// Decides the rays that the full picture left open, then applies the requested light.
+    /// Traces the pixels that the preview left undecided, then applies the requested light.
     fn finish(
         &mut self,
         context: &JobContext<'_>,
@@ -254,7 +253,7 @@ impl Worker {
         Ok(())
     }
 
-    /// The full picture that is shown, if the request differs from it only in light.
+    /// The visible full picture, if the request differs from it in light only.
     fn relightable(
         &self,
         model: &Arc<Model>,
@@ -292,7 +291,7 @@ impl Worker {
         let mut state = self.shared.lock();
         let before = state.snapshot.rendering.replace(rendering);
         let revision = state.snapshot.rendering.as_ref().map(|rendering| rendering.revision);
-        // An error of this same request stays: the picture then shows an earlier text.
+        // Keep an error of this request: the picture then shows an earlier text.
         state.snapshot.fault.take_if(|fault| Some(fault.revision) != revision);
         self.shared.changed.notify_all();
         drop(state);
@@ -306,7 +305,7 @@ impl Worker {
     pub fn rest(&self, job: &Job, time: Duration) {
         let waiting = |state: &mut PipelineState| !state.stop && state.revision == job.revision;
         let state = self.shared.lock();
-        // The caller checks again what is wanted, so the reason for waking does not matter.
+        // The caller checks what is wanted, so the reason for waking does not matter.
         drop(self.shared.changed.wait_timeout_while(state, time, waiting));
     }
 
@@ -358,7 +357,7 @@ impl Worker {
         made
     }
 
-    /// As [`Worker::model`], for a new document or clipping plane.
+    /// Like [`Worker::model`], if document or clipping plane have changed.
     fn made(
         &mut self,
         job: &Job,
@@ -366,7 +365,7 @@ impl Worker {
         old: Option<&CachedModel>,
     ) -> Result<Option<AnchoredModel>, SceneError> {
         let Request { domain, clip, settings, .. } = &*job.request;
-        // Code serves other parameter values in the same region.
+        // In the same region, the code also serves other parameter values.
         let same = old.filter(|built| {
             built.document.domain == document.domain
                 && (built.made.searched.is_none() || view::same_search(&built.document, document))
@@ -386,8 +385,7 @@ impl Worker {
         let known = old.filter(|made| made.model.program().serves(document));
         let formula = known.map(|made| made.formula);
         let old = old.filter(|made| made.searched.is_some() && searched.is_some());
-        // For the same formula, the region changes little, so that the surface visibly grows or
-        // shrinks.
+        // For the same formula the region changes rarely, so that the surface visibly grows.
         let moved = old.filter(|_| formula.is_some());
         let region = moved
             .map_or(Ok(found), |made| domain_hysteresis::next_region(made.model.region(), &found));
@@ -417,8 +415,8 @@ impl Worker {
     }
 }
 
-/// Settings of a picture reduced by `scale` in width and height, with slabs coarser to match. Hard
-/// rays are left to a later picture.
+/// Settings of a picture reduced by `scale` in width and height, with a depth reduced to match.
+/// Rays that are slow to decide stay undecided until a later picture.
 pub(super) fn coarser(full: &Settings, scale: f64) -> Settings {
     let depth = full.options.depth.saturating_sub(scale.log2() as u32).max(LEAST_DEPTH);
     let fewer = |size: usize| ((size as f64 / scale).ceil() as usize).clamp(1, size);

@@ -15,19 +15,20 @@ use zeroset_shade::{
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{GBuffer, Patch, RayGrid, Status};
 
-/// Number of pixels that are refined at a time, few enough for the inner caches.
+/// Number of pixels that are antialiased together, small enough for the inner caches.
 const PART: usize = 64;
 
-/// Depth margin for the finer rays around the known depths of a pixel and its neighbors: a number
-/// of pixel widths, and a multiple of the depth that their slopes explain.
+/// The finer rays of a pixel are traced around the known depths of the pixel and its neighbors,
+/// within a margin. It has a fixed number of pixel widths, and a multiple of the depth that the
+/// slopes explain.
 const MARGIN_PIXELS: f64 = 4.0;
 const SLOPE_FACTOR: f64 = 2.0;
 
-/// Buffers for all surfaces of a part, and for a single one.
+/// A buffer for all surfaces and one for a single surface, along the finer rays of some pixels.
 type LayerBuffers = [GBuffer; 2];
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// Replaces the colors of pixels on edges by means. Returns the number of rays traced.
+    /// Replaces pixels on edges by the mean over finer rays. Returns the number of these rays.
     pub(super) fn smooth_edges(
         &self,
         rays: &RayGrid,
@@ -38,15 +39,15 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, options: TraceOptions { tolerance, .. }, .. } =
             *self.settings;
-        // The tolerance is in pixels, and finer pixels are smaller by this factor. In world units,
-        // it stays.
+        // The tolerance is in pixels. Scaled by the pattern, it is the same in world units for
+        // finer pixels.
         let tolerance = tolerance * pattern.side as f64;
         let mut wanted = edges(picture, rays);
         for layer in layers {
             // Edges behind a translucent surface are visible, too.
             wanted.iter_mut().zip(edges(layer, rays)).for_each(|(all, edge)| *all |= edge);
         }
-        // Marks of undecided pixels stay.
+        // Keep the marks of undecided pixels.
         let marks = finish.appearance.undecided != UndecidedStyle::Shade;
         let is_marked = |pixel: usize| marks && picture.status[pixel] == Status::Undecided;
         let is_own = |pixel: usize| {
@@ -88,14 +89,14 @@ struct Edges<'a, T> {
     picture: &'a GBuffer,
     pattern: Pattern,
     finish: &'a Coloring<'a>,
-    /// Set if any point has shadow or ambient occlusion.
+    /// Set if the picture has shadows or ambient occlusion.
     is_hidden: bool,
     /// Set if there is a single surface, and it is opaque.
     has_one: bool,
 }
 
 impl<T: KernelFloat> Edges<'_, T> {
-    /// The mean colors of some pixels, except those whose color is right already.
+    /// Returns the mean colors of these pixels, without those that need no antialiasing.
     fn smooth(
         &self,
         [all, layer]: &mut LayerBuffers,
@@ -139,8 +140,8 @@ impl<T: KernelFloat> Edges<'_, T> {
         Ok(found)
     }
 
-    /// Resets the finer results of pixels that need no antialiasing: all their rays meet the same
-    /// smooth part of a surface as the central ray. Returns which pixels these are.
+    /// Finds the pixels that need no antialiasing, since all their rays meet the same smooth part
+    /// of a surface. Resets the results of their finer rays.
     fn reset_smooth(&self, pixels: &[usize], rays: &RayGrid, finer: &mut GBuffer) -> Vec<bool> {
         let patches = rays.height() / pixels.len();
         let leave = |(n, &pixel): (usize, &usize)| {
@@ -177,15 +178,15 @@ impl<T: KernelFloat> Edges<'_, T> {
             nearest = nearest.min(drawn - margin);
             farthest = farthest.max(drawn + margin);
         }
-        // On an outline, a ray that meets nothing in this range meets nothing behind it.
+        // A finer ray on an outline that meets nothing in this range meets nothing behind it.
         let until = if is_outline { farthest } else { f64::INFINITY };
         let between = [nearest, until].map(|distance| ray.parameter(distance));
         let [first, top] = [column, row].map(|place| place * self.pattern.side);
         self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, between })
     }
 
-    /// Copies shadow and occlusion to the finer points at `places`. Each takes the values of the
-    /// point nearest in depth on the same surface, in its pixel or a neighbor.
+    /// Copies shadow and occlusion to the finer points at `places`. The source is the point of the
+    /// pixel or a neighbor that is nearest in depth on the same surface.
     fn copy_hidden_light(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
         let picture = self.picture;
         let (mut known, mut count) = ([0; 9], 0);
@@ -210,7 +211,7 @@ impl<T: KernelFloat> Edges<'_, T> {
                     (&mut finer.shadow, &picture.shadow),
                     (&mut finer.occlusion, &picture.occlusion),
                 ] {
-                    // An empty array means that no light is hidden.
+                    // The array is empty if the picture has no shadows or no occlusion.
                     if let Some(hidden) = theirs.get(nearest) {
                         mine[n] = *hidden;
                     }

@@ -1,6 +1,6 @@
-//! Translucent surfaces: all points of each surface along a ray, and the mix of their colors.
+//! Translucent surfaces: finds all points of each surface along a ray, and mixes their colors.
 //!
-//! Proofs concern the nearest point only, and nothing here changes them.
+//! Proofs concern the nearest point only, and are not changed by this.
 
 use super::paint::Coloring;
 use super::trace::{RenderPass, Tracers};
@@ -13,10 +13,11 @@ use zeroset_trace::{Driver, GBuffer, RayGrid, Start, Status};
 /// Largest number of points of one surface along a ray.
 const MOST: usize = 8;
 
-/// Share of light from behind that is too small to be visible.
+/// Light from behind is ignored if its share is smaller than this, too small to be visible.
 const DARK: f32 = 1.0 / 512.0;
 
-/// An undecided point has no proven end. A point this many pixels behind it counts as another one.
+/// The end of an undecided point is not proven. A point at least this many pixels behind it counts
+/// as another one.
 const PIXELS_BEHIND: f64 = 2.0;
 
 impl<T: KernelFloat> RenderPass<'_, T> {
@@ -25,9 +26,9 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         self.model.visible_surfaces().any(|surface| self.model.styles[surface].opacity < 1.0)
     }
 
-    /// All points along the rays selected by `only`, or along all rays if that is empty. For each
-    /// surface, the first layer has the nearest points, the next the points behind them, and so on.
-    /// Empty if nothing is translucent.
+    /// Finds all points along the rays selected by `only`, or along all rays if that is empty. Each
+    /// surface has several layers: first its nearest points, then the points behind them, and so
+    /// on. The result is empty if nothing is translucent.
     pub fn layers(
         &self,
         rays: &RayGrid,
@@ -61,7 +62,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     }
 
     /// For each pixel, the distance at which its ray continues behind a translucent point, in world
-    /// units. Infinite if it does not continue.
+    /// units. Infinite if the ray ends.
     fn starts(&self, rays: &RayGrid, front: &GBuffer) -> Vec<f64> {
         let start = |pixel: usize| {
             let surface = usize::from(front.surface[pixel]);
@@ -70,7 +71,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             }
             let drawn = front.drawn[pixel];
             let end = front.bracket.get(pixel).map_or(f64::NAN, |bracket| bracket[1]);
-            // The bracket belongs to the hit, and another point may be painted in front of it.
+            // The bracket belongs to the hit, but another point may be painted in front of it.
             if front.status[pixel] == Status::Hit && end >= drawn && !front.is_cap(pixel) {
                 return end;
             }
@@ -81,8 +82,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         (0..front.drawn.len()).into_par_iter().map(start).collect()
     }
 
-    /// The colors of a picture as sRGB bytes. `layers` holds all points for translucency, or is
-    /// empty.
+    /// Computes the colors of a picture, as sRGB bytes. `layers` holds the points of all layers if
+    /// there is a translucent surface, and else is empty.
     pub fn colored(
         &self,
         rays: &RayGrid,
@@ -112,7 +113,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             if !picture.is_drawn(pixel) {
                 return color(&first);
             }
-            // The picture's own point stands for the nearest one, because it has shadows.
+            // The picture's own point stands for the nearest one, since it has shadows.
             let is_behind = |layer: &usize| {
                 let layer = &layers[*layer];
                 let is_first = layer.surface[pixel] == picture.surface[pixel]

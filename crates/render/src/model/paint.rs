@@ -1,6 +1,6 @@
-//! Colors mapped from a value at each point, and contour lines of a value.
+//! Color maps and contour lines, which show the value of a function at each point.
 //!
-//! Values are computed in plain floats. No claim depends on them.
+//! Values are computed in ordinary floats. No proof depends on them.
 
 use super::Model;
 use crate::overlay::{Legend, round_step};
@@ -15,35 +15,35 @@ use zeroset_trace::{GBuffer, RayGrid};
 
 /// Width of a contour line, in pixels.
 const WIDTH: f64 = 1.4;
-/// Approximate default number of contour lines between the least and the greatest value.
+/// Approximate number of contour lines over the range of values, if no step is given.
 const LINES: f64 = 12.0;
-/// Contour lines closer than this many pixels fade into their mean.
+/// Contour lines whose distance is below this many pixels fade into their mean.
 const DENSE: f64 = 3.0;
-/// A range wider than this share of its largest value is surely no rounding error.
+/// A range wider than this share of its largest value is not due to rounding errors.
 const LEAST_RANGE: f64 = 1e-2;
-/// Uncertainty of a painted point along its ray, in pixels.
+/// Uncertainty of the position of a painted point along its ray, in pixels.
 const POINT_UNCERTAINTY: f64 = 0.1;
 /// Number of points that a thread processes at a time.
 const PART: usize = 512;
 
-/// Appearance and paint of a picture.
+/// Everything needed to color a picture: light, surface colors and paint.
 pub(super) struct Coloring<'a> {
     /// Light and surface colors.
     pub appearance: Appearance,
-    /// Paint on the surfaces. `None` if all have their own colors.
+    /// Color maps and contour lines. `None` if there are neither.
     pub painter: Option<Painter<'a>>,
 }
 
 /// Color maps and contour lines on the surfaces.
 pub(super) struct Painter<'a> {
     model: &'a Model,
-    /// Scale of each surface.
+    /// Color scale of each surface; `None` if it has its own color.
     scales: Vec<Option<ValueScale<'a>>>,
     /// Value and step of the contour lines on each surface.
     contours: Vec<Option<(&'a PointValue, f64)>>,
 }
 
-/// Assignment of a color map to a range of values.
+/// A color map, and the range of a value that is mapped to its colors.
 #[derive(Clone, Copy)]
 struct ValueScale<'a> {
     map: &'static ColorMap,
@@ -67,8 +67,8 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The paint for pictures like `picture`, whose points give the range of values. `None` if all
-    /// surfaces have their own colors.
+    /// The color maps and contour lines of a model. The points of `picture` determine the ranges of
+    /// values. `None` if there are neither maps nor lines.
     pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
         let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();
@@ -88,7 +88,7 @@ impl<'a> Painter<'a> {
             if high - low > LEAST_RANGE * low.abs().max(high.abs()) {
                 return [low, high];
             }
-            // A range that the uncertainty of the points explains counts as a single value.
+            // A range that the uncertainty of the points can explain counts as a single value.
             let moved = blank.values(value, &points, picture, rays, POINT_UNCERTAINTY);
             let both = values.iter().zip(moved);
             let unsure = both.map(|(value, moved)| (moved - value).abs()).fold(0.0, f64::max);
@@ -127,7 +127,7 @@ impl<'a> Painter<'a> {
         Some(Self { model, scales, contours })
     }
 
-    /// The legends: one for each different scale.
+    /// The legends, one for each distinct color scale.
     pub fn legends(&self) -> Vec<Legend> {
         let mut legends: Vec<Legend> = Vec::new();
         for (scale, contours) in self.scales.iter().zip(&self.contours) {
@@ -142,7 +142,7 @@ impl<'a> Painter<'a> {
         legends
     }
 
-    /// The paint for a picture in which `side` pixels span one pixel of the final picture.
+    /// The paint of a picture's pixels, of which `side` span one pixel of the final picture.
     pub fn paint(&self, picture: &GBuffer, rays: &RayGrid, side: usize) -> Vec<Paint> {
         let mut paint = vec![Paint::NONE; picture.drawn.len()];
         for surface in 0..self.model.surfaces() {
@@ -153,7 +153,7 @@ impl<'a> Painter<'a> {
                 let values = self.values(value, &points, picture, rays, 0.0);
                 let extent = high - low;
                 for (&pixel, value) in points.iter().zip(&values) {
-                    // A single value gets the middle color.
+                    // If the scale has only a single value, use the middle color.
                     let share = if extent > 0.0 { (value - low) / extent } else { 0.5 };
                     if !value.is_nan() {
                         paint[pixel].base = LinearRgb::from_srgb(map.bytes(share));
@@ -176,7 +176,7 @@ impl<'a> Painter<'a> {
         paint
     }
 
-    /// The value at the point of each pixel, or `behind` pixels behind the point.
+    /// Values at the points of these pixels, moved `behind` pixels back along the ray.
     fn values(
         &self,
         value: &PointValue,
@@ -240,18 +240,18 @@ fn points(picture: &GBuffer, holds: impl Fn(usize) -> bool) -> Vec<usize> {
 
 /// Contour lines in a picture.
 struct Lines {
-    /// Difference of the values of neighboring lines.
+    /// Difference of the values of adjacent lines.
     step: f64,
     /// Number of pixels that span one pixel of the final picture.
     side: f64,
 }
 
 impl Lines {
-    /// The share of a pixel that lines cover, from its value and the values of the pixels
-    /// [beside](RayGrid::beside) it.
+    /// The share of a pixel that lines cover. It depends on the pixel's value in `field`, and on
+    /// the values of the pixels [beside](RayGrid::beside) it.
     fn ink(&self, field: &[f64], pixel: usize, beside: [Option<usize>; 4]) -> f64 {
         let value = field[pixel];
-        // Uses the smaller change of the two sides, because values jump at silhouettes.
+        // Values jump at outlines of surfaces, so use the smaller of the changes toward both sides.
         let [left, right, above, below] =
             beside.map(|there| (there.map_or(f64::NAN, |there| field[there]) - value).abs());
         let (across, down) = (left.min(right), above.min(below));
@@ -282,8 +282,7 @@ mod tests {
             let (rays, lines) = (rays(width, height), Lines { step: 1.0, side: 1.0 });
             let row = width..2 * width;
             let ink: f64 = row.map(|pixel| lines.ink(&field, pixel, rays.beside(pixel))).sum();
-            // One line for each whole number among the values, and a part of the one below the
-            // first.
+            // There is one line for each whole number among the values.
             let crossed = (slope * 399.0 + 0.01).floor();
             assert!((ink / crossed / WIDTH - 1.0).abs() < 0.1, "{slope}: {ink} of {crossed}");
         }

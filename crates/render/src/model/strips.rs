@@ -1,8 +1,8 @@
 //! Pictures too large for memory, drawn as strips of rows.
 //!
-//! A strip equals that part of the whole picture bit for bit, except for ambient occlusion and
-//! color scales. These need distant rows and come from an overview: a smaller picture of the whole.
-//! If the overview has full size, nothing differs.
+//! A strip equals its part of the whole picture bit for bit, except for ambient occlusion and color
+//! scales. These need distant rows, which they take from an overview: a smaller picture of the
+//! whole. With an overview of full size, strips do not differ at all.
 
 use super::{Model, ProgressCallback};
 use crate::picture::{Picture, Settings};
@@ -11,16 +11,16 @@ use zeroset_scene::program::ProgramError;
 use zeroset_shade::Pattern;
 use zeroset_trace::{Camera, RayGrid};
 
-/// Strips begin at multiples of this many rows, and are drawn with as many extra rows at both ends.
-/// Methods trace bands of this height, and antialiasing reaches less far.
+/// Strips begin at multiples of this many rows, and are drawn with this many extra rows above and
+/// below. Methods trace bands of this height, and antialiasing needs fewer extra rows.
 const ALIGNED: usize = 16;
 
-/// Approximate pixels of a strip, and largest picture drawn whole. A pixel takes some hundred
-/// bytes.
+/// Approximate number of pixels of a strip, and largest number of pixels of a picture drawn whole.
+/// A pixel takes some hundred bytes.
 const STRIP: usize = 1 << 21;
 const WHOLE: usize = 1 << 22;
 
-/// Largest number of rows and of pixels in an overview.
+/// Largest number of rows and largest number of pixels of an overview.
 const OVERVIEW_ROWS: usize = 1024;
 const OVERVIEW_PIXELS: usize = 1 << 21;
 
@@ -28,9 +28,9 @@ const OVERVIEW_PIXELS: usize = 1 << 21;
 pub struct Strip<'a> {
     /// First row, counted from the top of the whole picture.
     pub top: usize,
-    /// The picture of these rows.
+    /// The picture of the strip's rows.
     pub picture: &'a mut Picture,
-    /// A picture of the whole, perhaps smaller. `None` if `picture` is the whole.
+    /// A picture of the whole, possibly smaller. `None` if the strip is the whole picture.
     pub overview: Option<&'a Picture>,
 }
 
@@ -41,8 +41,9 @@ pub(super) struct Overview {
 }
 
 impl Model {
-    /// Draws a picture strip by strip to limit memory. A picture of moderate size is a single
-    /// strip. Returns a picture without rows, with the times, counts and remarks of the whole.
+    /// Draws a picture strip by strip to limit memory, and calls `each` for every strip. A picture
+    /// of moderate size is a single strip. Returns a picture without rows, which has the times,
+    /// counts and remarks of the whole.
     ///
     /// # Errors
     /// As [`Model::trace`], and errors of `each`.
@@ -61,14 +62,13 @@ impl Model {
         self.strips_of(rows, camera, settings, progress, each)
     }
 
-    /// As [`Model::strips`], with a given number of rows per strip. It must be a multiple of
-    /// sixteen, or at least the picture's height.
+    /// Like [`Model::strips`], with a given number of rows per strip.
     ///
     /// # Errors
     /// As [`Model::strips`].
     ///
     /// # Panics
-    /// If `rows` is neither.
+    /// If `rows` is less than the picture's height and not a positive multiple of sixteen.
     pub fn strips_of<E: From<ProgramError>>(
         &self,
         rows: usize,
@@ -125,7 +125,6 @@ impl Model {
     }
 }
 
-/// Settings of the overview.
 fn overview_settings(settings: &Settings) -> Settings {
     let Settings { width, height, .. } = *settings;
     let by_area = (OVERVIEW_PIXELS as f64 / (width * height) as f64).sqrt();

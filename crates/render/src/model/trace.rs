@@ -22,23 +22,23 @@ use zeroset_trace::{
     TraceOptions, Tracer, cap, cap_rows,
 };
 
-/// Callback with the number of pixels finished since the last call. Returning `false` ends the
-/// work.
+/// Callback with the number of pixels finished since the last call. The work ends if it returns
+/// `false`.
 pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 
 /// Step of central differences, as a share of the region's largest extent.
 const STEP: f64 = 1e-3;
 
-/// Farther from the origin than this many half extents, `f32` positions are too coarse for normals.
+/// Beyond this many half extents from the origin, `f32` is too coarse for normals.
 const FAR: f64 = 1024.0;
 
 impl Model {
-    /// Draws a picture. `advance` gets the number of pixels finished since the last call, counted
-    /// per surface. The work ends early when it returns `false` or the settings' budget is used up.
-    /// Pixels not reached by then are undecided and unpainted.
+    /// Draws a picture. `advance` gets the number of pixels finished since the last call, where a
+    /// pixel counts once per surface. The work ends early if `advance` returns `false` or the
+    /// settings' budget is used up. Pixels not reached by then are undecided and unpainted.
     ///
     /// # Errors
-    /// If a kernel fails to compile that [`Model::new`] has not compiled.
+    /// If a kernel that [`Model::new`] has not compiled fails to compile.
     pub fn trace(
         &self,
         camera: &Camera,
@@ -51,8 +51,8 @@ impl Model {
         self.along(&rays, settings, &advance, None, None)
     }
 
-    /// The picture along these rays. For a strip, only its `own` rows are kept, and `overview`
-    /// supplies ambient occlusion and color scales.
+    /// Draws the picture along these rays. For a strip, only the rows `own` are kept, and
+    /// `overview` supplies ambient occlusion and color scales.
     pub(super) fn along(
         &self,
         rays: &RayGrid,
@@ -73,10 +73,10 @@ impl Model {
         }
     }
 
-    /// Decides the pixels that a preview (`Settings::is_preview`) left open. `settings` must be
-    /// those of the picture, except for `is_preview`. A picture without normals is drawn again, and
-    /// the statistics then cover only the new one. `advance` is as for [`Model::trace`]. Returns
-    /// `None` if it ended the work.
+    /// Traces again the pixels that a preview (`Settings::is_preview`) left undecided. `settings`
+    /// must be those of the preview, except for `is_preview`. A preview without normals is drawn
+    /// again, and the statistics then cover only the new picture. `advance` is as for
+    /// [`Model::trace`]. Returns `None` if `advance` returned `false`.
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -98,8 +98,9 @@ impl Model {
         }
     }
 
-    /// The picture in other light. It is traced again only if its normals were not kept. `settings`
-    /// must be those of the picture, except for the light. `advance` is as for [`Model::trace`].
+    /// Draws the picture in other light. It is traced again only if its normals were not kept.
+    /// `settings` must be those of the picture, except for the light. `advance` is as for
+    /// [`Model::trace`].
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -125,29 +126,29 @@ impl Model {
     }
 }
 
-/// Prepared tracers, with the numbers of their surfaces.
+/// Prepared tracers, each with the number of its surface.
 pub(super) type Tracers<'a> = Vec<(usize, Box<dyn Tracer + 'a>)>;
 
-/// Result of tracing some rays.
+/// Result of tracing surfaces along some rays.
 struct Traced {
     buffer: GBuffer,
-    /// Number of pixels by status, if counted during tracing.
+    /// Number of pixels by status, if they were counted during tracing.
     counts: Option<PixelCounts>,
     work: KernelStats,
-    /// Colors, if computed during tracing.
+    /// Colors, if they were computed during tracing.
     rgb: Option<Vec<u8>>,
     /// Surfaces that were traced by a fallback method.
     fallbacks: Vec<(usize, Fallback)>,
 }
 
-/// State shared by all parts of a picture. Colors are computed by kernels of `T`.
+/// State shared by all steps of drawing a picture. Kernels for colors compute in `T`.
 pub(super) struct RenderPass<'a, T> {
     pub model: &'a Model,
     pub settings: &'a Settings,
     pub advance: Advance<'a>,
-    /// A picture of the whole, if this is a strip.
+    /// A picture of the whole, if this pass draws a strip.
     overview: Option<&'a Overview>,
-    /// The rows of a strip that are kept, or `None` for all.
+    /// The rows of a strip that are kept. `None` for all.
     pub own: Option<Range<usize>>,
     floats: PhantomData<fn() -> T>,
 }
@@ -157,7 +158,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
     }
 
-    /// The method prepared for a surface, with its options changed by `change`.
+    /// Prepares the method for a surface, with options changed by `change`.
     pub fn tracer(
         &self,
         surface: usize,
@@ -199,7 +200,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(source.map_or_else(KernelStats::default, compute_normals))
     }
 
-    /// Kernels for a surface's normals, if normals are wanted.
+    /// Kernels that compute a surface's normals, if normals are wanted.
     fn normals_of(&self, surface: usize) -> Result<Option<NormalSource<'a, T>>, ProgramError> {
         let kernels = self.model.program.kernels::<T>(surface);
         Ok(match self.settings.normals {
@@ -229,7 +230,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         self.finished(rays, found, times)
     }
 
-    /// The picture with its open pixels traced again. `None` if that is no longer wanted.
+    /// Traces again the pixels that a preview left undecided. `None` if the work was ended early.
     fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Option<Picture>, ProgramError> {
         if picture.buffer.normal.is_empty() {
             let anew = self.draw(rays)?;
@@ -250,7 +251,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         self.finished(rays, found, times).map(Some)
     }
 
-    /// The picture in other light.
+    /// Draws the picture in other light.
     fn relight(&self, picture: &Picture, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let mut lit = picture.clone();
         lit.buffer.shadow.clear();
@@ -263,8 +264,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(lit)
     }
 
-    /// Returns whether each row can be colored as soon as it is traced, independently of the
-    /// others.
+    /// Returns whether each row can be colored as soon as it is traced.
     fn is_plain(&self) -> bool {
         self.settings.normals.is_some()
             && self.model.visible_surfaces().count() == 1
@@ -274,9 +274,9 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             && !Painter::is_wanted(self.model)
     }
 
-    /// Traces all surfaces along the rays selected by `only`, or along all if that is empty. With a
-    /// shader, which needs normals, it colors the picture as well. Each band is finished while it
-    /// is in cache.
+    /// Traces all surfaces along the rays selected by `only`, or along all rays if that is empty.
+    /// With a shader, which needs normals, it also colors the picture. Each band is finished while
+    /// it is in the cache.
     fn surfaces(
         &self,
         rays: &RayGrid,
@@ -311,7 +311,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                     work += source.compute_normals(rows, rays, self.extent() * STEP, canvas);
                 }
                 shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
-                // Counted before the lock is taken, so that others wait less.
+                // Count before taking the lock, so that other threads wait less.
                 let counts = rows.counts();
                 *counted.lock().unwrap_or_else(PoisonError::into_inner) += counts;
                 work
@@ -321,23 +321,23 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
             let driver = Driver { rays, tracer: &*tracer, advance };
-            // Caps get their normals first, and edges are found from normals.
+            // Normals are needed early for caps, and later to find edges.
             let needs_normals = shader.is_none() || is_solid || settings.antialias != Pattern::ONE;
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
-                // Layers are merged by their brackets.
+                // Layers of several surfaces are merged by their brackets.
                 brackets: settings.brackets || model.visible_surfaces().count() > 1,
                 caps: is_solid,
             };
             let (layer, found) =
                 driver.new_picture(surface as u16, kept, only, picture.as_ref(), parts, finish);
             work += found;
-            // Time per thread, assuming that all threads were busy all the time.
+            // Divide the sum over all threads, on the assumption that all were busy all the time.
             let shading = shading.into_inner() / rayon::current_num_threads() as u64;
             let (lap, shading) = (watch.lap(), Duration::from_nanos(shading));
             times.trace += lap.saturating_sub(shading);
             times.shade += lap.min(shading);
-            // Merging one layer at a time keeps memory independent of the number of surfaces.
+            // Merge each layer at once, so that memory does not grow with the number of surfaces.
             match &mut picture {
                 None => picture = Some(layer),
                 Some(picture) => {
@@ -399,7 +399,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             kernels: made,
             nodes: model.program.nodes(),
         };
-        // A function that is 0 everywhere leaves every ray through the region undecided.
+        // If a function is 0 everywhere, every ray through the region is undecided.
         let flat = pixels.hit == 0 && pixels.undecided > 0 && model.is_flat::<T>()?;
         Ok(Picture {
             buffer,
@@ -416,7 +416,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         })
     }
 
-    /// The method prepared for each visible surface, with the surface's number.
+    /// Prepares the method for each visible surface, and adds the surface's number.
     pub fn tracers(
         &self,
         change: impl Fn(TraceOptions) -> TraceOptions,

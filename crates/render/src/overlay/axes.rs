@@ -13,10 +13,10 @@ const INKS: [Rgb; 2] = [0x0030_3038, 0x00d8_d8e0];
 const SEEN: u32 = 190;
 const HIDDEN: u32 = 36;
 
-/// Width of a line, in dots of a letter.
+/// Width of a line. The unit is a dot of a letter.
 const WIDTH: f64 = 1.1;
 
-/// Number of pieces of an edge that are tested for visibility.
+/// Number of pieces into which an edge is divided for tests of visibility.
 const PIECES: usize = 256;
 
 /// A picture with its camera and region.
@@ -31,7 +31,7 @@ pub struct PictureView<'a> {
 }
 
 impl PictureView<'_> {
-    /// A color for lines and letters that contrasts with the background.
+    /// The color for lines and letters, which contrasts with the background.
     pub fn ink(&self) -> Rgb {
         let ground =
             (0..self.picture.buffer.drawn.len()).find(|&n| !self.picture.buffer.is_drawn(n));
@@ -69,7 +69,7 @@ impl Projector<'_> {
         Some((DVec2::new(across, down), distance))
     }
 
-    /// Returns whether nothing is painted in front of a point at this position.
+    /// Returns whether nothing is painted in front of a point at this position and distance.
     fn is_seen(&self, at: DVec2, distance: f64) -> bool {
         let buffer = &self.shown.picture.buffer;
         let scaled = |at: f64, size: usize, of: usize| {
@@ -78,12 +78,12 @@ impl Projector<'_> {
         };
         let x = scaled(at.x, self.rays.width(), buffer.width);
         let y = scaled(at.y, self.rays.height(), buffer.height);
-        // The margin keeps a surface on the box from hiding the box.
+        // The margin keeps a surface that touches the box from hiding it.
         buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
     }
 
     fn line(&self, cover: &mut Cover, from: DVec3, to: DVec3) {
-        // Start, end and opacity of a part with equal visibility.
+        // Start, end and opacity of a part of the edge with the same visibility throughout.
         let mut part: Option<(DVec2, DVec2, Option<u32>)> = None;
         let mut draw = |part: Option<(DVec2, DVec2, Option<u32>)>| {
             if let Some((from, to, Some(share))) = part {
@@ -139,7 +139,7 @@ impl Cover {
             low as usize..high as usize
         };
         let (way, rows) = (to - from, range(from.y, to.y, self.height));
-        // Horizontal distance from the line's center, within which it covers pixels of a row.
+        // Horizontal distance from the line's center within which pixels of a row are covered.
         let beside = reach * way.length() / way.y.abs();
         for y in rows {
             let columns = if beside.is_finite() {
@@ -164,7 +164,7 @@ impl Cover {
     }
 
     fn blend(&self, canvas: &mut Canvas, ink: Rgb) {
-        // Most pixels have no line.
+        // Skip pixels without lines, which are most of them.
         for (part, shares) in self.shares.chunks(64).enumerate() {
             if shares.iter().fold(0, |any, share| any | share) == 0 {
                 continue;
@@ -210,7 +210,7 @@ pub fn draw_box(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) -> V
         for (from, to) in &edges {
             projector.line(&mut cover, *from, *to);
         }
-        // Ticks of x and y are on the lowest edge in the picture, and of z on the leftmost.
+        // Ticks of x and y are on the lowest edge in the picture, those of z on the leftmost.
         let rank = |(from, to): &&(DVec3, DVec3)| {
             let at = projector.project(from.midpoint(*to)).map(|(at, _)| at)?;
             let rank = if axis == 2 { -at.x } else { at.y };
@@ -225,7 +225,7 @@ pub fn draw_box(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) -> V
     labels
 }
 
-/// Writes numbers and the axis name along an edge.
+/// Writes tick values and the axis name along an edge.
 fn label(
     canvas: &mut Canvas,
     cover: &mut Cover,
@@ -238,8 +238,8 @@ fn label(
     let (low, high) = (from[axis], to[axis]);
     let (ticks, step) = ticks(low, high);
     let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
-    // Labels are offset perpendicular to the edge, so that labels of adjacent edges separate. An
-    // edge seen end-on has no such direction.
+    // Labels are moved away from the edge at a right angle, so that labels of adjacent edges
+    // separate. An edge viewed end-on has no such direction.
     let away = (middle - centre).normalize_or(DVec2::Y);
     let ends = projector.project(from).zip(projector.project(to));
     let across = ends.map_or(DVec2::ZERO, |((a, _), (b, _))| (b - a).perp());
@@ -249,8 +249,8 @@ fn label(
         None => away,
     };
     let scale = canvas.scale as f64;
-    // The position of a value on the edge, and its label, which is moved into the picture if it
-    // lies outside.
+    // Returns the position of a value on the edge, and its label. A label outside the picture is
+    // moved into it.
     let size = DVec2::new(canvas.width as f64, projector.rays.height() as f64);
     let letter = DVec2::new(canvas.advance() as f64, canvas.letter_height() as f64);
     let label = |value: f64, text: String, reach: f64| {
@@ -262,7 +262,7 @@ fn label(
         let place = place.clamp(DVec2::ZERO, (size - 2.0 * half).max(DVec2::ZERO));
         Some((at, Label { text, place, size: 2.0 * half }))
     };
-    // A label without a letter's space around it is left out.
+    // A label needs a letter's width of free space around it, or else is left out.
     let free = |label: &Label, labels: &[Label]| {
         !labels.iter().any(|other| label.touches(other, letter.x))
     };
@@ -304,7 +304,7 @@ mod tests {
     use crate::picture::Settings;
     use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 
-    /// The labels around the region ±2, in a picture of this size.
+    /// Returns the labels of a picture of this size, for the region from -2 to 2 on each axis.
     fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
         let settings = Settings { width, height, ..Settings::default() };
         let document = zeroset_syntax::read("domain 2\nx^2+y^2+z^2 = 1", &Default::default());
@@ -351,8 +351,7 @@ mod tests {
         assert_eq!(texts, expected);
     }
 
-    /// [`Cover::line`] visits only pixels near the line. The others must not be covered.
-    /// covered.
+    /// [`Cover::line`] visits only pixels near the line. None of the others may be covered.
     #[test]
     fn a_line_covers_what_is_near_it() {
         let (width, height) = (120, 90);

@@ -6,7 +6,7 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 const WEIGHT: FontWeight = FontWeight::Regular;
 const HEIGHT: RasterHeight = RasterHeight::Size16;
 
-/// The letter π, which the font lacks, in the height and weight of the others.
+/// The letter π, which the font lacks, in the same height and weight as the font.
 const PI: [[u8; 7]; 16] = {
     let none = [0; 7];
     let bar = [90, 235, 250, 250, 250, 235, 90];
@@ -18,27 +18,28 @@ const PI: [[u8; 7]; 16] = {
 /// A color as 0xRRGGBB.
 pub type Rgb = u32;
 
-/// Mixes `share` of 255 parts of `new` into `old`.
+/// Mixes `new` into `old`, with `share` / 255 as the share of `new`.
 fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
     let part = |n: usize| (u32::from(old[n]) * (255 - share) + u32::from(new[n]) * share) / 255;
     [0, 1, 2].map(|n| part(n) as u8)
 }
 
-/// An image in a window's format: one number per pixel.
+/// An image with one number per pixel, as windows use it.
 pub struct Canvas {
     /// Width in pixels.
     pub width: usize,
     /// Height in pixels.
     pub height: usize,
-    /// Pixels, row by row from the top. Empty if drawings are recorded for [`Canvas::mix_into`].
+    /// Pixels, row by row from the top. Empty if drawings are recorded instead, for
+    /// [`Canvas::mix_into`].
     pub pixels: Vec<Rgb>,
-    /// Pixels on each side of a letter's dot.
+    /// Width and height of a letter's dot, in pixels.
     pub scale: usize,
     /// Recorded drawings, if there are no pixels.
     marks: Vec<Mark>,
 }
 
-/// A color to mix into the pixel with this index, and its share of 255.
+/// A color that is to be mixed into the pixel with this index, with `share` / 255 as its share.
 struct Mark {
     pixel: usize,
     color: Rgb,
@@ -46,14 +47,14 @@ struct Mark {
 }
 
 impl Canvas {
-    /// A canvas with these pixels, or one that records drawings if `pixels` is empty. `scale` is
-    /// the size of a letter's dots.
+    /// Creates a canvas with these pixels. If `pixels` is empty, the canvas records drawings.
+    /// `scale` is the width and height of a letter's dot, in pixels.
     pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, scale: usize) -> Self {
         Self { width, height, pixels, scale, marks: Vec::new() }
     }
 
-    /// Mixes the recorded drawings into rows of red, green and blue bytes. The first of them is row
-    /// `top`.
+    /// Mixes the recorded drawings into an image of red, green and blue bytes, whose first row is
+    /// row `top` of the canvas.
     pub fn mix_into(&self, rgb: &mut [u8], top: usize) {
         let (pixels, first) = (rgb.as_chunks_mut::<3>().0, top * self.width);
         for Mark { pixel, color, share } in &self.marks {
@@ -79,12 +80,13 @@ impl Canvas {
         Self::line_height_at(self.scale)
     }
 
-    /// As [`Canvas::line_height`], for letters of this scale.
+    /// Like [`Canvas::line_height`], for letters of this scale.
     pub fn line_height_at(scale: usize) -> usize {
         (HEIGHT.val() + 4) * scale
     }
 
-    /// Mixes `color` into a pixel; a `share` of 255 replaces it. Pixels outside are ignored.
+    /// Mixes `color` into a pixel, with `share` / 255 as its share. Pixels outside the canvas are
+    /// ignored.
     pub fn blend(&mut self, x: i64, y: i64, color: Rgb, share: u32) {
         let inside = |at: i64, size: usize| at >= 0 && at < size as i64;
         if !(inside(x, self.width) && inside(y, self.height)) {
@@ -119,7 +121,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a frame along the edges.
+    /// Draws a frame along the edges of the canvas.
     pub fn border(&mut self, thickness: usize, color: Rgb) {
         let (w, h, t) = (self.width, self.height, thickness);
         self.fill(0, 0, w, t, color, 255);
@@ -148,7 +150,7 @@ impl Canvas {
         }
     }
 
-    /// Draws a letter from the coverage of its dots, row by row.
+    /// Draws a letter from the coverage of its dots, given in rows.
     fn dots<'a>(&mut self, x: i64, y: i64, rows: impl Iterator<Item = &'a [u8]>, color: Rgb) {
         let scale = self.scale as i64;
         for (row, line) in (0_i64..).zip(rows) {

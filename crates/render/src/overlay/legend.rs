@@ -2,16 +2,16 @@
 
 use zeroset_style::ColorMap;
 
-/// A legend: the scale of a color map in a picture.
+/// A legend, which explains the color scale of a picture.
 #[derive(Clone, Debug)]
 pub struct Legend {
     /// The color map.
     pub map: &'static ColorMap,
-    /// The formula of the value, as text.
+    /// The formula of the value that is shown by color.
     pub value: String,
-    /// The value with the first color.
+    /// The value that the map's first color stands for.
     pub low: f64,
-    /// The value with the last color.
+    /// The value that the map's last color stands for.
     pub high: f64,
     /// Difference between contour lines of this value, if there are any.
     pub step: Option<f64>,
@@ -24,8 +24,8 @@ impl PartialEq for Legend {
     }
 }
 
-/// The least number of the form 1, 2 or 5 times a power of ten that is at least `least`, which must
-/// be positive.
+/// The smallest number of the form 1, 2 or 5 times a power of ten that is not below `least`.
+/// `least` must be positive.
 pub fn round_step(least: f64) -> f64 {
     let power = 10.0_f64.powf(least.log10().floor());
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * power >= least);

@@ -1,4 +1,5 @@
-//! Positions and texts of axis ticks: round numbers, or multiples of π if the ends are such.
+//! Positions and texts of axis ticks. Ticks are at multiples of π if both ends of the axis are
+//! multiples of π/2, and else at round numbers.
 
 use super::legend::round_step;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -7,13 +8,13 @@ use zeroset_scene::coordinate::multiple_of_pi;
 /// Approximate number of ticks on an axis.
 const TICKS: f64 = 4.0;
 
-/// Largest number of ticks, in case rounding yields a tiny step.
+/// Largest number of ticks, which matters only if rounding leads to a tiny step.
 const MOST: usize = 16;
 
-/// Tolerance for rounding: in multiples of π/2 for ends, and in steps for ticks.
+/// Tolerance for rounding errors: in units of π/2 for ends, and in steps for ticks.
 const NEAR: f64 = 1e-9;
 
-/// Steps below π, as parts of π.
+/// Steps smaller than π, in units of π.
 const PARTS: [f64; 2] = [0.25, 0.5];
 
 /// Positions and texts of the ticks between two ends, and the step between them.
@@ -30,7 +31,7 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     } else {
         (1.0, round_step(least))
     };
-    // An end that is a tick up to rounding counts as a tick.
+    // An end counts as a tick if it differs from one only by rounding.
     let first = (low / unit / step - NEAR).ceil() as i64;
     let last = (high / unit / step + NEAR).floor() as i64;
     let tick = |tick: i64| {
@@ -41,7 +42,7 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     ((first..=last).take(MOST).map(tick).collect(), step * unit)
 }
 
-/// A multiple of `step`, with no more digits than needed.
+/// Formats a multiple of `step` with no more decimals than needed.
 fn shown(value: f64, step: f64) -> String {
     let digits = (-step.log10().floor()).max(0.0) as usize;
     let text = format!("{value:.digits$}");
@@ -73,7 +74,7 @@ mod tests {
         assert_eq!(texts(0.0, PI), ["0", "π/4", "π/2", "3π/4", "π"]);
         assert_eq!(texts(-1.5 * PI, 0.5 * PI), ["-3π/2", "-π", "-π/2", "0", "π/2"]);
         assert_eq!(texts(-6.0 * PI, 6.0 * PI), ["-5π", "0", "5π"]);
-        // A number close to a multiple of π is not one.
+        // A number close to a multiple of π does not count as a multiple.
         assert_eq!(texts(-PI - 1e-5, PI), ["-2", "0", "2"]);
     }
 }

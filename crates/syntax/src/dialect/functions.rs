@@ -160,7 +160,7 @@ impl ProgramReader<'_> {
         self.run(&steps, frame)
     }
 
-    /// Reads `f(a) = value` of OpenSCAD. `tokens` begin after the word `function`.
+    /// Reads `f(a) = value` of `OpenSCAD`. `tokens` begin after the word `function`.
     pub(crate) fn openscad_function(
         &mut self,
         tokens: Vec<Token>,

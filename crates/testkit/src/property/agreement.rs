@@ -1,5 +1,6 @@
 //! Native code must give the same bits as the reference evaluator, where −0 equals +0 and NaN
-//! equals NaN. Vectors narrower than the processor's are used nowhere else, and are checked too.
+//! equals NaN. Code for vectors narrower than the processor's is checked, too, since pictures do
+//! not use it.
 
 use super::tile::{Tile, pack_segments, pack_tiles};
 use crate::suite::{Failure, Tally};
@@ -13,7 +14,8 @@ use zeroset_eval::{
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, vector_widths};
 
-/// Compilation is superlinear, so longer functions would take most of the time.
+/// Number of nodes from which functions are skipped. Compilation is superlinear, so these would take
+/// most of the time.
 const LONGEST: usize = 400;
 
 /// The query that a kernel answers.
@@ -27,7 +29,8 @@ pub enum KernelKind {
     Gradients,
     /// Whether a function may have a zero in a box.
     Zeros,
-    /// The same, branch by branch. Functions without jumps are skipped.
+    /// Whether a branch of a function may have a zero in a box. Functions without jumps are
+    /// skipped.
     Branches,
     /// Enclosures of a function and its derivatives over boxes.
     GradientBounds,
@@ -55,8 +58,9 @@ impl KernelKind {
         matches!(self, Self::Gradients | Self::GradientBounds)
     }
 
-    /// Returns the tape of this kernel for a case: for the function as typed or, if `simple`,
-    /// rewritten and simplified as in programs. `None` if it is too long, or has no branches.
+    /// Returns the tape of this kernel for a case. The function is as typed or, if `simple`,
+    /// rewritten and simplified as in programs. `None` if the tape is too long, or if it should
+    /// have branches and has none.
     pub fn tape<T: Real>(self, simple: bool, case: &Case) -> Option<Tape<T>> {
         let Assumptions { domain, parameters } = &case.assumptions;
         let (mut graph, mut root) = (case.graph.clone(), case.root);
@@ -85,11 +89,9 @@ impl KernelKind {
 /// inputs. The function is as typed, or simplified if `simple`. A function that is too long is
 /// skipped, and nothing is compared.
 ///
-/// # Errors
-/// The first input on which they differ, with a smaller case that still shows it.
+/// # Errors The first input on which they differ, with a smaller case that still shows it.
 ///
-/// # Panics
-/// If the code of a function of moderate length does not compile.
+/// # Panics If the code of a function of moderate length does not compile.
 pub fn agree<T: Adversarial>(
     subject: KernelKind,
     simple: bool,
@@ -100,7 +102,7 @@ pub fn agree<T: Adversarial>(
     let tape = |case: &Case| subject.tape::<T>(simple, case);
     let (boxes, points) = (random_boxes, random_points);
     let (segments, tiles) = (random_segments, random_tiles);
-    // Mostly the widest vectors.
+    // The widest vectors are drawn most often.
     let widths: Vec<usize> = vector_widths().collect();
     let width = widths[if rng.bool() { 0 } else { rng.u32(0..widths.len() as u32) as usize }];
     match subject {
@@ -152,7 +154,7 @@ fn random_boxes<T: Adversarial>(case: &Case, rng: &mut Rng, count: usize) -> Box
     pack_boxes(&regions).remove(0)
 }
 
-/// Samples assume nothing about the domain, so any point will do, infinite ones too.
+/// Sample kernels assume nothing about the domain, so any point will do, even an infinite one.
 fn random_points<T: Adversarial>(_: &Case, rng: &mut Rng, count: usize) -> Points<T> {
     let mut lanes = || Lanes([(); LANES].map(|()| T::adversarial(rng, Ends::Infinite)));
     Points { at: [(); 3].map(|()| lanes()), count: count as u32 }
@@ -218,7 +220,7 @@ where
     Q::Input<T>: Debug,
     Q::Output<T>: Debug,
 {
-    /// Returns the first input on which they differ.
+    /// Returns the first input on which the two evaluators differ.
     fn differing<Q: Query, T: Real>(
         answers: &[Vec<Q::Output<T>>; 2],
         inputs: &[Q::Input<T>],

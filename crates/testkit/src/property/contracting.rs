@@ -1,5 +1,5 @@
-//! Queries about segments and tiles of rays: a function has no zero where the kernel reports none,
-//! and the plane of a tile is as close to it as reported.
+//! Queries about segments and tiles of rays. Where a kernel reports no zero, the function must have
+//! none. The plane of a tile must be as close to the function as reported.
 
 use super::KernelKind;
 use super::tile::{Probe, Tile, pack_segments, pack_tiles};
@@ -16,7 +16,7 @@ use zeroset_ops::Op;
 
 /// Points checked in each tile.
 const PROBES: usize = 8;
-/// Number of values of a case that are turned into roots.
+/// Number of values of a case's function that are turned into roots.
 const ROOTS: usize = 2;
 
 /// Counts of the checks done by [`check_contraction`].
@@ -26,9 +26,9 @@ pub struct ContractionTally {
     pub points: u64,
     /// Number of points at which a value was compared with a plane.
     pub planes: u64,
-    /// Number of roots, counted for a tile and for a segment each.
+    /// Number of roots. A root counts once for a tile and once for a segment.
     pub roots: u64,
-    /// Number of roots in tiles and segments that were narrowed to less than half.
+    /// Number of roots whose tile or segment was narrowed to less than half.
     pub narrowed: u64,
     /// Number of tiles reported to have a zero on each ray.
     pub crossings: u64,
@@ -80,12 +80,11 @@ impl KernelOptions {
 }
 
 /// Checks `batches` of random tiles and segments of a case. The oracle's bounds at points of a tile
-/// must overlap its plane. Values at a crossing's ends must not have the same sign. Then values at
-/// points are subtracted from the function, which makes the points roots. No contraction may lose
-/// one.
+/// must overlap its plane. Values at a crossing's ends must not have the same sign. Then the
+/// function's value at a point is subtracted from it, which makes the point a root. No contraction
+/// may lose such a root.
 ///
-/// # Errors
-/// The first contradiction, shrunk.
+/// # Errors The first contradiction, shrunk.
 pub fn check_contraction<T: Adversarial>(
     kernel_options: KernelOptions,
     case: &Case,
@@ -130,7 +129,7 @@ pub fn check_contraction<T: Adversarial>(
         }
         let (tile, probe, claim, values) = &known[rng.u32(0..known.len() as u32) as usize];
         let tiles: Vec<Tile> = (0..LANES).map(|_| tile.narrower::<T>(rng, probe)).collect();
-        // Compiling is slow, and the reference gives the same bits.
+        // Uses the reference, which gives the same bits, since compiling is slow.
         let kernel_options = match kernel_options.engine {
             Engine::Native => KernelOptions { engine: Engine::Reference, ..kernel_options },
             Engine::Reference | Engine::ComparisonKernel(_) => kernel_options,
@@ -142,7 +141,7 @@ pub fn check_contraction<T: Adversarial>(
     Ok(all)
 }
 
-/// Returns a case whose function is that of `case` minus a number within the bounds of `claim`.
+/// Returns a case with the function of `case` minus a number within the bounds of `claim`.
 fn with_root(case: &Case, claim: Claim) -> Case {
     let mut case = case.clone();
     let value = case.graph.constant(Constant::enclosed(Interval { lo: claim.lo, hi: claim.hi }));
@@ -150,7 +149,7 @@ fn with_root(case: &Case, claim: Claim) -> Case {
     case
 }
 
-/// Returns the index of a tile for which the root at a probe is denied or left out.
+/// Returns the index of a tile whose result excludes the root at a probe.
 fn lost_root<T: Adversarial>(
     kernel_options: KernelOptions,
     case: &Case,
@@ -237,7 +236,7 @@ impl Plane {
         }
     }
 
-    /// Returns what is wrong with this result, given the oracle's claims at points.
+    /// Returns what is wrong with this result, given the oracle's claims at the probes.
     fn contradiction(&self, tile: &Tile, probes: &[Probe], claims: &[Claim]) -> Option<String> {
         for (probe, claim) in probes.iter().zip(claims) {
             let is_defined = claim.defined == Defined::Yes;

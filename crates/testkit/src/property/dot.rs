@@ -5,7 +5,8 @@
 pub(super) struct Dot {
     /// The rounded sum.
     pub value: f64,
-    /// Bound of the difference between the exact sum and `value`, besides one rounding of `value`.
+    /// Bound of the difference between the exact sum and `value`, without the last rounding of
+    /// `value`.
     slack: f64,
 }
 
@@ -23,7 +24,8 @@ pub(super) fn dot(terms: impl IntoIterator<Item = (f64, f64)>) -> Dot {
         size += product.abs();
         count += 1.0;
     }
-    // γₙ² times the sum of magnitudes, plus the errors of products below the normal numbers.
+    // The bound is γₙ² times the sum of magnitudes, plus the errors of products below the normal
+    // numbers.
     let unit = count * f64::EPSILON;
     Dot { value: head + tail, slack: unit * unit * size + count * 2f64.powi(-1072) }
 }

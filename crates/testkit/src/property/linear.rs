@@ -12,7 +12,7 @@ use zeroset_interval::{
 use zeroset_ir::{Axis, Constant, Graph};
 use zeroset_ops::Op;
 
-/// Number of symbols of the forms.
+/// Number of symbols of an affine form.
 const SYMBOLS: usize = 3;
 /// Points checked in each lane.
 const POINTS: usize = 8;
@@ -20,12 +20,12 @@ const POINTS: usize = 8;
 /// Counts of the checks done by [`linear`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FormTally {
-    /// Number of points at which a value was compared: the operation is defined there, and the form
+    /// Number of points at which a value was compared. There the operation is defined, and the form
     /// has a finite error.
     pub compared: u64,
     /// Number of lanes in which values were compared.
     pub finite: u64,
-    /// Number of lanes whose form depends on a symbol, since bounds alone were not better.
+    /// Number of those lanes whose form depends on a symbol, so that it is more than bounds.
     pub slanted: u64,
     /// Number of all lanes.
     pub lanes: u64,
@@ -104,10 +104,10 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Fo
     Ok(form_tally)
 }
 
-/// Returns an operation that computes the first operand of `op`, or `None` if that is drawn
-/// directly. A form may leave its rounding errors to the operation that takes it, so such operands
-/// are checked too. `op` then has fewer than 3 operands, so that each drawn operand has its own
-/// coordinate.
+/// Returns an operation that computes the first operand of `op`, or `None` if that operand is drawn
+/// directly. A form may leave its rounding errors to the operation that uses it, so computed
+/// operands are checked, too. In this case `op` has fewer than 3 operands, so that each drawn
+/// operand has its own coordinate.
 fn random_inner(op: Op, rng: &mut Rng) -> Option<Op> {
     const INNER: [Op; 5] = [Op::Neg, Op::Add, Op::Sub, Op::Mul, Op::Sqr];
     (op.arity() < 3 && rng.bool()).then(|| INNER[rng.u32(0..INNER.len() as u32) as usize])
@@ -202,7 +202,7 @@ fn compare<T: Adversarial>(
                 return fail(format!("at {at:?}, symbols {symbols:?}, {claim:?} is not within"));
             }
         }
-        // If nothing was compared, the operands have no values at these points.
+        // If nothing was compared, the operation has no certain value at these points.
         if form_tally.compared > before {
             form_tally.finite += 1;
             form_tally.slanted += u64::from(slopes.iter().any(|slope| *slope != 0.0));
@@ -232,7 +232,7 @@ fn exponent(rng: &mut Rng) -> Constant {
     }
 }
 
-/// Numbers at which operations have kinks, poles or ends of domains, or overflow.
+/// Numbers at which operations have kinks, poles, ends of their domains, or overflow.
 const CORNERS: [f64; 12] =
     [0.0, 0.0, 1.0, -1.0, 0.5, FRAC_PI_2, -FRAC_PI_2, 2.0, 88.7, -87.3, 709.0, -3.0];
 
@@ -247,7 +247,8 @@ fn random_centre<T: Adversarial>(rng: &mut Rng) -> f64 {
     T::nearest(centre).into()
 }
 
-/// Returns the size of a spread: 0, from 1e-6 to 10, a share of the center, or any.
+/// Returns the size of a spread: 0, a power of ten from 1e-6 to 10, a share of the center, or any
+/// number.
 fn random_size<T: Adversarial>(rng: &mut Rng, centre: f64) -> f64 {
     let size = match rng.u32(0..8) {
         0 => T::adversarial(rng, Ends::Finite).into().abs(),
@@ -336,8 +337,8 @@ impl RandomOperand {
     }
 }
 
-/// Returns a lane, and values of its form: each the float nearest to the line, or an offset from
-/// it. The lane's error covers them all.
+/// Returns a lane and values of it. Each value is the float nearest to the linear function, or is
+/// offset from that. The lane's error covers all values.
 fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (OperandLane, [f64; POINTS]) {
     let mut centre = random_centre::<T>(rng);
     let size = random_size::<T>(rng, centre);
@@ -347,7 +348,7 @@ fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (OperandLane, [f
         _ => T::nearest((f64::uniform(rng) * 2.0 - 1.0) * size).into(),
     });
     if rng.u32(0..4) == 0 {
-        // Moves an end of the range to where the center was.
+        // Moves the center, so that one end of the range is at the old center.
         let spread: f64 = slopes.iter().map(|slope: &f64| slope.abs()).sum();
         centre = T::nearest(centre + if rng.bool() { spread } else { -spread }).into();
     }

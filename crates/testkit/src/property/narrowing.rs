@@ -7,7 +7,7 @@ use num_traits::{One, Signed, Zero};
 use zeroset_eval::{LANES, Lanes, Real};
 use zeroset_interval::{Form, Machine, Software, contract};
 
-/// One lane: c + Σ s·ε ± e. Its last symbol is ε for t = middle + half·ε from `near` to `far`.
+/// One lane: c + Σ s·ε ± e. The last symbol ε stands for t = middle + half·ε, from `near` to `far`.
 #[derive(Clone, Copy, Debug)]
 struct LinearLane<const N: usize> {
     centre: f64,
@@ -29,10 +29,9 @@ struct QueryResult {
 }
 
 /// Checks the narrowing of random segments to the zeros of random linear functions of `N` symbols.
-/// `defined` counts segments that are narrowed and may have a zero.
+/// In the tally, `defined` counts segments that are narrowed and may have a zero.
 ///
-/// # Errors
-/// The first result that loses a zero, reports a false crossing, or narrows too little.
+/// # Errors The first result that loses a zero, reports a false crossing, or narrows too little.
 pub fn check_narrowing<T: Adversarial, const N: usize>(
     rng: &mut Rng,
     vectors: usize,
@@ -104,7 +103,7 @@ impl<const N: usize> LinearLane<N> {
             _ => 2f64.powi(rng.i32(-8..=8)),
         };
         let depth = number(signed(rng) * scale);
-        // Zeros at any share of the segment, or next to an end of it.
+        // The zero lies at any share of the segment, or next to an end of it.
         let share = match rng.u32(0..4) {
             0 => [1.0, -1.0, 0.0][rng.u32(0..3) as usize],
             _ => signed(rng) * 1.25,
@@ -122,7 +121,7 @@ impl<const N: usize> LinearLane<N> {
         slopes[N - 1] = depth;
         let mut error = if rng.bool() { number(size) } else { 0.0 };
         if rng.u32(0..8) == 0 {
-            // Or any numbers, including infinities and NaN.
+            // Sometimes the numbers are arbitrary, including infinities and NaN.
             (centre, error) = (any(rng), any(rng).abs());
             slopes[N - 1] = any(rng);
             match rng.u32(0..16) {
@@ -167,7 +166,8 @@ impl<const N: usize> LinearLane<N> {
         };
         let line = |t: &BigRational| &centre + &depth * symbol(t);
         let values = ends.each_ref().map(line);
-        // A line is within `rest` of 0 somewhere only if it is at an end, or has both signs.
+        // A linear function is within `rest` of 0 somewhere only if it is so at an end, or changes
+        // its sign.
         let apart = |value: &BigRational| value.abs() > rest;
         let opposite = values[0].is_negative() != values[1].is_negative();
         if answer.crossing && !(values.iter().all(apart) && opposite) {
@@ -194,7 +194,7 @@ impl<const N: usize> LinearLane<N> {
         if low || high {
             return Some("a zero left out");
         }
-        // The result may be wider than the zeros by rounding errors only.
+        // Rounding errors may make the result wider than the range of zeros, but nothing else may.
         let unit = BigRational::from_float(match T::FORMAT {
             zeroset_interval::Format::F32 => 2f64.powi(-20),
             zeroset_interval::Format::F64 => 2f64.powi(-49),

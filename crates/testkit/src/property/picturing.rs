@@ -25,15 +25,16 @@ pub struct Pixel {
     pub line: Line,
     /// The claim.
     pub claimed: RayClaim,
-    /// For a hit: the number of the painted surface, and the bracket of its distance.
+    /// The number of the painted surface, and the bracket of the hit's distance, if the pixel is a
+    /// hit.
     pub hit: Option<(usize, [f64; 2])>,
 }
 
 /// Evaluations per ray. A ray that needs more remains undecided.
 const BUDGET: u32 = 4000;
 
-/// Returns the tolerance of a distance d in world units, as a share of d + 1. It allows for a few
-/// roundings of the floats in which the distance was computed.
+/// Returns the tolerance of a distance d, in world units, divided by d + 1. It allows for a few
+/// roundings in the floats that the distance was computed in.
 fn rounding(scene: &Scene) -> f64 {
     if scene.precision == "f64" { 1e-12 } else { 1e-6 }
 }
@@ -43,9 +44,10 @@ fn rounding(scene: &Scene) -> f64 {
 struct SurfaceCertificate {
     /// The zeros of the function.
     zeros: Certificate,
-    /// The face of the region, for a solid.
+    /// The place where the ray enters the region through a face, for a solid.
     face: Option<BoxEntry>,
-    /// Whether it is known if the face belongs to the solid. True for other surfaces.
+    /// Whether it is certain if the face belongs to the solid or not. True for surfaces that are no
+    /// solids.
     known: bool,
 }
 
@@ -61,13 +63,13 @@ impl SurfaceCertificate {
         self.face.filter(|face| face.below == Some(true)).map(|face| face.distance)
     }
 
-    /// Returns a distance before which there certainly is nothing.
+    /// Returns a distance before which the ray certainly meets nothing.
     fn first(&self) -> f64 {
         let beyond = if self.known { self.zeros.first() } else { f64::NEG_INFINITY };
         self.capped().map_or(beyond, |(near, _)| near)
     }
 
-    /// Returns a distance before which there certainly is something.
+    /// Returns a distance before which the ray certainly meets something.
     fn last(&self) -> f64 {
         let crossing = self.zeros.crossing.map_or(f64::INFINITY, |crossing| crossing.far);
         self.capped().map_or(crossing, |(_, far)| far)
@@ -75,11 +77,10 @@ impl SurfaceCertificate {
 }
 
 /// Draws `scene` by `draw`, which returns the pixels, or `None` if nothing can be drawn. Checks
-/// each claim against what is certain about the nearest surface on its ray. `defined` counts rays
-/// with a certain crossing.
+/// each claim against what is certain about the nearest surface on its ray. In the tally, `defined`
+/// counts rays with a certain crossing.
 ///
-/// # Errors
-/// The first false claim.
+/// # Errors The first false claim.
 pub fn picture(
     scene: &Scene,
     draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>,

@@ -8,7 +8,8 @@ use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
 const LIMITS: Limits =
     Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12, surfaces: 1000 };
 
-/// Limits for printed text. Its brackets nest deeper than signs and powers typed without them.
+/// Limits for printed text. It has brackets for signs and powers that were typed without, so it
+/// nests deeper.
 const PRINTED: Limits = Limits {
     bytes: 1 << 20,
     symbols: 100_000,
@@ -18,13 +19,11 @@ const PRINTED: Limits = Limits {
 };
 
 /// Reads `data` and renders its diagnostics. Then prints the statements and reads them again: trees
-/// and graph must be the same. `defined` counts accepted texts.
+/// and graph must be the same. In the tally, `defined` counts accepted texts.
 ///
-/// # Errors
-/// A difference, and the text.
+/// # Errors A difference, and the text.
 ///
-/// # Panics
-/// If the parser panics.
+/// # Panics If the parser panics.
 pub fn read_and_print(data: &[u8]) -> Result<Tally, Failure> {
     let options = Options { limits: LIMITS, ..Options::default() };
     let document = read_bytes(data, &options);

@@ -11,7 +11,7 @@ use zeroset_ops::Op;
 const POINTS: usize = 16;
 const BOXES: usize = 4;
 
-/// [`rewrite`] or [`simplify`].
+/// The type of [`rewrite`] and [`simplify`].
 type Pass =
     fn(&Graph, &[NodeId], &[Interval; 3], &[Interval]) -> Result<(Graph, Vec<NodeId>), IrError>;
 
@@ -76,7 +76,8 @@ impl<'a> Oracles<'a> {
         Self(all.map(|(graph, root)| Oracle::new(graph, &[*root])))
     }
 
-    /// Returns whether all versions are certainly defined at a point, or what is wrong.
+    /// Returns whether all versions are certainly defined at a point. An error says how they
+    /// differ.
     fn contradiction(&self, point: [f64; 3], values: &[(f64, f64)]) -> Result<bool, String> {
         let [was, rewritten, simplified] = self.0.each_ref().map(|o| o.at(point, values)[0]);
         for (is, pass) in [(rewritten, "rewritten"), (simplified, "simplified")] {
@@ -96,8 +97,8 @@ fn at(case: &Case, point: [f64; 3], values: &[(f64, f64)]) -> Option<String> {
 
 /// Returns the contradiction that the reference evaluator finds over a box.
 fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
-    // Only constant folding can tell whether such an exponent is an integer. The evaluator knows
-    // less about the graph as typed.
+    // Whether a computed exponent is an integer is known only after constant folding. So the
+    // evaluator knows less about the graph as typed.
     if has_computed_exponent(&case.graph) {
         return None;
     }
@@ -122,7 +123,7 @@ fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
     Some(format!("{what}: {was:?} became {is:?}"))
 }
 
-/// Whether an exponent is an expression of constants.
+/// Whether some exponent is an operation on constants.
 fn has_computed_exponent(graph: &Graph) -> bool {
     let mut varies = vec![false; graph.len()];
     let mut found = false;

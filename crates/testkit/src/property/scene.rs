@@ -15,7 +15,7 @@ use zeroset_syntax::{Document, Options, Surface, SurfaceKind, read};
 pub struct Formula {
     /// The text as typed.
     pub text: String,
-    /// The document that it reads as. It has at least one surface, and no hidden ones.
+    /// The document that the text describes. It has at least one surface, and no hidden ones.
     pub document: Document,
     /// Per axis, the lower and the upper end, in order and not equal.
     pub region: [[f64; 2]; 3],
@@ -83,7 +83,7 @@ impl Formula {
         Self { text, document, ..self }
     }
 
-    /// Returns the surfaces' functions as typed, for certified tracing. The flag tells whether the
+    /// Returns the surfaces' functions as typed, for certified tracing. The flag tells whether a
     /// surface is a solid, whose inside is where the function is below 0.
     pub fn functions(&self) -> Vec<(Function, bool)> {
         let Document { graph, parameters, surfaces, .. } = &self.document;
@@ -219,7 +219,7 @@ impl Scene {
         };
         let size = [(); 2].map(|()| rng.u32(1..=WIDEST) as usize);
         let depth = rng.u32(1..=DEEPEST);
-        // An unused draw, without which saved seeds would give other scenes.
+        // This number is not used. Without it, saved seeds would give other scenes.
         rng.u32(0..3);
         let precision = if rng.bool() { "f64" } else { "auto" };
         let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };
@@ -231,14 +231,15 @@ impl Scene {
         Some(scene)
     }
 
-    /// Moves the camera to where floats run out of digits or range. It mostly still sees the same.
+    /// Moves the camera to where floats run out of digits or range. Its view mostly stays about the
+    /// same.
     fn make_extreme(&mut self, rng: &mut Rng) {
         let way = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let power = |rng: &mut Rng, most: i32| 10_f64.powi(rng.i32(1..=most));
         let Self { eye, target, up, fov, .. } = self;
         match rng.u32(0..5) {
-            // Far away, along an axis or anywhere, with rays close enough together to hit the
-            // region.
+            // The eye is far away, along an axis or anywhere. The rays are close enough together to
+            // hit the region.
             0 => {
                 let (aim, distance) = (self.formula.aim, power(rng, 99));
                 let only = rng.u32(0..6) as usize;
@@ -252,19 +253,19 @@ impl Scene {
                     *degrees /= distance;
                 }
             }
-            // The target next to the eye.
+            // The target is next to the eye.
             1 => {
                 let distance = power(rng, 300);
                 *eye = [0.0; 3];
                 *target = target.map(|part| part / distance);
             }
-            // The upward direction almost along the view.
+            // The upward direction is almost parallel to the view.
             2 => {
                 let share = power(rng, 12);
                 let way = way(*eye, *target);
                 *up = [0, 1, 2].map(|axis| way[axis] + up[axis] / share);
             }
-            // An angle of view of almost zero, or of almost half of space.
+            // The angle of view is almost zero, or almost 180°.
             3 => *fov = Ok(180.0 / power(rng, 12)),
             _ => {
                 *fov = if rng.bool() {

@@ -22,10 +22,10 @@ pub fn reference_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGr
     Some(Box::new(Reference::<EncloseGradient, T>::new(tape, Binding::new(&case.parameters))))
 }
 
-/// Checks native code or the reference evaluator on `boxes` random boxes of a case.
+/// Checks the gradient bounds of native code, or of the reference evaluator, on `boxes` random
+/// boxes of a case.
 ///
-/// # Errors
-/// The first contradiction, shrunk, with a line that reproduces it.
+/// # Errors The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_gradient_bounds<T: Adversarial>(
     native: bool,
     case: &Case,

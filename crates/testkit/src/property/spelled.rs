@@ -1,4 +1,5 @@
-//! Properties must also hold for functions spelled with forms, vectors, choices and sums.
+//! Properties must also hold for functions that are spelled with forms, vectors, piecewise
+//! definitions and sums.
 
 use super::{KernelKind, agree, check_simplification, enclose, read_and_print};
 use crate::random::{random_domain, random_text};
@@ -9,7 +10,7 @@ use zeroset_syntax::{Limits, Options, read};
 
 /// Greatest nesting depth of a text.
 const DEEPEST: u32 = 3;
-/// Small limits, so that code costs a fuzzer little.
+/// Small limits, so that compiling costs a fuzzer little time.
 const LIMITS: Limits =
     Limits { bytes: 1 << 14, symbols: 5000, depth: 200, nodes: 300, surfaces: 10 };
 

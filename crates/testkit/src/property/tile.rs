@@ -11,9 +11,9 @@ pub(super) struct Tile {
     half: [f64; 2],
     /// The ends of t.
     pub span: [f64; 2],
-    /// Vectors `o`, `oₐ` and `o_b`.
+    /// The vectors `o`, `oₐ` and `o_b` of [`Tiles`].
     origin: [[f64; 3]; 3],
-    /// Vectors `d`, `dₐ` and `d_b`.
+    /// The vectors `d`, `dₐ` and `d_b` of [`Tiles`].
     direction: [[f64; 3]; 3],
     error: [f64; 3],
 }
@@ -89,7 +89,7 @@ impl Tile {
         tile.rounded::<T>()
     }
 
-    /// Returns a box as a tile whose symbols run along the sides.
+    /// Returns a tile that fills a box, with one symbol along each side.
     fn over(rng: &mut Rng, region: [[f64; 2]; 3]) -> Self {
         let first = rng.u32(0..3) as usize;
         let axes = [first, (first + 1) % 3, (first + 2) % 3];
@@ -108,7 +108,8 @@ impl Tile {
         }
     }
 
-    /// Returns a tile of rays through the neighborhood of a point, from an eye or parallel.
+    /// Returns a tile of rays through the neighborhood of a point. They start at an eye, or are
+    /// parallel.
     fn around_point(rng: &mut Rng, point: [f64; 3]) -> Self {
         let distance = 2f64.powi(rng.i32(-2..=3));
         let way = vector(rng, distance);
@@ -145,7 +146,7 @@ impl Tile {
         self
     }
 
-    /// Returns the terms of a coordinate's sum.
+    /// Returns the products whose sum is a coordinate of a point on a ray.
     fn terms(&self, [a, b]: [f64; 2], t: f64, axis: usize) -> [(f64, f64); 8] {
         let [o, o_a, o_b] = self.origin.map(|v| v[axis]);
         let [d, d_a, d_b] = self.direction.map(|v| v[axis]);
@@ -199,7 +200,8 @@ impl Tile {
                 for (x, range) in at.iter_mut().zip(case.assumptions.domain) {
                     *x += [-off, off, 0.0][rng.u32(0..3) as usize];
                     let inside = x.clamp(range.lo, range.hi);
-                    // The point is outside by one rounding of the tile's numbers at most.
+                    // The probe is outside the domain by one rounding of the tile's numbers at
+                    // most.
                     is_inside &= (inside - *x).abs() <= 2.0 * f64::from(f32::EPSILON) * x.abs();
                     *x = inside;
                 }

@@ -6,14 +6,15 @@ use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Rng, pack_boxes};
 use zeroset_eval::{FindZeros, Kernel};
 
-/// Lines checked on each formula, and boxes around each crossing.
+/// Lines checked for each formula, and boxes around each crossing.
 const LINES: usize = 6;
 const BOXES: usize = 4;
 
 /// Evaluations per line.
 const BUDGET: u32 = 2000;
 
-/// Compiles the kernel that finds the zeros of a formula; `None` if it has no surface.
+/// Compiles the kernel that finds the zeros of a formula. It is `None` if the formula has no
+/// surface.
 pub type CompileZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
 
 /// Checks the kernel of a formula on boxes around proven zeros: it must find a zero possible in
@@ -54,8 +55,8 @@ pub fn check_zeros<T: Adversarial>(
     Ok(tally)
 }
 
-/// Returns a box around the piece of the line between the ends of a crossing. It exceeds the region
-/// by one rounding at most.
+/// Returns a box around the part of the line between the ends of a crossing. The box exceeds the
+/// region by one rounding at most.
 fn around<T: Adversarial>(
     formula: &Formula,
     line: &Line,

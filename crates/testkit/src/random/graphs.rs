@@ -9,7 +9,7 @@ use zeroset_ops::{Op, TABLE};
 /// Options of [`random_graph`].
 #[derive(Clone, Debug)]
 pub struct GraphOptions {
-    /// Number of operations applied. Equal ones share one node.
+    /// Number of operations applied. Equal operations share one node.
     pub size: u32,
     /// Operations to choose from, at least one.
     pub ops: Vec<Op>,
@@ -94,7 +94,7 @@ fn exponent(rng: &mut Rng, adversarial: bool) -> Constant {
         1 => random_constant(rng, adversarial),
         2 => Constant::integer(i64::from(rng.i32(-40..=40))),
         3 if adversarial => {
-            // Near the limits where code may treat integer exponents differently.
+            // An integer near a limit where code may treat integer exponents differently.
             let end = 1_i64 << [16, 31, 32][below(rng, 3)];
             Constant::integer((end + i64::from(rng.i32(-1..=1))) * if rng.bool() { 1 } else { -1 })
         }
@@ -207,7 +207,8 @@ mod tests {
         }
     }
 
-    /// If no formula were defined anywhere, every property would hold.
+    /// A fair share must be defined: if no formula were defined anywhere, every property would
+    /// hold.
     #[test]
     fn a_fair_share_of_formulas_has_finite_values() {
         let mut rng = Rng::with_seed(SEED);

@@ -63,8 +63,9 @@ pub fn random_domain(rng: &mut Rng) -> [Interval; 3] {
     }
 }
 
-/// Returns a range within `bounds`, rounded outward to `T`: all of it, any part of it (thin ones
-/// included), or the part of `wanted` inside. It always contains real numbers within `bounds`.
+/// Returns a range within `bounds`, rounded outward to `T`. It is all of `bounds`, any part of them
+/// (thin ones included), or the part of `wanted` inside them. It always contains real numbers
+/// within `bounds`.
 pub fn range_within<T: Adversarial>(rng: &mut Rng, bounds: Interval, wanted: [T; 2]) -> [T; 2] {
     let down = |value: f64| -T::above(-value);
     let (least, most) = (down(bounds.lo), T::above(bounds.hi));
@@ -81,9 +82,10 @@ pub fn range_within<T: Adversarial>(rng: &mut Rng, bounds: Interval, wanted: [T;
     [between(lo, least, down(bounds.hi)), between(hi, T::above(bounds.lo), most)]
 }
 
-/// Returns a real point of `region`, whose ends are as in [`random_box`]. It often lies at corners,
-/// on edges, or at zeros, integers, half integers and multiples of π/2. It is always finite: in an
-/// unbounded box it is at most as far out as 1e300, or as the other end if that is farther.
+/// Returns a real point of `region`, whose ends are as in [`random_box`]. The point often lies at
+/// corners, on edges, or at zeros, integers, half integers and multiples of π/2. It is always
+/// finite. In an unbounded box no coordinate exceeds 1e300, or the magnitude of the box's other end
+/// if that is larger.
 pub fn point_in_box<T: Adversarial>(rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64; 3] {
     let corner = rng.u32(0..4) == 0;
     region.map(|[lo, hi]| {

@@ -1,4 +1,4 @@
-//! Source of random choices, whatever they are: a seed, or the bytes of a fuzzer.
+//! Source of random choices: a seeded generator, or the bytes of a fuzzer.
 
 use std::ops::{Bound, RangeBounds};
 
@@ -20,9 +20,9 @@ impl Rng {
         Self { bytes: Vec::new(), tail: fastrand::Rng::with_seed(seed) }
     }
 
-    /// Creates a source whose choices are made by `data`. Each choice uses as few bytes as can tell
-    /// its possibilities apart, so a changed byte changes one choice. When the bytes have run out,
-    /// choices come from a generator seeded by the first four bytes.
+    /// Creates a source whose choices are made by `data`. Each choice uses as few bytes as can
+    /// distinguish its possibilities, so a changed byte changes one choice. When the bytes have run
+    /// out, choices come from a generator. The first four bytes are its seed.
     pub fn from_bytes(data: &[u8]) -> Self {
         let (seed, choices) = data.split_at(data.len().min(SEED_BYTES));
         let seed = seed.iter().fold(0, |seed, byte| seed << 8 | u64::from(*byte));
@@ -64,7 +64,7 @@ impl Rng {
     /// # Panics
     /// If the range is empty.
     pub fn i32(&mut self, range: impl RangeBounds<i32>) -> i32 {
-        // Shifted, so that `i32::MIN` becomes 0.
+        // The shift turns `i32::MIN` into 0.
         let shifted = |x: &i32| (i64::from(*x) - i64::from(i32::MIN)) as u64;
         let wide = (range.start_bound().map(shifted), range.end_bound().map(shifted));
         match self.chosen(bounds(wide, 0, u64::from(u32::MAX))) {
@@ -73,7 +73,7 @@ impl Rng {
         }
     }
 
-    /// Returns a number between two others, chosen by bytes; `None` if the bytes have run out.
+    /// Returns a number between two limits, chosen by bytes; `None` if the bytes have run out.
     fn chosen(&mut self, (least, most): (u64, u64)) -> Option<u64> {
         assert!(least <= most, "an empty range");
         let others = most - least;
@@ -85,7 +85,8 @@ impl Rng {
         Some(least + others.checked_add(1).map_or(drawn, |count| drawn % count))
     }
 
-    /// Returns the next bytes as a number, or `None` and drops the rest if there are too few.
+    /// Returns the next `count` bytes as a number. If there are too few, drops them and returns
+    /// `None`.
     fn take(&mut self, count: usize) -> Option<u64> {
         let rest = self.bytes.len().checked_sub(count);
         let Some(rest) = rest else {

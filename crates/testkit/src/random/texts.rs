@@ -1,5 +1,5 @@
-//! Random formulas as text, over every form and every composed function. Lowering these spellings
-//! gives graphs that random operations hardly ever produce.
+//! Random formulas as text, with every form and every composed function of the language. They give
+//! graphs that random operations hardly ever produce.
 
 use super::Rng;
 use super::values::below;
@@ -98,7 +98,7 @@ impl Text<'_> {
         }
     }
 
-    /// Returns a matrix of `size` columns, from all its elements or from one number for the
+    /// Returns a matrix of `size` columns, given by all its elements, or by one number for the
     /// diagonal.
     fn matrix(&mut self, size: u8, depth: u32) -> String {
         let count = usize::from(size) * usize::from(size);
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use zeroset_syntax::{Options, read};
 
-    /// Refused texts would test nothing.
+    /// All texts must be read, since refused texts would test nothing.
     #[test]
     fn texts_read_and_hold_every_form_and_composed_function() {
         let mut rng = Rng::with_seed(0x5eed_0031);

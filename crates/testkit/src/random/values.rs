@@ -21,10 +21,10 @@ pub trait Adversarial: Real {
     fn adversarial(rng: &mut Rng, ends: Ends) -> Self;
     /// Returns a number uniform in [0, 1), with as many bits as the format has.
     fn uniform(rng: &mut Rng) -> Self;
-    /// Returns the least number that is greater.
+    /// Returns the least float that is greater.
     #[must_use]
     fn next_up(self) -> Self;
-    /// Returns the greatest number that is less.
+    /// Returns the greatest float that is less.
     #[must_use]
     fn next_down(self) -> Self;
 }
@@ -53,7 +53,8 @@ macro_rules! adversarial {
                         nudge(rng, Self::nearest(f64::from(integer)))
                     }
                     9 => {
-                        // About where floats lose their fractions and conversion to i32 overflows.
+                        // These are about where floats lose their fractions and where conversion to
+                        // i32 overflows.
                         let power = [$mantissa - 1, $mantissa, $mantissa + 1, 31, 32, 63];
                         let power = power[below(rng, 6)];
                         nudge(rng, Self::nearest(2f64.powi(power)))
@@ -62,8 +63,8 @@ macro_rules! adversarial {
                         let half = f64::from(rng.u32(0..=12)) + 0.5;
                         nudge(rng, Self::nearest(half))
                     }
-                    // Here exp overflows, falls below the normal numbers, or underflows to 0.
-                    // Source: logarithms of MAX, MIN_POSITIVE and half the least subnormal.
+                    // At these numbers exp overflows, falls below the normal numbers, or underflows
+                    // to 0. Source: logarithms of MAX, MIN_POSITIVE and half the least subnormal.
                     11 => {
                         let edge = $edges[below(rng, 3)];
                         nudge(rng, edge)
@@ -159,7 +160,7 @@ mod tests {
         assert!((0..200).any(|_| draw(Ends::Infinite).into().is_infinite()));
     }
 
-    /// Pins the stream: a changed generator would change the meaning of every seed.
+    /// Detects a change of the generator, which would change the meaning of every seed.
     #[test]
     fn a_seed_always_means_the_same() {
         let mut rng = Rng::with_seed(1);

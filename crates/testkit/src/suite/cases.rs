@@ -11,19 +11,18 @@ use zeroset_eval::{Enclose, Kernel, LANES};
 /// Compiles a case, with its parameters bound, to a kernel. `None` skips the case.
 pub type CompileCase<'a, Q, T = f32> = &'a dyn Fn(&Case) -> Option<Box<dyn Kernel<Q, T>>>;
 
-/// Boxes per kernel and points per box: enough to make compiling a small part of the work.
+/// Boxes per kernel and points per box. They make compiling a small part of the work.
 const BOXES: usize = 64;
 const POINTS: usize = 6;
 
 /// Checks random cases drawn by `options`. It stops after `effort.cases` comparisons at points
 /// where the function is certainly defined.
 ///
-/// At each point the oracle encloses the graph as typed, for some value within each parameter's
+/// At each point the oracle encloses the graph as typed, with a value of each parameter within its
 /// bounds. The kernel's bounds must overlap that enclosure, and its facts about the box must be
 /// true.
 ///
-/// # Errors
-/// The first contradiction, shrunk, with a line that reproduces it.
+/// # Errors The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_interval_cases<T: Adversarial>(
     make: CompileCase<Enclose, T>,
     effort: Effort,

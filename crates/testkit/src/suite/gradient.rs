@@ -6,8 +6,9 @@ use crate::{Defined, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, SampleGradient};
 use zeroset_ops::Op;
 
-/// Half the distance over which a slope is measured. Its square times a third derivative bounds the
-/// error of the slope. The oracle's values are good to about 2⁻⁵², so rounding adds 2⁻³⁵.
+/// Half the distance over which a slope is measured. Its square times the third derivative bounds
+/// the error of the slope. The oracle's values have a relative error of about 2⁻⁵², so rounding
+/// adds 2⁻³⁵.
 const STEP: f64 = 1.0 / (1 << 17) as f64;
 
 /// Checks every operation alone at `points` plain points: coordinates up to 4, almost surely away
@@ -39,7 +40,7 @@ pub fn check_gradients<T: Real>(
                     continue;
                 };
                 if subject.op == Op::Pow && value == 0.0 {
-                    // The table's derivative of 0^x, a^b·ln a, is undefined.
+                    // At 0^x the table's derivative, a^b·ln a, is undefined.
                     continue;
                 }
                 tally.defined += 1;
@@ -58,8 +59,9 @@ pub fn check_gradients<T: Real>(
     Ok(tally)
 }
 
-/// Returns the value and the slope along `axis`. `None` unless the function is defined around
-/// `point`, known precisely, and its slopes to either side agree.
+/// Returns the function's value at `point`, and its slope along `axis`. `None` unless the function
+/// is defined around the point, its values are known precisely, and its slopes to either side
+/// agree.
 fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option<(f64, f64)> {
     let value = |offset: f64| {
         let mut at = point;
@@ -73,7 +75,8 @@ fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option
     let (left, right) = ((here - before) / STEP, (after - here) / STEP);
     let slope = left / 2.0 + right / 2.0;
     let smooth = (left - right).abs() <= relative * slope.abs().max(1.0);
-    // Steep slopes overflow in f32. A value much larger than its slope leaves the slope few digits.
+    // Very steep slopes overflow in f32. If the value is much larger than the slope, the slope has
+    // few correct digits.
     let moderate = slope.abs() <= 1e30 && here.abs() <= slope.abs().max(1.0) * 1e6;
     (smooth && moderate).then_some((here, slope))
 }

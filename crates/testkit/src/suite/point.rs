@@ -54,7 +54,7 @@ fn agrees<T: Real>(value: T, claim: Claim, tolerance: Option<f64>) -> Result<(),
         (Defined::Yes, Some(tolerance)) => {
             let most = T::LARGEST.into();
             let close = if value.is_infinite() {
-                // An infinite value represents all numbers beyond the largest finite one.
+                // An infinite result represents all numbers beyond the largest finite one.
                 let reached = if value > 0.0 { claim.hi } else { -claim.lo };
                 reached + tolerance >= most
             } else {

@@ -7,7 +7,8 @@ use crate::{
 };
 use zeroset_ir::{Graph, NodeId};
 
-/// Rewrites the function `root` over a box: per axis, its lower and upper end. `None` skips it.
+/// Rewrites the function `root` over a box (per axis, its lower and upper end). `None` skips the
+/// function.
 pub type Rewrite<'a> = &'a dyn Fn(&Graph, NodeId, &[[f32; 2]; 3]) -> Option<(Graph, NodeId)>;
 
 /// Points checked on each graph.
@@ -52,7 +53,7 @@ pub fn check_rewrite(
     Ok(tally)
 }
 
-/// Returns the contradiction if `was` and `is` cannot both describe the same value.
+/// Returns the contradiction if the two claims cannot describe the same value.
 pub(crate) fn contradiction(was: Claim, is: Claim) -> Option<&'static str> {
     match (was.defined, is.defined) {
         (Defined::Yes, Defined::No) => Some("no longer defined"),

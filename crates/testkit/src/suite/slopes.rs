@@ -1,5 +1,5 @@
-//! Checks of gradient bounds: they enclose the derivatives of a function reported as
-//! differentiable, and bound the changes of one reported as Lipschitz continuous.
+//! Checks of gradient bounds. If a function is reported as differentiable, they must enclose its
+//! derivatives. If it is reported as Lipschitz continuous, they must bound its changes.
 //!
 //! The second check is the mean value form, f(q) − f(p) ∈ G·(q − p). It uses values alone, so it
 //! does not depend on the table of derivatives.
@@ -28,7 +28,8 @@ impl Probe {
     fn random<T: Adversarial>(case: &Case, rng: &mut Rng, region: &[[T; 2]; 3]) -> Self {
         let mut ends = [(); 2].map(|()| case.random_point(rng, region));
         if rng.bool() {
-            // Along one axis, so that slopes along the other axes hide nothing.
+            // The points differ along one axis only, so that slopes along the other axes hide
+            // nothing.
             let axis = rng.u32(0..3) as usize;
             let far = ends[1][axis];
             ends[1] = ends[0];
@@ -85,8 +86,9 @@ impl QueryResult {
             }
             let (derivatives, corners) = derivatives.split_at(3);
             for (axis, claim) in derivatives.iter().enumerate() {
-                // Not at a face of the box, where the rules may not give the derivative towards the
-                // inside. Nor where only the simplified function has a derivative.
+                // Derivatives are not compared at a face of the box, where the rules may not give
+                // the derivative towards the inside. Nor are they where only the simplified
+                // function has a derivative.
                 let [lo, hi] = region[axis];
                 let is_inside = lo < point[axis] && point[axis] < hi;
                 let is_known = self.differentiable
@@ -103,7 +105,7 @@ impl QueryResult {
             .then(|| format!("it changes by {change:?}, where slopes allow {allowed:?}"))
     }
 
-    /// Returns the change between two points that the bounds of the gradient allow.
+    /// Returns the change of the function between two points that its gradient bounds allow.
     fn allowed(&self, [p, q]: &[[f64; 3]; 2]) -> Span {
         let term = |axis: usize| {
             let [lo, hi] = self.slopes[axis];
@@ -125,16 +127,16 @@ fn ends_of<T: Real>(region: &[[T; 2]; 3]) -> [[f64; 2]; 3] {
 }
 
 /// Whether an operation with a kink at `argument` = 0 has the derivative along an axis that the
-/// rules give. At the kink they give the mean of both sides, which is right if the argument's
-/// derivative is 0. A simplified function may have another derivative there: max(0, min(0, y)) is
-/// 0.
+/// rules give. At the kink the rules give the mean of both sides, which is right if the argument's
+/// derivative is 0. Otherwise simplification may change the derivative at the kink: max(0, min(0,
+/// y)) becomes 0.
 fn is_smooth([argument, derivatives @ ..]: &[Claim; 4], axis: usize) -> bool {
     let (is_off, slope) = (argument.hi < 0.0 || 0.0 < argument.lo, derivatives[axis]);
     is_off || slope.lo == 0.0 && slope.hi == 0.0
 }
 
-/// Returns a case's function and its derivatives. Each argument at whose zero an operation has a
-/// kink follows, with its own derivatives.
+/// Returns a case's function and its derivatives. Then follow the arguments at whose zeros
+/// operations have kinks, each with its own derivatives.
 fn derivatives(case: &Case) -> (Graph, Vec<NodeId>) {
     let mut graph = case.graph.clone();
     let mut roots = vec![case.root];
@@ -171,12 +173,11 @@ pub fn check_slopes_of_ops<T: Adversarial>(
     Ok(tally)
 }
 
-/// Checks a kernel of gradient bounds on `boxes` random boxes of a case. `compared` counts pairs of
-/// points. `defined` counts pairs where the function is certainly defined at both points and
-/// reported as Lipschitz continuous in the box.
+/// Checks a kernel of gradient bounds on `boxes` random boxes of a case. In the tally, `compared`
+/// counts pairs of points. `defined` counts pairs where the function is certainly defined at both
+/// points and reported as Lipschitz continuous in the box.
 ///
-/// # Errors
-/// The first contradiction, shrunk, with a line that reproduces it.
+/// # Errors The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_slopes<T: Adversarial>(
     make: CompileCase<EncloseGradient, T>,
     case: &Case,

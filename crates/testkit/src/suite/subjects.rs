@@ -12,7 +12,8 @@ pub(super) struct OpGraph {
 }
 
 impl OpGraph {
-    /// Whether all constants are within the range of `T`. Samples of other graphs mean nothing.
+    /// Whether all constants are within the range of `T`. Samples of graphs with other constants
+    /// mean nothing.
     pub(super) fn fits<T: Real>(&self) -> bool {
         self.graph.iter().all(|(_, node)| match node {
             Node::Constant(value) => value.bounds().magnitude() <= T::LARGEST.into(),
@@ -21,8 +22,8 @@ impl OpGraph {
     }
 }
 
-/// Returns graphs of every operation over x, y, z. Binary operations are added with equal operands,
-/// and with a constant on either side. Powers have more constants.
+/// Returns graphs of every operation over x, y, z. For a binary operation there are also graphs
+/// with equal operands, and with a constant on either side. Powers have more constants.
 pub(super) fn subjects() -> Vec<OpGraph> {
     let mut all = Vec::new();
     for row in TABLE {

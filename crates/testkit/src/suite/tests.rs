@@ -99,7 +99,7 @@ impl Kernel<SampleGradient> for Sampler {
             let here = point(points, lane);
             answers.value[lane] = self.at(here) as f32;
             for axis in 0..3 {
-                // Less than the step of the check, so that it crosses no further kinks.
+                // The step is smaller than that of the check, so that it crosses no further kinks.
                 let step = 1.0 / 262_144.0;
                 let (mut before, mut after) = (here, here);
                 before[axis] -= step;
@@ -140,7 +140,7 @@ fn wrong_values_are_caught() {
     assert!(failure.to_string().contains("a value where there is none"));
 }
 
-/// A kernel that returns 0 everywhere, with no slope.
+/// A kernel that returns 0 everywhere, for values and for gradients.
 struct ZeroKernel;
 
 impl Kernel<Sample> for ZeroKernel {
@@ -225,7 +225,7 @@ fn wrong_rewrites_are_caught() {
         let root = graph.apply(Op::WherePositive, &[root, root]);
         Some((graph, root))
     });
-    // A parameter: no value contradicts it, but it is defined everywhere.
+    // A parameter has no known value, so no value contradicts it. But it is defined everywhere.
     let total = run(&|_, _, _| {
         let mut graph = Graph::new();
         let root = graph.parameter(0);

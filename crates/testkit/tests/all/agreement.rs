@@ -7,8 +7,8 @@
 use zeroset_testkit::property::{KernelKind, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
-/// Inputs per kernel. A test has few, and so checks many formulas. A long run has so many that
-/// compiling is a small part of the work.
+/// Inputs per kernel. A test has few inputs per kernel, so that it checks many formulas. A long run
+/// has so many that compiling is a small part of the work.
 fn inputs(cases: u64) -> usize {
     if cases <= 1_000_000 { 256 } else { 1024 }
 }
@@ -24,9 +24,10 @@ impl Drop for SeedReporter {
     }
 }
 
-/// Compares until `effort.cases` inputs agree. Panics at the first that does not, shrunk.
+/// Compares until `effort.cases` inputs agree. Panics on the first input that does not, with a
+/// shrunk case.
 fn check<T: Adversarial>(seed: u64, subject: KernelKind, simple: bool, options: &GraphOptions) {
-    // Code for affine forms is longer.
+    // Affine forms have longer code, so fewer inputs are checked.
     let is_long = matches!(subject, KernelKind::Segments | KernelKind::Tiles);
     let effort = Effort::from_environment(seed, if is_long { 25_000 } else { 100_000 });
     let mut compared = 0;
@@ -49,7 +50,7 @@ fn options() -> GraphOptions {
     GraphOptions { size: 8, parameters: 2, ..GraphOptions::default() }
 }
 
-/// Derivatives grow, so the formulas to be differentiated are shorter.
+/// Returns options for formulas that are differentiated. They are shorter, since derivatives grow.
 fn short() -> GraphOptions {
     GraphOptions { size: 4, ..options() }
 }

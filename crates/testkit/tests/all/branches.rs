@@ -1,10 +1,11 @@
-//! Kernels that find zeros. Branch by branch they must lose no zero, and native code must give the
-//! same bits as the reference. Without branches they must agree with the bounds of the same tape.
+//! Kernels that find zeros. With a piecewise function's branches evaluated one by one, they must
+//! lose no zero, and native code must give the same bits as the reference. Without branches, they
+//! must agree with the bounds of the same tape.
 //!
-//! For a random point p of a box, f − f(p) has a zero in the box, whatever f does elsewhere in it.
+//! For a random point p of a box, f − f(p) has a zero in the box.
 //!
-//! A long run:
-//! `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all branches`.
+//! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all
+//! branches`.
 
 use zeroset_eval::{
     Assumptions, Binding, Boxes, Enclose, FindZeros, Kernel, LANES, Real, Reference, Tape,
@@ -18,7 +19,7 @@ use zeroset_testkit::{
     Adversarial, Case, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
 };
 
-/// Points checked on each case, each in a box of its own.
+/// Points checked for each case, each in a box of its own.
 const POINTS: usize = 16;
 
 /// Returns a case's function minus a new parameter, which is numbered after all others.
@@ -30,8 +31,8 @@ fn shifted(case: &Case) -> Case {
     shifted
 }
 
-/// Returns the tape of branches for finding a case's zeros, built as in programs, and the tape of
-/// the function alone.
+/// Returns the tape that finds a case's zeros branch by branch, built as in programs, and the tape
+/// of the function alone.
 fn tapes<T: Real>(case: &Case) -> Option<(Tape<T>, Tape<T>)> {
     let Assumptions { domain, parameters } = &case.assumptions;
     let (mut graph, roots) = rewrite(&case.graph, &[case.root], domain, parameters).ok()?;
@@ -58,7 +59,7 @@ fn options(rng: &mut Rng) -> GraphOptions {
     }
 }
 
-/// Whether there may be a zero in the only box of a batch.
+/// Whether the only box of a batch may contain a zero.
 fn is_possible<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &[Boxes<T>]) -> bool {
     kernel.eval_all(boxes)[0].possible & 1 == 1
 }
@@ -121,8 +122,8 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
             let (answer, context) = compare(value);
             assert!(answer, "a zero is lost: {context}");
             points += 1;
-            // For values beside it, branches often prove a box empty that the whole function does
-            // not.
+            // For other values, evaluating branch by branch often proves a box empty when the whole
+            // function does not.
             let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
             let (answer, _) = compare(beside);
             let whole = is_possible(&Reference::new(plain.clone(), bind(beside)), &boxes);

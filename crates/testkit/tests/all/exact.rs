@@ -1,9 +1,10 @@
-//! Software enclosures in `f64` at points must contain the exact value. The value rounded to
-//! nearest would not do: a bound that is wrong by nearly half an ulp could still contain that.
+//! Software enclosures in `f64` at points must contain the exact value. Comparing with the value
+//! rounded to nearest would not suffice: bounds that are wrong by nearly half an ulp could still
+//! contain it.
 //!
 //! The reference values are Taylor series in integer arithmetic. Inverse functions are checked by
-//! their increasing inverses: a ≤ ln x if exp a ≤ x. Operands lie where the rules err most, at the
-//! ends of their reduced ranges.
+//! their increasing inverses: a ≤ ln x if exp a ≤ x. Operands lie at the ends of the reduced
+//! ranges, where the rules err most.
 
 use num_bigint::BigInt;
 use num_traits::Zero;
@@ -41,13 +42,14 @@ fn over(a: &BigInt, b: &BigInt) -> BigInt {
     (a << PLACES) / b
 }
 
-/// Returns Σ xⁿ/n! over even n and over odd n, with alternating signs if `turns`: (cos, sin) of x,
-/// or (cosh, sinh).
+/// Returns Σ xⁿ/n!, summed over even n and over odd n. These are (cosh, sinh) of x, or (cos, sin)
+/// if `turns`, which alternates the signs.
 fn series(x: &BigInt, turns: bool) -> [BigInt; 2] {
     let mut sums = [BigInt::zero(), BigInt::zero()];
     let mut term = BigInt::from(1) << PLACES;
     for n in 0_u32.. {
-        // A shifted negative number is rounded down, so it never becomes 0.
+        // Shifting rounds a negative number down, so the term never becomes 0. One bit ends the
+        // loop.
         if term.bits() <= 1 {
             break;
         }
@@ -92,11 +94,11 @@ fn tan(x: &BigInt) -> BigInt {
 /// A way to compute the reference value of a function.
 #[derive(Clone, Copy)]
 enum ReferenceMethod {
-    /// By the function itself.
+    /// The function itself.
     Of(fn(&BigInt) -> BigInt),
-    /// By its inverse, which increases.
+    /// The inverse function, which increases.
     Inverse(fn(&BigInt) -> BigInt),
-    /// By minus its inverse, which decreases.
+    /// Minus the inverse function, which decreases.
     FallingInverse(fn(&BigInt) -> BigInt),
 }
 
@@ -111,7 +113,7 @@ fn odd_multiple(random: &mut Rng, half: f64, most: i32) -> f64 {
     half * (f64::from(odd) + 0.2 * unit(random))
 }
 
-/// Returns a number close to one of `places`, at which rules switch to another formula.
+/// Returns a number close to one of `places`, where rules switch to another formula.
 fn around(random: &mut Rng, places: &[f64]) -> f64 {
     let place = places[random.u32(0..places.len() as u32) as usize];
     place * (1.0 + 0.1 * unit(random))
@@ -164,7 +166,7 @@ fn enclosures_of_points_hold_the_exact_value() {
             assert_eq!(facts, Facts::TOTAL, "{name}({x:e}), seed {SEED:#x}");
             let (lo, hi) = (exact(bounds.lo), exact(bounds.hi));
             let x_exact = exact(x);
-            // These are in order if the bounds are correct.
+            // The three numbers are in order if the bounds are correct.
             let [low, middle, high] = match truth {
                 ReferenceMethod::Of(f) => [lo, f(&x_exact), hi],
                 ReferenceMethod::Inverse(f) => [f(&lo), x_exact, f(&hi)],

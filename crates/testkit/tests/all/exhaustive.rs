@@ -6,7 +6,7 @@
 #[path = "../../examples/exhaustive/sweep.rs"]
 mod sweep;
 
-/// A prime, so that all exponents and low bits occur.
+/// The stride is a prime, so that all exponents and low bits occur.
 const STRIDE: u64 = 20_011;
 
 #[test]
@@ -19,7 +19,7 @@ fn enclosures_hold_and_are_tight_on_a_slice_of_all_floats() {
         assert_eq!(report.violations, 0, "{name}: {report:?}");
         assert_eq!(report.unbounded, 0, "{name}: {report:?}");
         assert_eq!(report.wide, 0, "{name}: {report:?}");
-        // Half of all floats are tiny. There the four-lane sine always costs one ulp.
+        // Half of all floats are tiny. There the sine of a bounded operand is always an ulp wider.
         let mean = if function.within.is_some() { 1.1 } else { 1.0 };
         assert!(report.mean() < mean, "{name}: {} ulp on average", report.mean());
     }

@@ -15,8 +15,8 @@ struct Finding {
     formula: &'static str,
     domain: [[f64; 2]; 3],
     region: [[f64; 2]; 3],
-    /// Range of the formula's bounds. It matters even if the formula is undefined, since operations
-    /// on these bounds may rely on it.
+    /// Range in which the formula's bounds must lie. They must do so even where the formula is
+    /// undefined, since operations on these bounds may rely on it.
     within: [f64; 2],
     was: &'static str,
 }

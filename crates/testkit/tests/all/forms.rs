@@ -18,7 +18,7 @@ use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 /// Number of vectors drawn from one seed.
 const ROUNDS: usize = 64;
 
-/// Operations whose forms are always plain bounds.
+/// Operations whose affine forms are always plain bounds.
 const BOUNDS_ONLY: [Op; 6] = [Op::Sign, Op::Floor, Op::Ceil, Op::Round, Op::Trunc, Op::Atan2];
 
 fn operations<T: Adversarial>(seed: u64) {
@@ -36,7 +36,7 @@ fn operations<T: Adversarial>(seed: u64) {
                 panic!("{failure}\nZEROSET_SEED={seed:#x} ZEROSET_CASES=1")
             }));
         }
-        // Some domains are small, and random operands often lie outside.
+        // Some operations have small domains of definition, and random operands often lie outside.
         assert!(lines.finite * 8 > lines.lanes, "{}: {lines:?}", row.name);
         let slanted = lines.slanted * 16 > lines.lanes;
         assert_eq!(slanted, !BOUNDS_ONLY.contains(&row.op), "{}: {lines:?}", row.name);
@@ -152,7 +152,8 @@ fn planes_of_choices_hold_their_values() {
     check::<f64>("choices", 0x5eed_0ba0_0000, &options);
 }
 
-/// Returns the error of the form of `op` in `f64`, for operands around `centres` with this spread.
+/// Returns the error of the affine form of `op` in `f64`, for operands around `centres` with this
+/// spread.
 fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
     let lanes = |x: f64| Vector128::from_f64([x; 2]);
     let operands = [(1.0, 0.5), (-0.25, 1.0), (0.5, -0.25)].into_iter().zip(centres);
@@ -170,7 +171,7 @@ fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
 }
 
 /// Returns the error of the affine form of x·x, where x reaches `steep` and the product overflows.
-/// An error of −∞ would make the product look empty.
+/// An error of −∞ would exclude all values of the product.
 fn error_of_steep_product<const N: usize>(format: Format, steep: f64, mut m: Software) -> f64 {
     let lanes = |m: &mut Software, x: f64| m.number(format, x);
     let slopes: [_; N] =
@@ -207,7 +208,7 @@ fn errors_of_smooth_operations_shrink_quadratically() {
     for row in TABLE.iter().filter(|row| !BOUNDS_ONLY.contains(&row.op)) {
         let centres = match row.domain {
             Domain::Unit | Domain::UnitInside | Domain::CosineNonzero => [0.6, 0.0, 0.0],
-            // Away from the jumps of the remainder.
+            // These operands are away from the jumps of the remainder.
             _ if row.op == Op::Mod => [1.2, 0.9, 0.0],
             _ => [1.7, 0.9, 1.3],
         };

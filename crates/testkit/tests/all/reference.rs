@@ -1,4 +1,4 @@
-//! The suite for the reference evaluator, in both precisions.
+//! Runs the suite on the reference evaluator, in both precisions.
 
 use zeroset_eval::{Assumptions, Binding, Kernel, Query, Real, Reference, Tape};
 use zeroset_interval::Format;
@@ -46,13 +46,13 @@ fn random_graphs_enclose_the_oracle() {
     graphs::<f64>(0x5eed_0057, true);
 }
 
-/// Returns the allowed error of values, for functions of one variable.
+/// Returns the allowed error of values. `None` if the operation's values are not compared.
 fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> {
-    /// Magnitude of angles, in radians, beyond which sines lose accuracy.
+    /// Magnitude of angles, in radians, above which sines lose accuracy.
     const FARTHEST: f64 = 8192.0;
-    // The relative error is about five times the unit roundoff in f32; in f64 it is what the rules
-    // reach. The kernels guarantee no bound. `wave` is an absolute error that covers sines near
-    // their zeros.
+    // Errors that the rules reach, since kernels guarantee no bound. In f32 the relative error is
+    // about five times the unit roundoff. `wave` is an absolute error that covers sines near their
+    // zeros.
     let (relative, wave) = match T::FORMAT {
         Format::F32 => (3e-7, 1e-7),
         Format::F64 => (1e-14, 1e-15),

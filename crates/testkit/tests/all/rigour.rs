@@ -1,6 +1,6 @@
-//! Arithmetics used only for measurements. Results rounded to nearest and then moved outward must
-//! enclose the oracle's values, in intervals and in forms. Results that are not moved must miss
-//! some.
+//! Arithmetics that only measurements use. Where results are rounded to nearest and then moved
+//! outward, intervals and affine forms must enclose the oracle's values. Without the move they must
+//! miss some.
 
 use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Real, Tape};
 use zeroset_interval::Interval;

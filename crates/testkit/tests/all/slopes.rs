@@ -30,7 +30,7 @@ fn slopes_of_every_operation_are_bounded() {
     operations::<f64>(0x5eed_0a01);
 }
 
-/// Checks random cases until slopes between `cases` pairs of points were compared.
+/// Checks random cases until `cases` pairs of points were compared at which the function is defined.
 fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
     let effort = Effort::from_environment(seed, 50_000);
     let (mut compared, mut defined) = (0, 0);
@@ -105,8 +105,8 @@ fn slopes_beside_hazards_are_bounded() {
     check::<f64>("hazards", 0x5eed_0a60_0000, &options);
 }
 
-/// Whether a kernel reports a function as Lipschitz continuous and as differentiable, over a range
-/// of x and with y from 1 to 2.
+/// Returns whether a kernel reports a function as Lipschitz continuous, and whether as
+/// differentiable. The box has this range of x, and y from 1 to 2.
 fn claims<T: Real>(graph: &Graph, root: NodeId, [lo, hi]: [f64; 2]) -> [bool; 2] {
     let mut graph = graph.clone();
     let [x, y, z] = gradient(&mut graph, root);
@@ -175,7 +175,7 @@ fn restrictions_and_choices_are_told_apart() {
     let [one, two] = [1, 2].map(|n| graph.constant(Constant::integer(n)));
     let kink = graph.apply(Op::Abs, &[x]);
     let root = graph.apply(Op::Sqrt, &[x]);
-    // It is below 0 wherever it is defined.
+    // This function is below 0 wherever it is defined.
     let below = graph.apply(Op::Neg, &[root]);
     let below = graph.apply(Op::Sub, &[below, one]);
     let cases = [

@@ -1,5 +1,5 @@
-//! Kernels on many threads: code runs while other code is compiled and dropped, and callers of
-//! kernels still round to nearest afterwards.
+//! Kernels on many threads. Code must run while other code is compiled and dropped. Callers of
+//! kernels must still round to nearest afterwards.
 
 use std::hint::black_box;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -73,8 +73,8 @@ fn many_threads<T: Adversarial>() {
     assert!(runs >= 32);
 }
 
-/// Fails unless arithmetic rounds to nearest. Rounded up, one of these quotients would be larger;
-/// rounded down or to 0, one would be smaller.
+/// Fails unless arithmetic rounds to nearest. Rounding up would make one of these quotients larger.
+/// Rounding down or to 0 would make one smaller.
 fn assert_rounds_to_nearest() {
     let quotient = |a: f32, b: f32| black_box(black_box(a) / black_box(b));
     let all = [quotient(1.0, 3.0), quotient(7.0, 10.0), quotient(-7.0, 10.0)];
@@ -95,7 +95,8 @@ fn callers_go_on_rounding_to_nearest() {
     assert_eq!(quotient_rounded_up::<f64>().to_bits(), 0x3fe6_6666_6666_6667, "kernels round up");
 }
 
-/// Returns 7/10 from a kernel. Checks the caller's own arithmetic after each kind of call.
+/// Returns 7/10 from a kernel. After each kind of call, checks that the caller's own arithmetic
+/// rounds to nearest.
 fn quotient_rounded_up<T: Adversarial>() -> T {
     let mut graph = Graph::new();
     let (x, y) = (graph.variable(Axis::X), graph.variable(Axis::Y));
@@ -106,7 +107,8 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     assert_rounds_to_nearest();
     let values = point.eval_all(&Points::near(&[[7.0, 10.0, 0.0]]));
     assert_rounds_to_nearest();
-    // The same when every floating-point exception is raised.
+    // The caller must also round to nearest after a call that raises every floating-point
+    // exception.
     let (largest, least): (f64, f64) = (T::LARGEST.into(), 1e-45);
     let boxes = [
         ([1.0, 1.0], [0.0, 3.0]),
@@ -122,7 +124,7 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     values[0].value[0]
 }
 
-/// Threads that panic in a kernel's own check and then compile and call kernels again, in parallel.
+/// Threads panic in a kernel's own check, and then compile and call kernels again, in parallel.
 #[test]
 fn threads_that_panic_and_are_used_again_round_to_nearest() {
     thread::scope(|scope| {

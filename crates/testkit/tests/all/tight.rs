@@ -1,9 +1,9 @@
 //! Software enclosures in `f64` at points must contain the correctly rounded value, and be as tight
-//! as each function's row says.
+//! as each function's row in the table says.
 //!
 //! The reference values come from `core-math` alone. Operands are drawn from a seed: all exponents,
-//! the whole range where a function curves, and places where rules go wrong. These are zeros and
-//! poles, ends of domains, and edges of overflow and underflow.
+//! the whole range where a function curves, and places where rules may go wrong. Such places are
+//! zeros and poles, ends of domains, and edges of overflow and underflow.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, SQRT_2};
 use zeroset_interval::{
@@ -31,7 +31,7 @@ fn most(op: Op) -> [u64; 2] {
     op.row().excess.expect("an approximation")
 }
 
-/// Multiples of π/2, and the greatest angle that is reduced.
+/// Multiples of π/2, a tiny angle, and limits of the argument reduction.
 const QUARTERS: [f64; 9] = [
     1e-310,
     FRAC_PI_2,
@@ -73,7 +73,7 @@ fn unit(random: &mut Rng) -> f64 {
     random.u64(..) as f64 / u64::MAX as f64
 }
 
-/// Returns an operand: near one of the hard ones, small, or anything.
+/// Returns an operand near one of the hard ones, a small operand, or any number.
 fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
     match random.u32(0..8) {
         0 => f64::from_bits(random.u64(..)),
@@ -81,7 +81,7 @@ fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
         2 => 1600.0 * unit(random) - 800.0,
         3 => 2.0 * unit(random) - 1.0,
         4 => {
-            // From the smallest subnormals to 1, uniform in the exponent.
+            // The exponent is uniform, from the smallest subnormals to 1.
             let size = (unit(random) * 1074.0).floor() as i32;
             (1.0 + unit(random)) * 2_f64.powi(-size / 2) * 2_f64.powi(-(size - size / 2))
         }
@@ -93,9 +93,9 @@ fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
     }
 }
 
-/// Sine and cosine have a rule of their own for operands near 0, which also gives values. Operands
+/// Checks the rule that sine and cosine have for operands near 0, which also gives values. Operands
 /// are multiples of π/2, where results are near 0 and ±1; odd multiples of π/4, where the reduced
-/// angle is greatest; and anything.
+/// angle is greatest; and any numbers.
 #[test]
 fn waves_of_points_near_zero_are_as_tight_as_stated() {
     const LIMIT: f64 = 2048.0;
@@ -130,12 +130,13 @@ fn waves_of_points_near_zero_are_as_tight_as_stated() {
         }
         println!("{op:?} near 0: worst {worst} at {worst_at:e}, values off by {farthest:e}");
         assert!(worst <= most(op)[0], "seed {SEED:#x}: {worst} ulp at {worst_at:e}");
-        // Error that forms allow for, plus half an ulp for the rounding of `value`.
+        // Affine forms allow for 1.75 units; rounding `value` adds up to half an ulp.
         assert!(farthest <= 2.25 * f64::EPSILON, "seed {SEED:#x}: {farthest:e}");
     }
 }
 
-/// The same in `f32`, where reference values are exact enough to check the error in forms.
+/// Checks values of sine and cosine near 0 in `f32`. There reference values are exact enough to
+/// check the error that affine forms allow for.
 #[test]
 fn values_of_waves_near_zero_are_off_by_what_forms_allow_for() {
     const LIMIT: f64 = 192.0;
@@ -270,8 +271,8 @@ fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     Some(excess[0]?.max(excess[1]?))
 }
 
-/// Checks the worst of many pairs of operands in `f32` against the table's row. A sweep of all
-/// pairs would be too long.
+/// Checks the table's row against the worst of many pairs of operands in `f32`. A sweep of all
+/// pairs would take too long.
 fn search_in_f32(op: Op, truth: fn(f64, f64) -> f64, draw: impl Fn(&mut Rng) -> Option<[f32; 2]>) {
     let mut random = Rng::with_seed(SEED);
     let (mut worst, mut worst_at, mut count) = (0, [0.0; 2], 0);

@@ -90,7 +90,7 @@ impl Tracer for KnollFallback<'_> {
     }
 
     fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
-        let why = format!("the formula is too large for affine forms ({})", self.why);
+        let why = format!("its affine forms cannot be compiled: {}", self.why);
         Some(Fallback { method: knoll_row(), why })
     }
 

@@ -147,7 +147,7 @@ impl<M: Machine> Rule<'_, M> {
         self.shape_of_logarithm(1.0, at)
     }
 
-    /// f′ = log_e/x, f″ = −log_e/x², where `log_e` is the logarithm of e.
+    /// With the natural logarithm: f′ = e₁/x, f″ = −e₁/x², where e₁ is the logarithm of e.
     pub(super) fn shape_of_logarithm(
         &mut self,
         log_e: f64,

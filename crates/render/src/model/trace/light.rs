@@ -17,11 +17,11 @@ use zeroset_syntax::{SurfaceColor, SurfaceKind};
 use zeroset_trace::TraceOptions;
 use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid};
 
-/// Distance from the surface at which shadow rays start, in slabs of the smallest size. It keeps
-/// the surface from shading itself.
+/// Distance from the surface at which shadow rays start, in slabs of the smallest size. This keeps
+/// the surface from shadowing itself.
 const SHADOW_OFFSET_SLABS: f64 = 2.0;
 
-/// Reach of ambient occlusion, as a share of the region's largest extent.
+/// Radius within which ambient occlusion is computed, as a share of the region's largest extent.
 const NEAR: f64 = 0.12;
 
 /// Colors of a picture, and the cost of lighting it.
@@ -43,8 +43,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         }
     }
 
-    /// Shadows, ambient occlusion and colors of the traced points. Colors that are `known` are
-    /// kept.
+    /// Computes shadows, ambient occlusion and colors of the traced points. If the colors are
+    /// `known`, only antialiasing changes them.
     pub(super) fn light(
         &self,
         rays: &RayGrid,
@@ -80,7 +80,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(Lit { rgb, legends, edge_rays, work })
     }
 
-    /// Number of times that a shadow ray is halved. `None` without shadows.
+    /// Number of halvings along a shadow ray. `None` without shadows.
     pub(super) fn shadow_depth(&self) -> Option<u32> {
         let settings = self.settings;
         let is_typed = self.model.setting.lines.shadows == Some(true);
@@ -93,7 +93,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         settings.occlusion && self.model.look(settings).occlusion && settings.normals.is_some()
     }
 
-    /// Computes how much light is kept from painted points, by shadows and by ambient occlusion.
+    /// Computes how much light shadows and ambient occlusion keep from the painted points.
     fn compute_occlusion(
         &self,
         rays: &RayGrid,
@@ -115,7 +115,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let smooths = shadow_depth.is_some() && self.settings.normals.is_some();
         let near = (smooths || occludes && overview.is_none()).then(near);
         if let Some(near) = near.as_ref().filter(|_| smooths) {
-            // Twice, since the square for the mean is incomplete beside an edge.
+            // Average twice, since beside an edge the square for the mean is incomplete.
             (0..2).for_each(|_| near.mean(&mut buffer.shadow));
         }
         if let Some(whole) = overview {
@@ -134,7 +134,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         depth: u32,
         buffer: &mut GBuffer,
     ) -> Result<KernelStats, ProgramError> {
-        // The surface may lie anywhere in the slab that holds it.
+        // The surface may lie anywhere in the slab that contains it.
         let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
         let lights = light.widened(self.model.region.centre());
         let mut work = KernelStats::default();
@@ -157,7 +157,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let settings = self.settings;
         let plain = Appearance::new(self.model.look(settings), light);
         let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
-        // A hidden surface may have no compiled code.
+        // A hidden surface may not have been compiled.
         let turned = |surface: usize| {
             let known = &self.model.turned[surface];
             !self.model.styles[surface].hidden
@@ -181,7 +181,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         }
     }
 
-    /// Returns whether f < 0 on most of the region's boundary, so that the negative side faces
+    /// Returns whether f < 0 on most of the region's boundary. Then the negative side faces
     /// outward.
     fn is_negative_outside(&self, surface: usize) -> bool {
         /// Number of points along each edge of a face.
@@ -204,7 +204,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         });
         let points: Vec<[f64; 3]> = points.collect();
         let batches = Points::near(&points);
-        // Uses the kernel that also computes the normals.
+        // Use the kernel that computes the normals, since it is compiled anyway.
         let values = match self.settings.normals {
             Some(Normals::Central) => kernels.values().map(|kernel| {
                 let values = kernel.eval_all(&batches);

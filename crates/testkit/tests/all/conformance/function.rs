@@ -68,7 +68,8 @@ pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str>
     Ok(Function { graph, root })
 }
 
-/// Returns an operation on x and a constant, which is the last operand or else the first.
+/// Returns an operation on x and a constant. The constant is the last operand if `last`, else the
+/// first.
 fn with_integer(op: Op, integer: i64, last: bool) -> Function {
     let mut graph = Graph::new();
     let (x, n) = (graph.variable(Axis::X), graph.integer(integer));
@@ -106,7 +107,8 @@ impl Function {
         QueryResult { bounds, facts }
     }
 
-    /// Returns the same function, undefined everywhere in operands that are `empty`.
+    /// Returns a function that is undefined everywhere if an operand is `empty`, and otherwise the
+    /// same.
     fn restricted(&self, empty: &[bool]) -> Self {
         let mut graph = Graph::new();
         let never = graph.integer(-1);
@@ -137,9 +139,9 @@ impl Function {
 /// Assumptions of native code about its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KnownDomain {
-    /// Nothing, so that the code contains every guard.
+    /// No bounds, so the code contains every guard.
     Nothing,
-    /// The box itself, like a picture's domain, so that guards and cases are left out.
+    /// The box itself, like a picture's domain, so unneeded guards and cases are left out.
     TheBox,
 }
 
@@ -155,7 +157,7 @@ impl<T: Real> Native<T> {
     }
 
     /// Encloses `function`, whose name in the cache is `key`. The ends of the operands must be
-    /// floats of the precision; `None` is the empty set.
+    /// floats of the precision. `None` stands for the empty set.
     pub fn enclose(
         &mut self,
         key: &str,

@@ -29,8 +29,8 @@ pub enum Term {
     Integer(i32),
 }
 
-/// A decoration, from the weakest claim to the strongest. `com` (also bounded) counts as `Dac`,
-/// since the bounds show whether they are bounded.
+/// A decoration of IEEE 1788, from the weakest claim to the strongest. `com` (also bounded) counts
+/// as `Dac`, since the bounds themselves show whether they are finite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decoration {
     /// Nothing is claimed.
@@ -142,7 +142,7 @@ fn term(text: &str) -> Term {
     Term::Set(bounds, decoration)
 }
 
-/// Returns a number; decimals are rounded to the nearest `f64`, as in these tests' C++ source.
+/// Returns a number. Decimals are rounded to the nearest `f64`, as in the C++ source of the tests.
 fn number(text: &str) -> f64 {
     let text = text.trim().to_lowercase();
     let (sign, magnitude) = match text.strip_prefix('-') {

@@ -17,15 +17,16 @@ use tally::{EvaluatorTally, Ulp, Verdict, judge};
 use zeroset_eval::Real;
 use zeroset_interval::{Facts, Interval};
 
-/// Operations with the tightest enclosures: always in software, natively for finite operands.
+/// Operations whose enclosures are the tightest: always in software, and in native code for finite
+/// operands.
 const TIGHTEST: [&str; 15] = [
     "neg", "add", "sub", "mul", "div", "recip", "sqr", "sqrt", "abs", "sign", "floor", "ceil",
     "trunc", "min", "max",
 ];
 const ROUND: &str = "roundTiesToEven";
 
-/// Greatest excess in ulps that is counted without being listed. Excess of an operation that should
-/// be tightest is always listed.
+/// Greatest excess, in ulps, of an enclosure that is counted without being listed. For an operation
+/// that should be tightest, every excess is listed.
 const UNREMARKABLE: u64 = 64;
 
 fn is_tightest(name: &str) -> bool {
@@ -36,7 +37,7 @@ fn data() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/itl")
 }
 
-/// A case that can be run: its function, and those of its operands that are sets.
+/// A case that can be run: its function, and its operands that are intervals or empty.
 struct RunnableCase<'a> {
     case: &'a TestCase,
     function: Function,
@@ -66,7 +67,7 @@ impl<'a> RunnableCase<'a> {
         self.operands.iter().map(|(bounds, _)| *bounds).collect()
     }
 
-    /// Counts a result, lists it if it is remarkable, and checks its facts.
+    /// Counts a result, lists it if its excess is large, and checks its facts.
     fn record(
         &self,
         answer: QueryResult,
@@ -148,7 +149,8 @@ fn natively<T: Real>(cases: &[TestCase], known_domain: KnownDomain, ulp: Ulp) ->
             runnable.record(answer, runnable.result.map(outward::<T>), ulp, &mut tally);
             continue;
         }
-        // Over widened operands the tightest result is known only if software is tightest.
+        // Operands were widened to floats. For these the tightest result is known only if software
+        // computes it.
         if let Err(violation) = judge(answer, runnable.result, ulp) {
             panic!("{} natively: {violation}", case.text);
         }

@@ -32,13 +32,13 @@ impl Ulp {
 /// Comparison of an enclosure with the tightest one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is the tightest, or correctly proven empty.
+    /// The result is the tightest, or correctly proven empty.
     Tight,
-    /// One end is this many floats too far out, the other end at most as many.
+    /// One end is too far out by this number of floats, and the other end by at most as many.
     Wider(u64),
     /// An end is infinite although a finite one is possible.
     Unbounded,
-    /// The result is empty, but that is not proven.
+    /// The tightest result is empty, but the evaluator does not prove that.
     Unproven,
 }
 
@@ -85,7 +85,7 @@ pub struct EvaluatorTally {
     rows: BTreeMap<String, OperationTally>,
     skipped: BTreeMap<String, u64>,
     listed: Vec<String>,
-    /// Number of results that should be tightest, for finite operands, but are not.
+    /// Number of results that are not the tightest although they should be, for finite operands.
     pub loose: u64,
 }
 
@@ -101,7 +101,7 @@ impl EvaluatorTally {
         *self.skipped.entry(format!("{name}: {reason}")).or_default() += 1;
     }
 
-    /// Counts a case whose bounds were only checked to contain the result.
+    /// Counts a case in which only the containment of the result was checked.
     pub fn contain(&mut self, name: &str) {
         self.row(name).contained += 1;
     }
