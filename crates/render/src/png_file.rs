@@ -34,7 +34,8 @@ pub fn write_png(
     Ok(())
 }
 
-/// What writes a PNG (sRGB) of this width and height to `out`, with texts by keyword.
+/// Returns an encoder that writes a PNG (sRGB) of this width and height to `out`, with texts by
+/// keyword.
 ///
 /// # Errors
 /// If a text cannot be written.
