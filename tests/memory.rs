@@ -20,8 +20,7 @@ fn resident_kilobytes() -> i64 {
     line.trim().trim_end_matches("kB").trim().parse().expect("a number")
 }
 
-/// Compiles every kind of kernel of a document, runs one and drops all. Returns the size of their
-/// code.
+/// Compiles all kernels of a document, runs one and drops all. Returns their code size.
 fn cycle(document: &Document) -> usize {
     let program = Program::new(document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("simplifies");
     let kernels = program.kernels::<f32>(0);

@@ -96,8 +96,7 @@ fn what_is_left_off_claims_nothing() {
                 } else {
                     assert_eq!(part.status[pixel], whole.status[pixel], "{pixel}");
                 }
-                // A nearer surface may not have been traced, so the painted distance may be
-                // greater.
+                // A nearer surface may not have been traced.
                 assert!(part.drawn[pixel] >= whole.drawn[pixel]);
             }
             unreached.push(count);

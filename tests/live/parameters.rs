@@ -60,8 +60,7 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
         // These values fit into a domain found earlier.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 1", ":set r = 1.9", ":set r = 0.6"]),
         ("r = 1 in [1, 4]\nx^2+y^2+z^2 <= 1+0*r", &[":set r = 4", ":set r = 2"]),
-        // These values need another domain, since that of the previous value is too small or far
-        // too large.
+        // Each of these needs another domain: the previous one is too small or far too large.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 0.1", ":set r = 3", ":set r = 5"]),
     ] {
         assert_eq!(code_reused(text, lines), vec![true; lines.len()], "{text}");
@@ -71,8 +70,7 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
 #[test]
 fn what_other_code_is_needed_for_is_compiled() {
     for (text, line) in [
-        // The first value is outside its range, which must be extended. The second one has no
-        // range.
+        // The first value is outside its range, and the second one has no range.
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", ":set r = 7"),
         ("domain 2\nr = 2\nx^2+y^2+z^2 = r^2", ":set r = 1"),
         // The value is an exponent, which selects the operation.

@@ -343,8 +343,7 @@ fn a_refused_value_leaves_the_one_from_the_command_line() {
     assert!(settled(&live).request.overrides.is_empty());
 }
 
-/// A line that is refused on one thread does not undo an edit by another thread, whatever the
-/// order.
+/// A line that is refused on one thread does not undo an edit by another thread.
 #[test]
 fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
     let text: Arc<str> = "r = 1\nq = 1\nx^2+y^2+z^2 = r^2+q".into();
@@ -375,8 +374,7 @@ fn a_refused_value_undoes_nothing_that_another_thread_has_set() {
     }
 }
 
-/// The picture's lock is free while a long formula is simplified, so dragging and reading are not
-/// blocked.
+/// Simplifying a long formula does not lock the picture, so dragging and reading go on.
 #[test]
 fn a_long_formula_is_simplified_without_the_lock() {
     let live = start("x+y+z", 16);

@@ -113,8 +113,7 @@ fn document(text: &str) -> Document {
     zeroset_syntax::read(text, &Options::default()).expect("reads")
 }
 
-/// A file with a `hidden` surface gives the picture of the file without that surface, in the same
-/// domain.
+/// A file's `hidden` surface is not drawn, but counts for the domain.
 #[test]
 fn a_picture_of_a_file_lacks_what_is_hidden() {
     let settings = start(THREE, 64).settings();

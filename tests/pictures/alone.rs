@@ -67,8 +67,7 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
     assert!(compared > 10_000, "{compared}");
 }
 
-/// Two balls above a floor. No shadow ray is traced to a ball if the other one already blocks the
-/// light.
+/// Two balls above a floor. If one blocks the light, no shadow ray is traced to the other.
 #[test]
 fn what_is_dark_already_is_followed_to_the_light_no_more() {
     let text = "x^2+y^2+(z-1)^2=0.3; x^2+y^2+(z-1.9)^2=0.2; z=-0.9";

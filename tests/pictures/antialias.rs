@@ -141,8 +141,7 @@ fn rows_that_are_colored_at_once_are_as_those_that_are_colored_later() {
 fn normals_that_are_not_kept_are_found_for_colors() {
     let settings = Settings { width: 93, height: 70, ..Settings::default() };
     let central = Settings { normals: Some(Normals::Central), ..settings.clone() };
-    // The first surface has gradients everywhere, and the second one lacks some. The third is a
-    // solid with a cap.
+    // A surface with gradients everywhere, one that lacks some, and a solid with a cap.
     let (smooth, creased, halved) =
         ("tangle", "abs(x)+abs(y)+abs(z)=1", "x^2+y^2+z^2<=1 where x<=0.3");
     for (text, kept) in

@@ -63,8 +63,7 @@ fn every_method_draws_the_sphere_within_its_tolerance() {
                     assert_eq!(found, f64::INFINITY, "{method:?}, through {foot}");
                 } else if square > 0.02 {
                     let off = (found - (8.0 - square.sqrt())).abs();
-                    // The constant covers the errors of samples in 32 bits, which limit a finer
-                    // tolerance.
+                    // The constant covers errors of samples in 32 bits.
                     let room = tolerance * frame.footprint(found) + 1e-5;
                     assert!(off <= room, "{method:?}, {tolerance}: off by {off}, through {foot}");
                     seen += 1;
@@ -178,8 +177,7 @@ fn sphere_takes_no_more_steps_than_it_may() {
     assert_eq!(few.buffer.counts().hit, 0);
 }
 
-/// On rays that are parallel to no axis, intervals lose how coordinates depend on each other, but
-/// affine forms do not.
+/// On oblique rays, affine forms keep the dependence between coordinates; intervals do not.
 #[test]
 fn raa_is_tighter_than_knoll_across_the_axes() {
     let by = |method: &str| picture_from(DVec3::new(4.0, 3.0, 6.0), SPHERE, method, |_| {}).1;

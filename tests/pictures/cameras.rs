@@ -127,8 +127,7 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Chooses some pixels of each method's picture. Half of them are undecided pixels, if there
-    /// are any.
+    /// Chooses pixels of each method's picture. Half of them are undecided, if possible.
     fn chosen(&mut self, scene: &Scene, rng: &mut Rng) -> Vec<Pixel> {
         let mut chosen = Vec::new();
         for method in &METHODS {

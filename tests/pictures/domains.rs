@@ -92,8 +92,7 @@ fn domains_are_those_that_a_mathematician_would_choose() {
         let why = difference(row, &found);
         let name = row.text.lines().last().unwrap_or_default();
         let _ = writeln!(report, "{:18} {ms:6.2} ms {name}: {found:?}", why.unwrap_or("agrees"));
-        // Other differences are a matter of judgment, but the domain must not cut a bounded
-        // surface.
+        // Other differences are a matter of judgment, but a bounded surface must not be cut.
         assert!(!(row.bounded && why == Some("cut")), "{report}");
         missed.extend(why.map(|_| name.to_owned()));
     }
@@ -183,8 +182,7 @@ fn what_is_moved_has_its_domain_moved() {
     assert!(report.is_empty(), "{report}of {count}");
 }
 
-/// A polynomial with one power of each axis, and some mixed terms. There is only one term per axis,
-/// so that none cancels.
+/// A polynomial with one power of each axis, which no other term cancels, and mixed terms.
 fn polynomial(rng: &mut Rng) -> String {
     let factor = |rng: &mut Rng| {
         let sign = if rng.bool() { '+' } else { '-' };

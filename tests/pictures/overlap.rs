@@ -1,5 +1,4 @@
-//! Surfaces in front of and behind one another. Hidden parts are not traced, and this changes
-//! nothing else.
+//! Surfaces behind one another. Hidden parts are not traced, which changes nothing else.
 
 use glam::DVec3;
 use zeroset_render::model::Model;

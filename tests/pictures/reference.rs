@@ -25,8 +25,7 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, region.centre(), DVec3::Y, projection).expect(example.slug);
         let rays = camera.rays(SIZE[0], SIZE[1]);
-        // The default method runs in all precisions. The other methods run in one, which
-        // alternates.
+        // The default method runs in all precisions, the others in one, which alternates.
         let precisions = [Precision::Auto, Precision::F32, Precision::F64];
         let runs = METHODS.iter().flat_map(|method| {
             let all = if method.name == "affine" { 0..3 } else { number % 3..number % 3 + 1 };

@@ -1,5 +1,4 @@
-//! Solids with undefined parts, jumps and poles. Checks their location, and their faces at these
-//! places.
+//! Solids with undefined parts, jumps and poles: their location, and their faces there.
 
 use glam::DVec3;
 use zeroset_render::model::render;
@@ -75,8 +74,7 @@ fn check_with(
     assert!(is_seen || steep > 0, "{formula}: {seen} faces seen");
 }
 
-/// Axis coordinate where a ray along x enters the unit ball. NaN, which accepts any result, near
-/// the rim.
+/// Axis coordinate where a ray along x enters the unit ball. NaN accepts any, near the rim.
 fn ball(foot: DVec3) -> Option<f64> {
     let square = 1.0 - foot.y * foot.y - foot.z * foot.z;
     if square.abs() < 0.02 { Some(f64::NAN) } else { (square > 0.0).then(|| -square.sqrt()) }

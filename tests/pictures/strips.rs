@@ -40,8 +40,7 @@ fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
     all
 }
 
-/// Returns a picture joined from strips of `rows` rows, and the results that the strips have in
-/// common.
+/// A picture joined from strips of `rows` rows, and the results common to all strips.
 fn together(
     model: &Model,
     camera: &Camera,
@@ -88,8 +87,7 @@ fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
     ]
 }
 
-/// Several translucent surfaces, colors and contour lines of values, cut solids, and undecided
-/// pixels.
+/// Translucent surfaces, colors and contour lines of values, cut solids, undecided pixels.
 const TEXTS: [&str; 5] = [
     "domain 1.3\nx^2+y^2+z^2=1",
     "domain 2\nx^4-5x^2+y^4-5y^2+z^4-5z^2+11.8; color steelblue 50%\nz=0.4; (x-1)^2+y^2<=0.1",

@@ -83,8 +83,7 @@ fn what_is_undecided_hides_no_root_behind_it() {
     }
 }
 
-/// Where numerator and denominator vanish together, the function is undefined, and nothing is
-/// painted.
+/// Where numerator and denominator both vanish, f is undefined and nothing is painted.
 #[test]
 fn a_gap_in_a_function_is_no_wall() {
     for (formula, height, _) in with_gaps() {

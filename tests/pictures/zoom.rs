@@ -20,8 +20,7 @@ const SURFACES: [&str; 5] = [
     "domain 3\nx^4-5*x^2+y^4-5*y^2+z^4-5*z^2+11.8",
 ];
 
-/// Greatest ratio of the number of segments evaluated for a close view to the number for the whole
-/// view.
+/// Greatest ratio of the segments evaluated for a close view to those for the whole view.
 const MOST: u64 = 4;
 
 fn picture(document: &Document, region: &Region) -> (Model, Picture) {
@@ -67,8 +66,7 @@ fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
             let (_, close) = picture(&document, &part);
             let pixels = close.statistics.pixels;
             println!("{text:?} {half:e}: {pixels:?}, {} of {}", segments(&close), segments(&whole));
-            // In smaller regions, about 2^-49 of the coordinates, the rays themselves are not
-            // accurate enough.
+            // In regions of about 2^-49 of the coordinates, rays are not accurate enough.
             if half > 1e-11 {
                 assert!(segments(&close) <= MOST * segments(&whole), "{text:?} {half:e}");
                 assert!(pixels.hit > 1000, "{text:?} {half:e}: {pixels:?}");
@@ -80,8 +78,7 @@ fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
     }
 }
 
-/// If a tile is a billion times as deep as wide, it need not be cut into parts that are as deep as
-/// wide.
+/// A tile a billion times as deep as wide need not be cut until its parts are as deep as wide.
 #[test]
 fn pixels_far_smaller_than_the_domain_take_no_longer() {
     for (formula, extent) in [("asinh(y) > 0", 1e14), ("y^10 < ceil(y)", 1e18), ("z^x = y", 1e6)] {
@@ -133,8 +130,7 @@ fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
 
 #[test]
 fn no_zero_behind_the_eye_is_hit() {
-    // The eye is between sheets that are so close to each other that `f32` hardly resolves the
-    // distance.
+    // The eye is between sheets so close to each other that `f32` hardly resolves the distance.
     for text in ["sin(1e8*x)", "sin(3e7*x)-y/8", "tan(1e8*x)=y", "sin(1e8*x)<=0"] {
         for fov in [Ok(60.0), Err(1.0)] {
             let formula = Formula::from_text(text, [[-2.0, 2.0]; 3]).expect(text);

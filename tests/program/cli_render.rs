@@ -323,8 +323,7 @@ fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
     ]);
     let (_, status) = array::<u8>(&place, "s.npy");
     let (_, distance) = array::<f64>(&place, "d.npy");
-    // The plane y = 0 cuts the ball. The face on it is proven, at the distance 2·√15.25 from the
-    // eye.
+    // The plane y = 0 cuts the ball. The cap on it is proven, 2·√15.25 from the eye.
     let middle = 16 * 32 + 16;
     assert_eq!(status[middle], 1);
     let exact = 2.0 * 15.25_f64.sqrt();
@@ -711,8 +710,7 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     assert_eq!([far("auto", &fine), far("f64", &fine)], [0, 0]);
     let (_, finished) = array::<f64>(&place, "far.npy");
     assert!((finished[middle] - 50.0).abs() < 1e-6, "{}", finished[middle]);
-    // In f32 alone, a hit is proven by the signs around it. Its position is only as accurate as
-    // these signs.
+    // In f32 alone, signs prove a hit, and its position is only as accurate as they are.
     far("f32", &fine);
     let (_, coarse) = array::<f32>(&place, "far.npy");
     let off = (f64::from(coarse[middle]) - 50.0).abs();

@@ -57,8 +57,7 @@ pub struct Terminal {
     master: File,
     log: Arc<Mutex<Log>>,
     directory: tempfile::TempDir,
-    /// Flag that ends the thread that reads the terminal. That thread is the last user of the
-    /// terminal.
+    /// Flag that ends the reading thread, which uses the terminal last.
     closed: Arc<AtomicBool>,
 }
 

@@ -83,13 +83,11 @@ pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
         type_in(&scene, "z = x^3");
     });
     scene.key("Return");
-    // The window reads keys when it next polls, but the prompt reads them at once. So this waits
-    // for the window.
+    // The prompt reads keys at once, but the window only when it next polls.
     scene.rest();
     scene.terminal.type_in(":list\r");
     scene.terminal.shows("z = x^3");
-    // The line was entered in the window while the prompt was waiting. The prompt records it in the
-    // history, too.
+    // The waiting prompt records the line that was entered in the window, too.
     let history = scene.terminal.place().join("data/zeroset/history");
     let history = std::fs::read_to_string(history).expect("kept");
     let lines: Vec<&str> = history.lines().filter(|line| !line.starts_with('#')).collect();

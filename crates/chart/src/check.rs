@@ -23,8 +23,8 @@ pub struct Differences {
     pub rows: usize,
     /// Counts or hashes that differ, one line each.
     pub counts: Vec<String>,
-    /// Rows whose time changed by more than [`TIME_TOLERANCE`] relative to their view's other rows, one line
-    /// each.
+    /// Rows whose time changed by more than [`TIME_TOLERANCE`] relative to the other rows of their
+    /// view, one line each.
     pub times: Vec<String>,
 }
 

@@ -19,8 +19,7 @@ impl Quartiles {
     }
 }
 
-/// The value below which this share of the values lies, rounded to one of them; `None` if there are
-/// no values.
+/// The one of the values below which about this share of them lies; `None` if there are none.
 pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -117,8 +117,7 @@ fn follow(
     rays: &[Ray],
     within: f64,
 ) -> Result<(Vec<RayResult>, f64), ChartError> {
-    // The tolerance is one pixel. The segments below give a pixel the width `within` at any
-    // distance.
+    // The tolerance is one pixel, which the segments below make as wide as `within`.
     let options = TraceOptions { tolerance: 1.0, depth: 16, ..TraceOptions::default() };
     let tracer = method
         .prepare(program.surface(0), &surface.region, options)

@@ -126,8 +126,7 @@ fn judged(
     (verdict, Some([shown, wrong]))
 }
 
-/// A line for each case, with a column for each method. Below them, the number of each outcome by
-/// method.
+/// A line for each case, with a column for each method, and then each method's outcomes.
 fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
     let line = |name: &str, cells: Vec<String>| format!("{name:20}{}\n", cells.concat());
     let names = methods.iter().map(|method| format!("{:32}", method.name)).collect();

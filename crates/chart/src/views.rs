@@ -22,8 +22,7 @@ const TRIES: usize = 400;
 /// Steps per half extent that coordinates are rounded to, which keeps their decimals short.
 const STEPS: f64 = 65536.0;
 
-/// Kinds of views in order. Further views repeat the kinds from the second on, since the standard
-/// view occurs once.
+/// Kinds of views in order. Further views repeat all of them but the standard one.
 const KINDS: [ViewKind; 8] = [
     ViewKind::Standard,
     ViewKind::Around,

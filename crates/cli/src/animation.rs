@@ -1,9 +1,10 @@
 //! All frames in one file: animated PNG, GIF, or raw bytes.
 
-use super::png_file::{PictureOrigin, png_encoder};
+use super::png_file::PictureOrigin;
 use anyhow::{Result, bail, ensure};
 use std::io::{self, Write};
 use std::path::Path;
+use zeroset_render::png_file::png_encoder;
 
 /// File format of an animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +81,7 @@ impl<W: Write> Animation<W> {
     ) -> io::Result<Self> {
         let sink = match format {
             AnimationFormat::Png => {
-                let mut encoder = png_encoder(out, size, origin)?;
+                let mut encoder = png_encoder(out, size, &origin.chunks)?;
                 encoder.set_animated(frames as u32, 0)?;
                 encoder.set_frame_delay(1, fps)?;
                 FrameSink::Png(encoder.write_header()?)

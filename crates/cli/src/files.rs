@@ -3,14 +3,15 @@
 use super::arguments::OutputArgs;
 use super::array::{ARRAYS, ArrayRow, Arrays, NewRowWriter, RowWriter};
 use super::output::Output;
-use super::png_file::{PictureOrigin, check_png, png_encoder};
-use anyhow::{Context, Result, bail, ensure};
+use super::png_file::PictureOrigin;
+use anyhow::{Context, Error, Result, bail, ensure};
 use png::StreamWriter;
 use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use zeroset_render::picture::{Picture, Precision};
+use zeroset_render::png_file::{check_png, png_encoder};
 
 impl OutputArgs {
     fn paths(&self) -> impl Iterator<Item = &PathBuf> {
@@ -48,7 +49,7 @@ impl Files {
             "only one thing can be written to standard output"
         );
         if let Some(path) = picture {
-            check_png(path)?;
+            check_png(path).map_err(Error::msg)?;
         }
         let outputs = paths().map(|path| Output::create(path)).collect::<Result<Vec<_>>>()?;
         for (index, (one, path)) in outputs.iter().zip(paths()).enumerate() {
@@ -85,7 +86,7 @@ impl Files {
             if let Some(row) = row {
                 return (row.begin)(out, [height, width], precision);
             }
-            let writer = png_encoder(out, size, origin)?.write_header()?;
+            let writer = png_encoder(out, size, &origin.chunks)?.write_header()?;
             Ok(Box::new(Png(writer.into_stream_writer()?)))
         };
         let open = |(row, file)| {

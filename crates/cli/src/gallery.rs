@@ -3,7 +3,6 @@
 use super::arguments::GalleryArgs;
 use super::notes;
 use super::output::{Output, print};
-use super::png_file::{PictureOrigin, write_png};
 use super::progress::Progress;
 use super::render::{in_threads, method_settings, with_effects};
 use super::sheet::ContactSheet;
@@ -14,6 +13,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use zeroset_render::picture::Settings;
+use zeroset_render::png_file::write_png;
 use zeroset_scene::gallery::{Example, examples};
 
 /// The name of the contact sheet.
@@ -57,16 +57,13 @@ fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()
         let file = Output::create(&directory.join(format!("{}.png", example.slug)))?;
         let picture = render(example, settings).with_context(|| example.slug)?;
         let (width, height) = (settings.width, settings.height);
-        file.finish(|out| {
-            write_png(out, picture.as_raw(), [width, height], &PictureOrigin::default())
-        })?;
+        file.finish(|out| write_png(out, picture.as_raw(), [width, height], &[]))?;
         sheet.add(example.title(), &picture);
         bar.reach(done as u64 + 1);
     }
     let sheet = sheet.into_image();
     let (width, height) = (sheet.width() as usize, sheet.height() as usize);
-    sheet_file
-        .finish(|out| write_png(out, sheet.as_raw(), [width, height], &PictureOrigin::default()))
+    sheet_file.finish(|out| write_png(out, sheet.as_raw(), [width, height], &[]))
 }
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {

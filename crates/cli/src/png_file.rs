@@ -1,7 +1,5 @@
-//! PNG files, and the origin of their pictures.
+//! The origin of a picture, as its PNG file tells it.
 
-use anyhow::{Result, ensure};
-use std::io::Write;
 use std::path::Path;
 use zeroset_live::quote;
 
@@ -62,55 +60,4 @@ impl PictureOrigin {
             texts.iter().any(same)
         })
     }
-}
-
-/// Checks that a path has the extension of PNG, or none.
-///
-/// # Errors
-/// If it has another extension.
-pub fn check_png(path: &Path) -> Result<()> {
-    ensure!(
-        path.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("png")),
-        "pictures are written as PNG only: '{}' has another extension; use '{}'",
-        path.display(),
-        path.with_extension("png").display()
-    );
-    Ok(())
-}
-
-/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with its origin.
-///
-/// # Errors
-/// If the sink fails.
-pub fn write_png(
-    out: &mut dyn Write,
-    rgb: &[u8],
-    [width, height]: [usize; 2],
-    origin: &PictureOrigin,
-) -> std::io::Result<()> {
-    let mut writer = png_encoder(out, [width, height], origin)?.write_header()?;
-    writer.write_image_data(rgb)?;
-    writer.finish()?;
-    Ok(())
-}
-
-/// Returns an encoder that writes a PNG (sRGB) of this size to `out`, with its origin.
-///
-/// # Errors
-/// If a text of `origin` cannot be written.
-pub fn png_encoder<W: Write>(
-    out: W,
-    [width, height]: [usize; 2],
-    origin: &PictureOrigin,
-) -> std::io::Result<png::Encoder<'static, W>> {
-    let mut encoder = png::Encoder::new(out, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_compression(png::Compression::Fast);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();
-    encoder.add_itxt_chunk("Software".to_owned(), software)?;
-    for (key, text) in &origin.chunks {
-        encoder.add_itxt_chunk((*key).to_owned(), text.clone())?;
-    }
-    Ok(encoder)
 }

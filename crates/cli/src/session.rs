@@ -5,7 +5,7 @@ use super::data::store_text;
 use super::gallery::listed;
 use super::history::History;
 use super::output::{Output, print};
-use super::png_file::{PictureOrigin, check_png, write_png};
+use super::png_file::PictureOrigin;
 use super::render::{kernel_settings, with_effects};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
@@ -21,6 +21,7 @@ use std::time::Duration;
 use zeroset_live::{Axes, DocumentSource, Live, Refusal, Reply, Request};
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Settings;
+use zeroset_render::png_file::{check_png, write_png};
 use zeroset_scene::gallery::{example, examples};
 
 /// The gallery surface that is shown if no document is given.
@@ -380,7 +381,7 @@ impl Session {
                 .find(|path| !path.exists())
                 .context("all names up to zeroset-9999.png are taken")?,
         };
-        check_png(&path)?;
+        check_png(&path).map_err(anyhow::Error::msg)?;
         let output = Output::create(&path)?;
         // A picture that fits a terminal is too small for a file.
         let Settings { width, height, .. } = self.live.settings();
@@ -402,7 +403,8 @@ impl Session {
         let name = path.display().to_string();
         let command = picture.command(&name);
         let size = [buffer.width, buffer.height];
-        output.finish(|out| write_png(out, &rgb, size, &PictureOrigin::command(&command)))?;
+        output
+            .finish(|out| write_png(out, &rgb, size, &PictureOrigin::command(&command).chunks))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
         Ok(())
     }

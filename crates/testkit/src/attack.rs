@@ -8,8 +8,7 @@ use proptest::test_runner::{Config, RngSeed, TestCaseError, TestRunner};
 use std::cell::RefCell;
 use std::path::Path;
 
-/// Length of an input in bytes. Longer inputs would change nothing, since generators do not draw
-/// more.
+/// Length of an input in bytes. Generators draw no more than that.
 const LENGTH: std::ops::Range<usize> = 4..256;
 /// Number of simpler inputs tried after a failure.
 const SHRINKING: u32 = 500;

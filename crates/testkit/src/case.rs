@@ -27,7 +27,7 @@ pub struct Case {
 
 impl Case {
     /// Returns a graph drawn by `options` over a random domain: all of space, or a box whose ends
-    /// need not be `f32`. The code may assume a parameter's exact bounds, a wider range, or nothing.
+    /// need not be `f32`. The code may assume a parameter's bounds, a wider range, or nothing.
     pub fn random(rng: &mut Rng, options: &GraphOptions) -> Self {
         let (graph, root) = random_graph(rng, options);
         let domain = random_domain(rng);
@@ -63,8 +63,7 @@ impl Case {
         point
     }
 
-    /// Returns a value of each parameter as two equal bounds. The value is mostly an end of the
-    /// parameter's range.
+    /// Returns a value of each parameter as two equal bounds. The value is mostly an end.
     pub fn random_values(&self, rng: &mut Rng) -> Vec<(f64, f64)> {
         let drawn = self.parameters.iter().map(|bounds| {
             let value = match rng.u32(0..3) {
@@ -82,8 +81,7 @@ impl Case {
         self.graph.reachable(&[self.root]).into_iter().filter(|needed| *needed).count()
     }
 
-    /// Returns a line for `zeroset eval` that repeats this case with a kernel of `T`, and the
-    /// assumptions.
+    /// Returns a line for `zeroset eval` with this case and a kernel of `T`, and the assumptions.
     pub fn describe<T: Real>(&self, place: &Place) -> String {
         let values: Vec<(f64, f64)> = self.parameters.iter().map(|v| (v.lo, v.hi)).collect();
         let line = reproduce_in::<T>(&self.graph, self.root, &values, place);

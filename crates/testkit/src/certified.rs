@@ -20,8 +20,7 @@ pub struct Certificate {
     /// Undecided pieces before the first certain crossing, in order and disjoint. The function has
     /// no zero before the first of them, nor between them.
     pub unresolved: Vec<Unresolved>,
-    /// The first certain crossing. If `None`, the function has no zero outside the unresolved
-    /// pieces.
+    /// The first certain crossing. If `None`, there is no zero outside the unresolved pieces.
     pub crossing: Option<Crossing>,
     /// Number of evaluations of the function.
     pub evaluations: u32,
@@ -68,16 +67,14 @@ pub struct Unresolved {
 pub struct BoxEntry {
     /// Bounds of the distance.
     pub distance: (f64, f64),
-    /// Whether the function is below 0 there, if that is certain. Where the function is undefined,
-    /// it counts as not below 0.
+    /// Whether the function is below 0 there, if that is certain. It is not where it is undefined.
     pub below: Option<bool>,
 }
 
 /// The reason why a piece of a ray is undecided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum UnresolvedReason {
-    /// The sign is the same on both sides: the function touches zero, comes close to it, or crosses
-    /// it twice.
+    /// The sign is the same on both sides: the function touches or nears zero, or crosses it twice.
     Touching,
     /// The function may jump.
     Jump,

@@ -14,8 +14,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Returns the values set in the environment, or else the given ones. Prints them to the
-    /// standard output.
+    /// Returns and prints the values set in the environment, or else the given ones.
     ///
     /// # Panics If a variable of the environment is set but is not a number.
     pub fn from_environment(seed: u64, cases: u64) -> Self {

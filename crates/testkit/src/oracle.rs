@@ -43,8 +43,7 @@ impl Defined {
         }
     }
 
-    /// Returns `Yes` if the operation must be defined, `No` if it cannot be defined, else
-    /// `Unknown`.
+    /// Returns `Yes` if the operation must be defined, `No` if it cannot be, else `Unknown`.
     fn decide(must: bool, may: bool) -> Self {
         match (must, may) {
             (true, _) => Self::Yes,

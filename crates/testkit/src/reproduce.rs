@@ -221,8 +221,7 @@ fn document(graph: &Graph, root: NodeId, parameters: &[(f64, f64)]) -> (String, 
     (document.definitions + &formula, document.notes)
 }
 
-/// Returns a name that has only letters, since digits after a letter would look like a mistyped
-/// exponent.
+/// Returns a name of letters only, since digits could be read as a mistyped exponent.
 fn letters(prefix: &str, mut number: usize) -> String {
     let mut name = prefix.to_owned();
     loop {

@@ -26,8 +26,8 @@ enum Inside {
 }
 
 /// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates the
-/// proofs. If f < 0 is proven at the point where a ray enters the region, that point is a hit. If f
-/// > 0 or f is undefined there, nothing changes. Otherwise the pixel is undecided from that point
+/// proofs. If f < 0 is proven at the point where a ray enters the region, that point is a hit. If
+/// f > 0 or f is undefined there, nothing changes. Otherwise the pixel is undecided from that point
 /// on. A ray that starts inside the region has no entry point. `only` selects pixels; empty selects
 /// all. Returns the number of evaluations.
 pub fn cap<T: Real>(

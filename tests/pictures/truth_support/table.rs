@@ -28,8 +28,7 @@ struct Ray {
     status: Status,
     distance: f64,
     drawn: f64,
-    /// Length, in world units, of the stretch behind the start of the drawn slab in which its root
-    /// is painted.
+    /// Greatest distance of a painted root from the start of its slab, in world units.
     reach: f64,
 }
 
@@ -152,8 +151,7 @@ impl Row {
                 status: buffer.status[index],
                 distance: buffer.distance(index),
                 drawn: buffer.drawn[index],
-                // The reach is the length of two slabs. A slab is at most four times as long along
-                // a ray as along its axis.
+                // Two slabs, each at most four times as long along a ray as along its axis.
                 reach: 8.0 * row.slab,
             };
             for (number, kind) in KINDS.iter().enumerate() {

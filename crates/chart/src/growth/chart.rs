@@ -14,8 +14,7 @@ pub const QUANTITIES: [Quantity; 4] = [
     ("code", |row| row.code_bytes as f64),
 ];
 
-/// Least number of nodes of formulas that the exponent is fitted to. Fixed costs dominate smaller
-/// ones.
+/// Least size, in nodes, that the exponent is fitted to. Below it, fixed costs dominate.
 const FIT_FROM_NODES: usize = 100;
 
 /// The exponent of growth: slope of the least-squares line through the logarithms. `None` if there

@@ -41,8 +41,7 @@ impl AxisScale {
         (start, self.high)
     }
 
-    /// Position of a value, from 0 at the axis' start to 1 at its end; `None` if the axis has no
-    /// place for it.
+    /// Position of a value, from 0 at the axis' start to 1 at its end; `None` if the axis lacks it.
     pub fn place(&self, value: f64) -> Option<f64> {
         if self.places > 0 {
             return Some((value + 0.5) / self.places as f64);

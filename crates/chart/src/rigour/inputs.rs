@@ -63,8 +63,7 @@ pub fn lengths<T: Real>(
     })
 }
 
-/// For each arithmetic, the median ratio of the error of tiles' planes to that of the rounded-up
-/// kernel.
+/// For each arithmetic, the median ratio of planes' errors to those of the rounded-up kernel.
 pub fn errors<T: Real>(
     kernels: &ByArithmetic<ContractTiles, T>,
     inputs: &[Tiles<T>],

@@ -15,8 +15,7 @@ use zeroset_ops::Op;
 
 /// Number of floats that a thread takes at a time.
 const CHUNK: u64 = 1 << 16;
-/// Angles up to this magnitude are enclosed tightly. The enclosure of a larger one is the
-/// function's range.
+/// Angles up to this are enclosed tightly. The enclosure of a larger one is the whole range.
 const ANGLE_LIMIT: f32 = 8_388_608.0;
 /// Angles known to stay within these bounds are reduced in fewer steps.
 const COMMON_LIMIT: f32 = 1_048_576.0;
@@ -31,8 +30,7 @@ pub struct Function {
     /// Lower and upper bound of all its values.
     range: [f64; 2],
     limit: f32,
-    /// Bound of the operand's magnitude that the code may assume, if any. Floats beyond it are not
-    /// checked.
+    /// Bound of the operand that the code may assume, if any. Floats beyond it are not checked.
     pub within: Option<f32>,
 }
 
@@ -77,8 +75,7 @@ pub fn functions() -> Vec<Function> {
             let is_exact = is_short && (root * root).mul_add(root, -f64::from(x)) == 0.0;
             where_defined(true, root, is_exact)
         }),
-        // The functions below have irrational values at all rationals except 0, or except 1 for a
-        // logarithm (Lindemann).
+        // At rationals except 0, or 1 for a logarithm, these have irrational values (Lindemann).
         all(Op::Exp, [0.0, f64::INFINITY], f32::MAX, |x| {
             where_defined(true, core_math::exp(f64::from(x)), x == 0.0)
         }),

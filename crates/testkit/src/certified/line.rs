@@ -19,8 +19,7 @@ pub struct Line {
 pub(super) struct Clip {
     /// Bounds that contain every t whose point is inside.
     pub(super) outer: [f64; 2],
-    /// Bounds between which every point is certainly inside. Not in order if there is no such
-    /// point.
+    /// Bounds between which every point is inside. Not in order if no point is certainly so.
     pub(super) inner: [f64; 2],
 }
 

@@ -9,12 +9,10 @@ use crate::oracle::{BoxClaim, Defined, Oracle, Span};
 /// changes.
 const SMALLEST: f64 = f64::from_bits((1023 - 44) << 52); // 2^-44
 
-/// Greatest number of undecided pieces that are reported one by one. The rest of the ray is one
-/// piece.
+/// Most undecided pieces that are reported one by one. The rest of the ray is one piece.
 const MOST_UNRESOLVED: usize = 64;
 
-/// Largest share of a piece that a Newton step may leave. A larger remainder is not worth the step,
-/// and the piece is halved.
+/// Largest share of a piece that a Newton step may leave. Otherwise it is halved.
 const NEWTON_LEAVES: f64 = 0.5;
 /// Margin added to either end of a Newton step's result, as a share of the result's width. With it,
 /// the parts that are cut off can be proven empty.
@@ -208,8 +206,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Returns cuts of a piece between which all its zeros lie, or `None` if they would cut off too
-/// little.
+/// Returns cuts of a piece between which its zeros lie, or `None` if they gain too little.
 fn newton(near: f64, far: f64, middle: f64, value: Span, slope: Span) -> Option<Vec<f64>> {
     if slope.has_zero() {
         return None;

@@ -21,8 +21,7 @@ impl Rounded {
         Self { value, exact: false }
     }
 
-    /// A result with this `value`, which is exact if `exact` is true. An overflow must not be
-    /// passed as exact.
+    /// A result with this `value`, exact or not. An overflow must not be passed as exact.
     pub(super) fn when(value: f64, exact: bool) -> Self {
         Self { value, exact }
     }

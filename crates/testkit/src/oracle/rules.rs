@@ -145,8 +145,7 @@ fn modulo(a: Span, b: Span) -> Span {
     if whole != quotient.hi.floor() || !whole.is_finite() {
         return Span::new(least, most);
     }
-    // With the same whole quotient, the remainder is linear in a and b. Each corner is rounded
-    // once.
+    // For one whole quotient, the result is linear in a and b. Each corner is rounded once.
     let corner = |a: f64, b: f64| rounded::mul_add(-whole, b, a);
     let corners = [corner(a.lo, b.lo), corner(a.lo, b.hi), corner(a.hi, b.lo), corner(a.hi, b.hi)];
     Span::of(&corners).within(least, most)

@@ -14,8 +14,7 @@ use zeroset_eval::{
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, vector_widths};
 
-/// Number of nodes from which functions are skipped. Compilation is superlinear, so these would take
-/// most of the time.
+/// Number of nodes from which functions are skipped, since compilation is superlinear.
 const LONGEST: usize = 400;
 
 /// The query that a kernel answers.
@@ -29,8 +28,7 @@ pub enum KernelKind {
     Gradients,
     /// Whether a function may have a zero in a box.
     Zeros,
-    /// Whether a branch of a function may have a zero in a box. Functions without jumps are
-    /// skipped.
+    /// Whether a branch may have a zero in a box. Functions without jumps are skipped.
     Branches,
     /// Enclosures of a function and its derivatives over boxes.
     GradientBounds,

@@ -5,8 +5,7 @@
 pub(super) struct Dot {
     /// The rounded sum.
     pub value: f64,
-    /// Bound of the difference between the exact sum and `value`, without the last rounding of
-    /// `value`.
+    /// Bound of the difference between the exact sum and `value` before its last rounding.
     slack: f64,
 }
 
@@ -24,8 +23,7 @@ pub(super) fn dot(terms: impl IntoIterator<Item = (f64, f64)>) -> Dot {
         size += product.abs();
         count += 1.0;
     }
-    // The bound is γₙ² times the sum of magnitudes, plus the errors of products below the normal
-    // numbers.
+    // This is γₙ² times the sum of magnitudes, plus the errors of subnormal products.
     let unit = count * f64::EPSILON;
     Dot { value: head + tail, slack: unit * unit * size + count * 2f64.powi(-1072) }
 }

@@ -247,8 +247,7 @@ fn random_centre<T: Adversarial>(rng: &mut Rng) -> f64 {
     T::nearest(centre).into()
 }
 
-/// Returns the size of a spread: 0, a power of ten from 1e-6 to 10, a share of the center, or any
-/// number.
+/// Returns the size of a spread: 0, from 1e-6 to 10, a share of the center, or any number.
 fn random_size<T: Adversarial>(rng: &mut Rng, centre: f64) -> f64 {
     let size = match rng.u32(0..8) {
         0 => T::adversarial(rng, Ends::Finite).into().abs(),

@@ -166,8 +166,7 @@ impl<const N: usize> LinearLane<N> {
         };
         let line = |t: &BigRational| &centre + &depth * symbol(t);
         let values = ends.each_ref().map(line);
-        // A linear function is within `rest` of 0 somewhere only if it is so at an end, or changes
-        // its sign.
+        // A line is within `rest` of 0 only if it is so at an end, or changes its sign.
         let apart = |value: &BigRational| value.abs() > rest;
         let opposite = values[0].is_negative() != values[1].is_negative();
         if answer.crossing && !(values.iter().all(apart) && opposite) {

@@ -25,8 +25,7 @@ pub struct Pixel {
     pub line: Line,
     /// The claim.
     pub claimed: RayClaim,
-    /// The number of the painted surface, and the bracket of the hit's distance, if the pixel is a
-    /// hit.
+    /// For a hit: the number of the painted surface, and the bracket of the distance.
     pub hit: Option<(usize, [f64; 2])>,
 }
 
@@ -46,8 +45,7 @@ struct SurfaceCertificate {
     zeros: Certificate,
     /// The place where the ray enters the region through a face, for a solid.
     face: Option<BoxEntry>,
-    /// Whether it is certain if the face belongs to the solid or not. True for surfaces that are no
-    /// solids.
+    /// Whether it is certain if the face belongs to the solid. True for other surfaces.
     known: bool,
 }
 

@@ -8,8 +8,7 @@ use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
 const LIMITS: Limits =
     Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12, surfaces: 1000 };
 
-/// Limits for printed text. It has brackets for signs and powers that were typed without, so it
-/// nests deeper.
+/// Limits for printed text, which nests deeper, since signs and powers get brackets.
 const PRINTED: Limits = Limits {
     bytes: 1 << 20,
     symbols: 100_000,

@@ -76,8 +76,7 @@ impl<'a> Oracles<'a> {
         Self(all.map(|(graph, root)| Oracle::new(graph, &[*root])))
     }
 
-    /// Returns whether all versions are certainly defined at a point. An error says how they
-    /// differ.
+    /// Whether all versions are certainly defined at a point. An error says how they differ.
     fn contradiction(&self, point: [f64; 3], values: &[(f64, f64)]) -> Result<bool, String> {
         let [was, rewritten, simplified] = self.0.each_ref().map(|o| o.at(point, values)[0]);
         for (is, pass) in [(rewritten, "rewritten"), (simplified, "simplified")] {

@@ -231,15 +231,13 @@ impl Scene {
         Some(scene)
     }
 
-    /// Moves the camera to where floats run out of digits or range. Its view mostly stays about the
-    /// same.
+    /// Moves the camera to where floats run out of digits or range. Its view mostly stays.
     fn make_extreme(&mut self, rng: &mut Rng) {
         let way = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let power = |rng: &mut Rng, most: i32| 10_f64.powi(rng.i32(1..=most));
         let Self { eye, target, up, fov, .. } = self;
         match rng.u32(0..5) {
-            // The eye is far away, along an axis or anywhere. The rays are close enough together to
-            // hit the region.
+            // The eye is far away, and the rays are close enough together to hit the region.
             0 => {
                 let (aim, distance) = (self.formula.aim, power(rng, 99));
                 let only = rng.u32(0..6) as usize;

@@ -1,5 +1,4 @@
-//! Properties must also hold for functions that are spelled with forms, vectors, piecewise
-//! definitions and sums.
+//! Properties of functions that are spelled with forms, vectors, piecewise definitions and sums.
 
 use super::{KernelKind, agree, check_simplification, enclose, read_and_print};
 use crate::random::{random_domain, random_text};

@@ -108,8 +108,7 @@ impl Tile {
         }
     }
 
-    /// Returns a tile of rays through the neighborhood of a point. They start at an eye, or are
-    /// parallel.
+    /// Returns a tile of rays near a point. They start at an eye, or are parallel.
     fn around_point(rng: &mut Rng, point: [f64; 3]) -> Self {
         let distance = 2f64.powi(rng.i32(-2..=3));
         let way = vector(rng, distance);
@@ -200,8 +199,7 @@ impl Tile {
                 for (x, range) in at.iter_mut().zip(case.assumptions.domain) {
                     *x += [-off, off, 0.0][rng.u32(0..3) as usize];
                     let inside = x.clamp(range.lo, range.hi);
-                    // The probe is outside the domain by one rounding of the tile's numbers at
-                    // most.
+                    // It exceeds the domain by one rounding of the tile's numbers at most.
                     is_inside &= (inside - *x).abs() <= 2.0 * f64::from(f32::EPSILON) * x.abs();
                     *x = inside;
                 }

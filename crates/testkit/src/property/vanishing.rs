@@ -13,8 +13,7 @@ const BOXES: usize = 4;
 /// Evaluations per line.
 const BUDGET: u32 = 2000;
 
-/// Compiles the kernel that finds the zeros of a formula. It is `None` if the formula has no
-/// surface.
+/// Compiles the kernel that finds a formula's zeros; `None` if the formula has no surface.
 pub type CompileZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
 
 /// Checks the kernel of a formula on boxes around proven zeros: it must find a zero possible in

@@ -207,8 +207,7 @@ mod tests {
         }
     }
 
-    /// A fair share must be defined: if no formula were defined anywhere, every property would
-    /// hold.
+    /// If no formula were defined anywhere, every property would hold trivially.
     #[test]
     fn a_fair_share_of_formulas_has_finite_values() {
         let mut rng = Rng::with_seed(SEED);

@@ -85,8 +85,7 @@ impl Rng {
         Some(least + others.checked_add(1).map_or(drawn, |count| drawn % count))
     }
 
-    /// Returns the next `count` bytes as a number. If there are too few, drops them and returns
-    /// `None`.
+    /// Returns the next bytes as a number. If there are too few, drops them and returns `None`.
     fn take(&mut self, count: usize) -> Option<u64> {
         let rest = self.bytes.len().checked_sub(count);
         let Some(rest) = rest else {

@@ -53,8 +53,7 @@ macro_rules! adversarial {
                         nudge(rng, Self::nearest(f64::from(integer)))
                     }
                     9 => {
-                        // These are about where floats lose their fractions and where conversion to
-                        // i32 overflows.
+                        // About where floats lose their fractions, or conversion to i32 overflows.
                         let power = [$mantissa - 1, $mantissa, $mantissa + 1, 31, 32, 63];
                         let power = power[below(rng, 6)];
                         nudge(rng, Self::nearest(2f64.powi(power)))

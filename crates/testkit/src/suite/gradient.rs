@@ -75,8 +75,7 @@ fn slope(oracle: &Oracle, point: [f64; 3], axis: usize, relative: f64) -> Option
     let (left, right) = ((here - before) / STEP, (after - here) / STEP);
     let slope = left / 2.0 + right / 2.0;
     let smooth = (left - right).abs() <= relative * slope.abs().max(1.0);
-    // Very steep slopes overflow in f32. If the value is much larger than the slope, the slope has
-    // few correct digits.
+    // Steep slopes overflow in f32. A slope far below the value has few correct digits.
     let moderate = slope.abs() <= 1e30 && here.abs() <= slope.abs().max(1.0) * 1e6;
     (smooth && moderate).then_some((here, slope))
 }

@@ -7,8 +7,7 @@ use crate::{
 };
 use zeroset_ir::{Graph, NodeId};
 
-/// Rewrites the function `root` over a box (per axis, its lower and upper end). `None` skips the
-/// function.
+/// Rewrites the function `root` over a box (per axis, its two ends). `None` skips it.
 pub type Rewrite<'a> = &'a dyn Fn(&Graph, NodeId, &[[f32; 2]; 3]) -> Option<(Graph, NodeId)>;
 
 /// Points checked on each graph.

@@ -28,8 +28,7 @@ impl Probe {
     fn random<T: Adversarial>(case: &Case, rng: &mut Rng, region: &[[T; 2]; 3]) -> Self {
         let mut ends = [(); 2].map(|()| case.random_point(rng, region));
         if rng.bool() {
-            // The points differ along one axis only, so that slopes along the other axes hide
-            // nothing.
+            // The points differ along one axis only, so that other slopes hide nothing.
             let axis = rng.u32(0..3) as usize;
             let far = ends[1][axis];
             ends[1] = ends[0];

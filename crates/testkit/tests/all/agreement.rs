@@ -24,8 +24,7 @@ impl Drop for SeedReporter {
     }
 }
 
-/// Compares until `effort.cases` inputs agree. Panics on the first input that does not, with a
-/// shrunk case.
+/// Compares until `effort.cases` inputs agree. Panics on the first one that does not.
 fn check<T: Adversarial>(seed: u64, subject: KernelKind, simple: bool, options: &GraphOptions) {
     // Affine forms have longer code, so fewer inputs are checked.
     let is_long = matches!(subject, KernelKind::Segments | KernelKind::Tiles);

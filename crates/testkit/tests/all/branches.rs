@@ -122,8 +122,7 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
             let (answer, context) = compare(value);
             assert!(answer, "a zero is lost: {context}");
             points += 1;
-            // For other values, evaluating branch by branch often proves a box empty when the whole
-            // function does not.
+            // For other values, branches often prove a box empty when the whole function does not.
             let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
             let (answer, _) = compare(beside);
             let whole = is_possible(&Reference::new(plain.clone(), bind(beside)), &boxes);

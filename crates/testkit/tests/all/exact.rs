@@ -48,8 +48,7 @@ fn series(x: &BigInt, turns: bool) -> [BigInt; 2] {
     let mut sums = [BigInt::zero(), BigInt::zero()];
     let mut term = BigInt::from(1) << PLACES;
     for n in 0_u32.. {
-        // Shifting rounds a negative number down, so the term never becomes 0. One bit ends the
-        // loop.
+        // Shifting rounds a negative number down, so such a term never becomes 0.
         if term.bits() <= 1 {
             break;
         }

@@ -152,8 +152,7 @@ fn planes_of_choices_hold_their_values() {
     check::<f64>("choices", 0x5eed_0ba0_0000, &options);
 }
 
-/// Returns the error of the affine form of `op` in `f64`, for operands around `centres` with this
-/// spread.
+/// Returns the error of the form of `op` in `f64`, for operands around `centres` with this spread.
 fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
     let lanes = |x: f64| Vector128::from_f64([x; 2]);
     let operands = [(1.0, 0.5), (-0.25, 1.0), (0.5, -0.25)].into_iter().zip(centres);

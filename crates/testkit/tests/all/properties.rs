@@ -17,8 +17,7 @@ fn directory(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// Checks a property. At least one random input in eight must give a function that is defined
-/// somewhere.
+/// Checks a property. One input in eight must give a function that is defined somewhere.
 fn hold(property: Property, target: &str, seed: u64, cases: u64) {
     let effort = Effort::from_environment(seed, cases);
     let tally = attack(&property, &directory("fuzz/seeds").join(target), effort);

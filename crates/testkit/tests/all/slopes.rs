@@ -30,7 +30,7 @@ fn slopes_of_every_operation_are_bounded() {
     operations::<f64>(0x5eed_0a01);
 }
 
-/// Checks random cases until `cases` pairs of points were compared at which the function is defined.
+/// Checks random cases until `cases` pairs of points were compared where the function is defined.
 fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
     let effort = Effort::from_environment(seed, 50_000);
     let (mut compared, mut defined) = (0, 0);

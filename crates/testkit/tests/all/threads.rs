@@ -95,8 +95,7 @@ fn callers_go_on_rounding_to_nearest() {
     assert_eq!(quotient_rounded_up::<f64>().to_bits(), 0x3fe6_6666_6666_6667, "kernels round up");
 }
 
-/// Returns 7/10 from a kernel. After each kind of call, checks that the caller's own arithmetic
-/// rounds to nearest.
+/// Returns 7/10 from a kernel. Checks the caller's rounding after each kind of call.
 fn quotient_rounded_up<T: Adversarial>() -> T {
     let mut graph = Graph::new();
     let (x, y) = (graph.variable(Axis::X), graph.variable(Axis::Y));
@@ -107,8 +106,7 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     assert_rounds_to_nearest();
     let values = point.eval_all(&Points::near(&[[7.0, 10.0, 0.0]]));
     assert_rounds_to_nearest();
-    // The caller must also round to nearest after a call that raises every floating-point
-    // exception.
+    // The next call raises every floating-point exception.
     let (largest, least): (f64, f64) = (T::LARGEST.into(), 1e-45);
     let boxes = [
         ([1.0, 1.0], [0.0, 3.0]),

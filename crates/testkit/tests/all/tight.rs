@@ -271,8 +271,7 @@ fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     Some(excess[0]?.max(excess[1]?))
 }
 
-/// Checks the table's row against the worst of many pairs of operands in `f32`. A sweep of all
-/// pairs would take too long.
+/// Checks the table's row on many pairs of operands in `f32`. A sweep would take too long.
 fn search_in_f32(op: Op, truth: fn(f64, f64) -> f64, draw: impl Fn(&mut Rng) -> Option<[f32; 2]>) {
     let mut random = Rng::with_seed(SEED);
     let (mut worst, mut worst_at, mut count) = (0, [0.0; 2], 0);

@@ -68,8 +68,7 @@ pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str>
     Ok(Function { graph, root })
 }
 
-/// Returns an operation on x and a constant. The constant is the last operand if `last`, else the
-/// first.
+/// Returns an operation on x and a constant, which is the last operand or else the first.
 fn with_integer(op: Op, integer: i64, last: bool) -> Function {
     let mut graph = Graph::new();
     let (x, n) = (graph.variable(Axis::X), graph.integer(integer));
@@ -107,8 +106,7 @@ impl Function {
         QueryResult { bounds, facts }
     }
 
-    /// Returns a function that is undefined everywhere if an operand is `empty`, and otherwise the
-    /// same.
+    /// Returns the same function, but undefined everywhere if an operand is `empty`.
     fn restricted(&self, empty: &[bool]) -> Self {
         let mut graph = Graph::new();
         let never = graph.integer(-1);

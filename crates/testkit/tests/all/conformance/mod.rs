@@ -17,8 +17,7 @@ use tally::{EvaluatorTally, Ulp, Verdict, judge};
 use zeroset_eval::Real;
 use zeroset_interval::{Facts, Interval};
 
-/// Operations whose enclosures are the tightest: always in software, and in native code for finite
-/// operands.
+/// Operations with the tightest enclosures: in software, and natively for finite operands.
 const TIGHTEST: [&str; 15] = [
     "neg", "add", "sub", "mul", "div", "recip", "sqr", "sqrt", "abs", "sign", "floor", "ceil",
     "trunc", "min", "max",
@@ -149,8 +148,7 @@ fn natively<T: Real>(cases: &[TestCase], known_domain: KnownDomain, ulp: Ulp) ->
             runnable.record(answer, runnable.result.map(outward::<T>), ulp, &mut tally);
             continue;
         }
-        // Operands were widened to floats. For these the tightest result is known only if software
-        // computes it.
+        // For operands widened to floats, the tightest result is known only from software.
         if let Err(violation) = judge(answer, runnable.result, ulp) {
             panic!("{} natively: {violation}", case.text);
         }

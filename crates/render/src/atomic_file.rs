@@ -1,0 +1,136 @@
+//! Files that appear whole or not at all.
+//!
+//! Content goes to an unnamed file, which at the end is copied next to the target and renamed over
+//! it. [`AtomicFile::create`] checks beforehand that this is possible, so an unwritable target is an
+//! error before the rendering and not after it. An interrupted run leaves nothing behind.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Seek, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Longest chain of symbolic links, as in Linux.
+const MOST_LINKS: usize = 40;
+
+/// A file being written. It appears under its name when it is [committed](Self::commit).
+pub struct AtomicFile(Sink);
+
+enum Sink {
+    /// A file without a name, so that an interrupted run leaves nothing, and its final path.
+    Renamed(BufWriter<File>, PathBuf),
+    /// A device or a pipe, which a rename would replace.
+    Direct(BufWriter<File>),
+}
+
+impl AtomicFile {
+    /// Prepares to write `path`. Symbolic links are followed.
+    ///
+    /// # Errors
+    /// If the directory does not exist or is not writable, or if the path is a directory.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let path = resolve_links(path.to_owned())?;
+        match std::fs::metadata(&path) {
+            Ok(found) if found.is_dir() => return Err(io::Error::other("it is a directory")),
+            Ok(found) if !found.is_file() => {
+                let device = File::options().write(true).open(&path)?;
+                return Ok(Self(Sink::Direct(BufWriter::new(device))));
+            }
+            // A rename would replace even a read-only file; opening it for writing fails.
+            Ok(_) => drop(File::options().write(true).open(&path)?),
+            Err(_) => {}
+        }
+        let name = path.file_name().ok_or_else(|| io::Error::other("it names no file"))?;
+        let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        let directory = directory.unwrap_or(Path::new("."));
+        if !directory.is_dir() {
+            let missing = format!("there is no directory '{}'", directory.display());
+            return Err(io::Error::other(missing));
+        }
+        temporary(directory)?;
+        let unnamed = BufWriter::new(tempfile::tempfile_in(directory)?);
+        // A canonical path identifies the file, however it was spelled.
+        Ok(Self(Sink::Renamed(unnamed, directory.canonicalize()?.join(name))))
+    }
+
+    /// Whether both write to one file, so that one would replace the other.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Sink::Renamed(_, one), Sink::Renamed(_, other)) => one == other,
+            _ => false,
+        }
+    }
+
+    /// Makes the written content appear under its name.
+    ///
+    /// # Errors
+    /// If writing or renaming fails; the target is then unchanged.
+    pub fn commit(self) -> io::Result<()> {
+        match self.0 {
+            Sink::Renamed(writer, target) => {
+                copy_and_rename(writer.into_inner().map_err(|error| error.into_error())?, &target)
+            }
+            Sink::Direct(mut writer) => writer.flush(),
+        }
+    }
+}
+
+impl Write for AtomicFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.0 {
+            Sink::Renamed(writer, _) | Sink::Direct(writer) => writer.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.0 {
+            Sink::Renamed(writer, _) | Sink::Direct(writer) => writer.flush(),
+        }
+    }
+}
+
+/// Copies the content to a new file beside `target`, and renames that over it.
+fn copy_and_rename(mut written: File, target: &Path) -> io::Result<()> {
+    let mut file = temporary(target.parent().unwrap_or(Path::new(".")))?;
+    written.rewind()?;
+    io::copy(&mut written, file.as_file_mut())?;
+    if let Ok(replaced) = std::fs::metadata(target) {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::{MetadataExt, fchown};
+            // Only a superuser can change the owner; for others this fails, which is accepted.
+            let _ = fchown(file.as_file(), Some(replaced.uid()), Some(replaced.gid()));
+        }
+        // A private file stays private.
+        file.as_file().set_permissions(replaced.permissions())?;
+    }
+    file.persist(target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Returns the path that symbolic links lead to, since a rename would replace a link. The last link
+/// may lead to a file that does not exist yet.
+fn resolve_links(mut path: PathBuf) -> io::Result<PathBuf> {
+    for _ in 0..MOST_LINKS {
+        if !path.is_symlink() {
+            return Ok(path);
+        }
+        let link = std::fs::read_link(&path)?;
+        // A relative link starts at the directory that contains it.
+        path = path.parent().unwrap_or(Path::new("")).join(link);
+    }
+    Err(io::Error::other("its symbolic links form a loop"))
+}
+
+/// Creates a temporary file in `directory`, with the permissions of any new file.
+fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".zeroset-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // The process's umask still applies.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    // The full error would name the temporary file.
+    builder.tempfile_in(directory).map_err(|error| error.kind().into())
+}

@@ -1,0 +1,57 @@
+//! PNG files of pictures.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Refuses a path that asks for another format than PNG. A path without an extension asks for none.
+///
+/// # Errors
+/// One sentence, if it does.
+pub fn check_png(path: &Path) -> Result<(), String> {
+    if path.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("png")) {
+        return Ok(());
+    }
+    Err(format!(
+        "pictures are written as PNG only: '{}' has another extension; use '{}'",
+        path.display(),
+        path.with_extension("png").display()
+    ))
+}
+
+/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with texts by keyword.
+///
+/// # Errors
+/// If the sink fails.
+pub fn write_png(
+    out: impl Write,
+    rgb: &[u8],
+    size: [usize; 2],
+    texts: &[(&'static str, String)],
+) -> io::Result<()> {
+    let mut writer = png_encoder(out, size, texts)?.write_header()?;
+    writer.write_image_data(rgb)?;
+    writer.finish()?;
+    Ok(())
+}
+
+/// Returns an encoder that writes a PNG (sRGB) of this width and height to `out`, with texts by
+/// keyword.
+///
+/// # Errors
+/// If a text cannot be written.
+pub fn png_encoder<W: Write>(
+    out: W,
+    [width, height]: [usize; 2],
+    texts: &[(&'static str, String)],
+) -> io::Result<png::Encoder<'static, W>> {
+    let mut encoder = png::Encoder::new(out, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();
+    encoder.add_itxt_chunk("Software".to_owned(), software)?;
+    for (key, text) in texts {
+        encoder.add_itxt_chunk((*key).to_owned(), text.clone())?;
+    }
+    Ok(encoder)
+}

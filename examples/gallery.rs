@@ -1,0 +1,21 @@
+//! Lists the gallery, or renders those of its surfaces whose name contains a word.
+//!
+//! `cargo run --example gallery [WORD [DIRECTORY]]` writes `NAME.png` for each.
+
+use std::path::PathBuf;
+use zeroset::{Error, Scene, Settings, gallery};
+
+fn main() -> Result<(), Error> {
+    let mut arguments = std::env::args().skip(1);
+    let Some(word) = arguments.next() else {
+        gallery().for_each(|example| println!("{:32}{}", example.name, example.summary));
+        return Ok(());
+    };
+    let directory = PathBuf::from(arguments.next().unwrap_or(".".to_owned()));
+    for example in gallery().filter(|example| example.name.contains(&word)) {
+        let picture = Scene::read(example.text)?.render(&Settings::new(256, 256))?;
+        picture.save(directory.join(example.name).with_extension("png"))?;
+        println!("{}: {} pixels undecided", example.title, picture.counts().undecided);
+    }
+    Ok(())
+}

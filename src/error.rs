@@ -1,0 +1,138 @@
+//! The one error type, and messages that point into a text.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::Path;
+use zeroset_scene::view::SceneError;
+use zeroset_syntax::{Errors, Note, Span};
+
+/// The name of a text in messages, as on the command line.
+const TEXT_NAME: &str = "formula";
+
+/// An error of this library.
+///
+/// `Display` is the message that the program `zeroset` prints. An error in a text is laid out over
+/// several lines, with a caret under each place:
+///
+/// ```
+/// let error = zeroset::Function::parse("x^2 + foo(y)").unwrap_err();
+/// assert!(error.to_string().starts_with("error: there is no function `foo`\n --> formula:1:7"));
+/// assert_eq!(error.diagnostics()[0].span, 6..9);
+/// ```
+///
+/// Other messages are one sentence. `Debug` prints the same as `Display`, so that an error that
+/// `main` returns is readable.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Error {
+    kind: ErrorKind,
+    message: String,
+    diagnostics: Vec<Diagnostic>,
+}
+
+/// The cause of an [`Error`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The text does not follow the language. [`Error::diagnostics`] say where.
+    Syntax,
+    /// The text reads well, but the formula has no surface, or is too large to compile.
+    Formula,
+    /// An argument or a setting is out of range.
+    Argument,
+    /// A file cannot be written.
+    File,
+}
+
+/// A message about a place in a text: an error, or a note on how the text was read.
+///
+/// `Display` shows the line with a caret under the place.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Diagnostic {
+    /// The message, in one line.
+    pub message: String,
+    /// The place: offsets of bytes in the text.
+    pub span: Range<usize>,
+    /// A correction that may have been meant: bytes of the text, and their replacement.
+    pub suggestion: Option<(Range<usize>, String)>,
+    rendered: String,
+}
+
+impl Error {
+    pub(crate) fn new(kind: ErrorKind, message: impl fmt::Display) -> Self {
+        Self { kind, message: message.to_string(), diagnostics: Vec::new() }
+    }
+
+    pub(crate) fn argument(message: impl fmt::Display) -> Self {
+        Self::new(ErrorKind::Argument, message)
+    }
+
+    pub(crate) fn formula(message: impl fmt::Display) -> Self {
+        Self::new(ErrorKind::Formula, message)
+    }
+
+    pub(crate) fn scene(error: SceneError) -> Self {
+        match error {
+            SceneError::Camera(error) => Self::argument(error),
+            SceneError::Region(error) => Self::argument(error),
+            SceneError::Program(error) => Self::formula(error),
+        }
+    }
+
+    pub(crate) fn file(path: &Path, error: &std::io::Error) -> Self {
+        Self::new(ErrorKind::File, format!("cannot write '{}': {error}", path.display()))
+    }
+
+    pub(crate) fn syntax(errors: &Errors, text: &str) -> Self {
+        let diagnostic = |error: &zeroset_syntax::Error| Diagnostic {
+            message: error.message(),
+            span: error.span.range(),
+            suggestion: error.suggestion.as_ref().map(|s| (s.span.range(), s.replacement.clone())),
+            rendered: error.render(Some(TEXT_NAME), text, false),
+        };
+        Self {
+            kind: ErrorKind::Syntax,
+            message: errors.render(Some(TEXT_NAME), text, false),
+            diagnostics: errors.iter().map(diagnostic).collect(),
+        }
+    }
+
+    /// Returns the cause.
+    pub fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+
+    /// Returns the errors in the text, in the order of their places; empty unless the kind is
+    /// [`ErrorKind::Syntax`].
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
+    }
+}
+
+impl Diagnostic {
+    pub(crate) fn note(note: &Note, text: &str) -> Self {
+        let Note { span: Span { start, end }, .. } = *note;
+        let rendered = note.render(Some(TEXT_NAME), text, false);
+        Self { message: note.message(), span: start..end, suggestion: None, rendered }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.rendered)
+    }
+}

@@ -1,0 +1,344 @@
+//! One function of x, y and z: values, bounds, and rays.
+
+use crate::error::{Diagnostic, Error};
+use crate::ray::{Ray, RayResult};
+use crate::settings::{Domain, TraceSettings};
+use crate::text::{Parameter, Text};
+use rayon::prelude::*;
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::sync::{Arc, Mutex, PoisonError};
+use zeroset_eval::{Boxes, Enclosures, Kernel, LANES, Points, Query};
+use zeroset_interval::{Facts, Interval};
+use zeroset_scene::program::Program;
+use zeroset_scene::view::{ClipChoice, ClipShape, Clipping, bounds, region};
+use zeroset_space::Region;
+use zeroset_syntax::{Document, SurfaceKind};
+use zeroset_trace::TraceOptions;
+
+/// Batches of [`LANES`] points or boxes that a thread takes at least: some microseconds of work.
+const BATCHES: usize = 32;
+
+/// A real function of x, y and z, compiled.
+///
+/// [`eval`](Self::eval) samples it, [`enclose`](Self::enclose) bounds it over boxes, and
+/// [`trace`](Self::trace) finds where rays first meet its zeros. The text is an expression such as
+/// `x^2+y^2+z^2-1`, or an equation, which stands for the difference of its two sides. Definitions
+/// may surround it, as in any text of the [language](crate#the-language).
+///
+/// A function can be shared between threads. Calls use the threads of the current `rayon` pool.
+pub struct Function {
+    text: Text,
+    /// The function as typed, compiled for all of space: no box can lie outside.
+    typed: Program,
+    /// The function is proven to be defined at every point of space.
+    is_total: bool,
+    /// The program and the box of the last rays.
+    traced: Mutex<Option<Arc<(Region, Program)>>>,
+}
+
+/// Bounds of a function over a box, and what is proven of the function there.
+///
+/// Every fact is a proof where it is `true`. Where it is `false`, nothing is claimed.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Enclosure {
+    /// The function's value at each real point of the box at which it is defined lies within these
+    /// bounds. They are rounded outward and may be infinite. The range is empty, from +∞ to −∞, if
+    /// the function is [`undefined`](Self::undefined).
+    pub bounds: RangeInclusive<f64>,
+    /// The function has a value at no point of the box.
+    pub undefined: bool,
+    /// The function has a value at every point of the box.
+    pub defined: bool,
+    /// The function is defined and continuous on the whole box.
+    pub continuous: bool,
+}
+
+impl Enclosure {
+    /// Returns whether the box may hold a zero. `false` is a proof that it holds none.
+    pub fn may_vanish(&self) -> bool {
+        self.bounds.contains(&0.0)
+    }
+
+    fn of(enclosures: &Enclosures<f64>, lane: usize) -> Self {
+        let facts = enclosures.facts(lane);
+        let undefined = facts.has(Facts::NOWHERE);
+        // Added to 0, so that no bound is −0.
+        let (low, high) = (0.0 - enclosures.neg_lo[lane], 0.0 + enclosures.hi[lane]);
+        Self {
+            bounds: if undefined { f64::INFINITY..=f64::NEG_INFINITY } else { low..=high },
+            undefined,
+            defined: facts.has(Facts::DEFINED),
+            continuous: facts.has(Facts::CONTINUOUS),
+        }
+    }
+}
+
+impl Function {
+    /// Reads a text and compiles its one formula to native code.
+    ///
+    /// # Errors
+    /// If the text is wrong, draws several surfaces or a solid (an inequality), or if the formula
+    /// is too large to compile.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let text = Text::read(text)?;
+        let wrong = match &text.document.surfaces[..] {
+            [surface] if surface.kind == SurfaceKind::Equation => None,
+            [_] => Some("an inequality is a solid".to_owned()),
+            several => Some(format!("these are {} formulas", several.len())),
+        };
+        if let Some(wrong) = wrong {
+            return Err(Error::formula(format!("{wrong} and not a function: render a scene")));
+        }
+        let (typed, is_total) = compile(&text.document, None)?;
+        Ok(Self { text, typed, is_total, traced: Mutex::default() })
+    }
+
+    /// Returns the parameters of the text, in the order of their definitions.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        self.text.parameters()
+    }
+
+    /// Sets a parameter to exactly `value`. A value within the parameter's range needs no
+    /// compilation.
+    ///
+    /// # Errors
+    /// If there is no such parameter, the value is not finite, or the formula with this value is
+    /// too large to compile. The function is then as it was.
+    ///
+    /// ```
+    /// let mut sphere = zeroset::Function::parse("r = 1 in [0, 5]; x^2+y^2+z^2-r^2")?;
+    /// sphere.set("r", 3.0)?;
+    /// assert_eq!(sphere.eval(&[[0.0, 0.0, 0.0]]), [-9.0]);
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), Error> {
+        let document = self.text.with(name, value)?;
+        (self.typed, self.is_total) = compile(&document, Some(&self.typed))?;
+        self.text.document = document;
+        let last = self.traced.get_mut().unwrap_or_else(PoisonError::into_inner);
+        *last = last.take().and_then(|traced| {
+            let (region, program) = &*traced;
+            Some(Arc::new((*region, program.rebound(&self.text.document)?.ok()?)))
+        });
+        Ok(())
+    }
+
+    /// Returns notes on how the text was read, where its writer might have meant something else.
+    pub fn notes(&self) -> Vec<Diagnostic> {
+        self.text.notes()
+    }
+
+    /// Samples the function at `points`, each as x, y and z. Returns a value for each, in order.
+    ///
+    /// Values are computed in `f64` and are close, but no error bound is claimed: [`enclose`] a
+    /// box of one point to get one. A value is NaN where the function is undefined, where a
+    /// coordinate is not finite, and where an intermediate result exceeds the floats.
+    ///
+    /// [`enclose`]: Self::enclose
+    ///
+    /// # Panics
+    /// Never: the code was compiled with the function.
+    ///
+    /// ```
+    /// let function = zeroset::Function::parse("sqrt(x) + y")?;
+    /// let values = function.eval(&[[4.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]);
+    /// assert_eq!(values[0], 3.0);
+    /// assert!(values[1].is_nan());
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn eval(&self, points: &[[f64; 3]]) -> Vec<f64> {
+        let kernel = self.typed.kernels::<f64>(0).values().expect("compiled with the function");
+        self.sample(kernel, points, f64::NAN, |out, lane| out.value[lane])
+    }
+
+    /// Samples the gradient of the function at `points`, as [`eval`](Self::eval) samples its
+    /// values. It is NaN or infinite where it does not exist. The derivatives are exact and not
+    /// differences of values.
+    ///
+    /// # Errors
+    /// If the derivatives are too large to compile.
+    pub fn gradient(&self, points: &[[f64; 3]]) -> Result<Vec<[f64; 3]>, Error> {
+        let kernel = self.typed.kernels::<f64>(0).gradients().map_err(Error::formula)?;
+        let gradient = |lanes: &zeroset_eval::Gradients<f64>, lane: usize| {
+            lanes.gradient.each_ref().map(|lanes| lanes[lane])
+        };
+        Ok(self.sample(kernel, points, [f64::NAN; 3], gradient))
+    }
+
+    /// Bounds the function over `boxes`, each as closed ranges of x, y and z. Returns an enclosure
+    /// for each, in order. Ends may be infinite.
+    ///
+    /// # Errors
+    /// If a range is reversed, has a NaN end, or holds no real number.
+    ///
+    /// # Panics
+    /// Never: the code was compiled with the function.
+    ///
+    /// ```
+    /// let sphere = zeroset::Function::parse("x^2+y^2+z^2-1")?;
+    /// let found = &sphere.enclose(&[[0.0..=0.5, 0.0..=0.5, 2.0..=3.0]])?[0];
+    /// assert_eq!(found.bounds, 3.0..=8.5);
+    /// assert!(found.continuous && !found.may_vanish());
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn enclose(&self, boxes: &[[RangeInclusive<f64>; 3]]) -> Result<Vec<Enclosure>, Error> {
+        let boxes = boxes.iter().enumerate().map(|(number, ranges)| {
+            let mut bounds = [Interval::ENTIRE; 3];
+            for ((range, bounds), axis) in ranges.iter().zip(&mut bounds).zip(['x', 'y', 'z']) {
+                let (low, high) = (*range.start(), *range.end());
+                *bounds = Interval::new(low, high).ok_or_else(|| {
+                    let range = format!("the {axis} range of box {number}, {low} to {high},");
+                    Error::argument(format!("{range} holds no number"))
+                })?;
+            }
+            Ok(bounds)
+        });
+        let boxes = boxes.collect::<Result<Vec<_>, Error>>()?;
+        let batches = boxes.par_chunks(LANES).with_min_len(BATCHES);
+        let answer = |boxes: &[[Interval; 3]]| {
+            let out = enclosures(&self.typed, boxes);
+            (0..boxes.len()).map(move |lane| Enclosure::of(&out, lane))
+        };
+        Ok(batches.flat_map_iter(answer).collect())
+    }
+
+    /// Finds where rays first meet a zero of the function, within the [domain](Self::domain).
+    /// Returns a result for each ray, in order.
+    ///
+    /// # Errors
+    /// As [`trace_with`](Self::trace_with).
+    ///
+    /// ```
+    /// use zeroset::{Function, Ray, RayResult};
+    /// let sphere = Function::parse("x^2+y^2+z^2-1")?;
+    /// let ray = Ray { origin: [0.0, 0.0, 5.0], direction: [0.0, 0.0, -1.0] };
+    /// let RayResult::Hit { bracket: [near, far], .. } = sphere.trace(&[ray])?[0] else {
+    ///     panic!("the ray meets the sphere");
+    /// };
+    /// assert!(near <= 4.0 && 4.0 <= far && far - near < 1e-4);
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn trace(&self, rays: &[Ray]) -> Result<Vec<RayResult>, Error> {
+        self.trace_with(rays, &TraceSettings::default())
+    }
+
+    /// As [`trace`](Self::trace), with a domain, a method or a precision of the caller's.
+    ///
+    /// The first call for a domain compiles kernels for it, which takes some milliseconds. They
+    /// are kept until a call for another domain. Neighboring rays are best given in a row: sixteen
+    /// are followed together.
+    ///
+    /// # Errors
+    /// If a ray's direction is zero, or a number of it is not within ±1e100. If a setting is out of
+    /// range. If the formula is constant, defined nowhere, or too large to compile.
+    pub fn trace_with(
+        &self,
+        rays: &[Ray],
+        settings: &TraceSettings,
+    ) -> Result<Vec<RayResult>, Error> {
+        // A pixel is as wide as the accuracy.
+        let options = TraceOptions { tolerance: 1.0, ..settings.options()? };
+        let traced = self.traced(self.region(&settings.domain)?)?;
+        let (region, program) = &*traced;
+        let accuracy = settings.accuracy_in(region)?;
+        let tracer = settings.method.0.prepare(program.surface(0), region, options);
+        RayResult::follow(&*tracer.map_err(Error::formula)?, rays, accuracy)
+    }
+
+    /// Returns the box in which [`trace`](Self::trace) looks for zeros: the box of the text's
+    /// `domain` line, or else one that intervals find. The latter holds all zeros if the zero set
+    /// is proven to be bounded; otherwise it shows a part.
+    ///
+    /// # Errors
+    /// If the `domain` line is impossible, the formula is constant or defined nowhere, or if it is
+    /// too large to compile.
+    pub fn domain(&self) -> Result<[RangeInclusive<f64>; 3], Error> {
+        let region = self.region(&Domain::Text)?;
+        Ok(bounds(&region).map(|Interval { lo, hi }| lo..=hi))
+    }
+
+    /// The box of a domain. Lines of the text that only cut a picture do not count.
+    fn region(&self, domain: &Domain) -> Result<Region, Error> {
+        let clipping = Clipping { plane: ClipChoice::Off, to: ClipShape::Box };
+        let found = region(&self.text.document, domain.choice(), clipping);
+        Ok(found.map_err(Error::scene)?.0)
+    }
+
+    /// The program for rays through a region.
+    fn traced(&self, region: Region) -> Result<Arc<(Region, Program)>, Error> {
+        // Not held while anything is compiled, in which a thread may take up other work that asks
+        // for it.
+        let last = || self.traced.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(traced) = last().as_ref().filter(|traced| traced.0 == region) {
+            return Ok(Arc::clone(traced));
+        }
+        let program = Program::new(&self.text.document, bounds(&region)).map_err(Error::formula)?;
+        let traced = Arc::new((region, program));
+        *last() = Some(Arc::clone(&traced));
+        Ok(traced)
+    }
+
+    /// Returns for each point the value that `read` takes from the kernel's output, or `nowhere`
+    /// if the function is undefined.
+    fn sample<Q: Query<Input<f64> = Points<f64>>, V: Copy + Send + Sync>(
+        &self,
+        kernel: &dyn Kernel<Q, f64>,
+        points: &[[f64; 3]],
+        nowhere: V,
+        read: impl Fn(&Q::Output<f64>, usize) -> V + Sync,
+    ) -> Vec<V> {
+        let answer = |points: &[[f64; 3]]| {
+            let out = kernel.eval_all(&Points::near(points)).swap_remove(0);
+            let is_finite = |point: &[f64; 3]| point.iter().all(|c| c.is_finite());
+            let mut undefined = 0;
+            // Rounding can make a number of an undefined value, such as atan(1/x) at 0.
+            if !self.is_total {
+                let place = |point: &[f64; 3]| if is_finite(point) { *point } else { [0.0; 3] };
+                let place = |point| place(point).map(|c| Interval { lo: c, hi: c });
+                let boxes: Vec<_> = points.iter().map(place).collect();
+                undefined = enclosures(&self.typed, &boxes).nowhere;
+            }
+            let value = |(lane, point): (usize, &[f64; 3])| {
+                let is_known = is_finite(point) && undefined >> lane & 1 == 0;
+                if is_known { read(&out, lane) } else { nowhere }
+            };
+            points.iter().enumerate().map(value).collect::<Vec<V>>()
+        };
+        points.par_chunks(LANES).with_min_len(BATCHES).flat_map_iter(answer).collect()
+    }
+}
+
+/// The functions of a document over all of space, with code for values and bounds, that of
+/// `before` where it serves; and whether the function is proven to be defined everywhere.
+fn compile(document: &Document, before: Option<&Program>) -> Result<(Program, bool), Error> {
+    let again = before.and_then(|before| before.rebound(document)?.ok());
+    let anew = || Program::unchecked(document, [Interval::ENTIRE; 3]);
+    let typed = again.map_or_else(anew, Ok).map_err(Error::formula)?;
+    let kernels = typed.kernels::<f64>(0);
+    kernels.values().map_err(Error::formula)?;
+    kernels.bounds().map_err(Error::formula)?;
+    let is_total = enclosures(&typed, &[[Interval::ENTIRE; 3]]).facts(0).has(Facts::DEFINED);
+    Ok((typed, is_total))
+}
+
+/// At most [`LANES`] enclosures, at least one.
+fn enclosures(typed: &Program, boxes: &[[Interval; 3]]) -> Enclosures<f64> {
+    let kernel = typed.kernels::<f64>(0).bounds().expect("compiled with the function");
+    kernel.eval_all(&Boxes::around(boxes)).swap_remove(0)
+}
+
+/// The formula as it was read.
+impl fmt::Display for Function {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let echo = &self.text.document.surfaces[0].echo;
+        f.write_str(echo.strip_suffix(" = 0").unwrap_or(echo))
+    }
+}
+
+impl fmt::Debug for Function {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Function({self})")
+    }
+}

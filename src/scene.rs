@@ -1,0 +1,124 @@
+//! A text of surfaces, drawn.
+
+use crate::error::{Diagnostic, Error};
+use crate::picture::{Picture, Rows};
+use crate::settings::Settings;
+use crate::text::{Parameter, Text};
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+use zeroset_render::framing;
+use zeroset_render::model::{Model, Strip};
+use zeroset_render::overlay::{Overlay, PictureView};
+use zeroset_scene::program::ProgramError;
+use zeroset_scene::view::{Clipping, region};
+
+/// A text that draws one or more surfaces or solids.
+///
+/// A scene can be shared between threads. Pictures use the threads of the current `rayon` pool.
+pub struct Scene {
+    text: Text,
+    /// The surfaces of the last picture, whose kernels serve for the next one.
+    model: Mutex<Option<Arc<Model>>>,
+}
+
+impl Scene {
+    /// Reads a text: a formula, or the content of a file with definitions, surfaces and lines on
+    /// how they are shown.
+    ///
+    /// # Errors
+    /// If the text is wrong. The error lists up to twenty places.
+    ///
+    /// ```
+    /// let scene = zeroset::Scene::read("r = 2 in [1, 3]\nz = x*y {x^2+y^2 < r^2}")?;
+    /// assert_eq!(scene.parameters()[0].name, "r");
+    /// assert_eq!(scene.surfaces().count(), 1);
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn read(text: &str) -> Result<Self, Error> {
+        Ok(Self { text: Text::read(text)?, model: Mutex::default() })
+    }
+
+    /// Returns notes on how the text was read, where its writer might have meant something else.
+    ///
+    /// ```
+    /// let scene = zeroset::Scene::read("z = 1/2x")?;
+    /// assert!(scene.notes()[0].message.starts_with("read as `(1/2)*x`"));
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn notes(&self) -> Vec<Diagnostic> {
+        self.text.notes()
+    }
+
+    /// Returns each surface's formula as it was read, in the order of the text.
+    pub fn surfaces(&self) -> impl Iterator<Item = &str> {
+        self.text.document.surfaces.iter().map(|surface| &*surface.echo)
+    }
+
+    /// Returns the parameters of the text, in the order of their definitions.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        self.text.parameters()
+    }
+
+    /// Sets a parameter to exactly `value`. The next picture of the same domain needs no
+    /// compilation if the value is within the parameter's range.
+    ///
+    /// # Errors
+    /// If there is no such parameter, or the value is not finite. The scene is then as it was.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), Error> {
+        self.text.document = self.text.with(name, value)?;
+        Ok(())
+    }
+
+    /// Takes a picture. It depends on text, values and settings alone, unless these give a
+    /// [budget](Settings::budget) of time.
+    ///
+    /// # Errors
+    /// If a setting is out of range, domain or camera are impossible, a formula is constant or
+    /// defined nowhere, or if the formulas are too large to compile.
+    ///
+    /// ```
+    /// use zeroset::{Scene, Settings};
+    /// let picture = Scene::read("z = x*y {x^2+y^2 < 4}")?.render(&Settings::new(64, 64))?;
+    /// assert!(picture.counts().hit > 500);
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn render(&self, settings: &Settings) -> Result<Picture, Error> {
+        let (document, choice) = (&self.text.document, &settings.camera);
+        let domain = settings.domain_choice();
+        let around = Overlay::asked(settings.axes, settings.legend, document);
+        let settings = settings.checked()?;
+        let (region, _) = region(document, domain, Clipping::default()).map_err(Error::scene)?;
+        // Not held while anything is compiled, in which a thread may take up other work that asks
+        // for it.
+        let last = || self.model.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = last().clone().filter(|model| *model.region() == region);
+        let again = before.and_then(|model| model.rebound(document, &region)?.ok());
+        let anew = || Model::new(document, &region, &settings);
+        let model = Arc::new(again.map_or_else(anew, Ok).map_err(Error::formula)?);
+        *last() = Some(Arc::clone(&model));
+        let camera = if around.axes {
+            framing::of_domain(&region, document, choice, &settings)
+        } else {
+            framing::camera(&model, document, choice, &settings)
+        };
+        let camera = camera.map_err(Error::scene)?;
+        let (mut rows, mut marks) = (Rows::default(), None);
+        let size = [settings.width, settings.height];
+        let mut add = |Strip { top, picture, overview }: Strip<'_>| -> Result<(), ProgramError> {
+            let seen = overview.unwrap_or(&*picture);
+            let shown = PictureView { camera: &camera, region: &region, picture: seen };
+            marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
+            rows.add(picture);
+            Ok(())
+        };
+        let whole = model.strips(&camera, &settings, &|_, _| {}, &mut add);
+        let rays = camera.rays(settings.width, settings.height);
+        Ok(Picture::new(rays, &region, rows, whole.map_err(Error::formula)?))
+    }
+}
+
+impl fmt::Debug for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Scene({})", self.surfaces().collect::<Vec<_>>().join("; "))
+    }
+}

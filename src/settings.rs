@@ -1,0 +1,415 @@
+//! How zeros are looked for, and how a picture shows them.
+
+use crate::error::Error;
+use std::fmt;
+use std::ops::RangeInclusive;
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+use zeroset_render::picture;
+use zeroset_scene::view::{CameraChoice, DomainChoice};
+use zeroset_shade::{LinearRgb, Pattern};
+use zeroset_space::Region;
+use zeroset_style::{LOOKS, StandardView, VIEWS};
+use zeroset_trace::{
+    METHODS, Projection, STEPS_RANGE, TOLERANCES, TraceOptions, check_depth, is_tolerance,
+};
+
+/// Pixels of the largest picture: each takes some fifty bytes.
+const MOST_PIXELS: usize = 1 << 26;
+
+/// Rays in a pixel on an edge, unless told otherwise.
+const ANTIALIAS: usize = 16;
+
+/// The default of [`TraceSettings::accuracy`], as a share of the domain's largest extent.
+const ACCURACY: f64 = 1e-6;
+
+/// The box in which a surface is looked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Domain {
+    /// The box of the text's `domain` line; without such a line, as [`Domain::Auto`].
+    #[default]
+    Text,
+    /// One that intervals find: around the whole surface if it is proven to be bounded, and a
+    /// window of it otherwise.
+    Auto,
+    /// These ranges of x, y and z, with ends within ±1e18.
+    Box([RangeInclusive<f64>; 3]),
+}
+
+impl From<[RangeInclusive<f64>; 3]> for Domain {
+    fn from(ranges: [RangeInclusive<f64>; 3]) -> Self {
+        Self::Box(ranges)
+    }
+}
+
+impl Domain {
+    pub(crate) fn choice(&self) -> DomainChoice {
+        match self {
+            Self::Text => DomainChoice::Document,
+            Self::Auto => DomainChoice::Auto,
+            Self::Box([x, y, z]) => {
+                let [[a, b], [c, d], [e, f]] =
+                    [x, y, z].map(|range| [*range.start(), *range.end()]);
+                DomainChoice::Bounds([a, b, c, d, e, f])
+            }
+        }
+    }
+}
+
+/// The floats in which kernels compute. Proofs are rigorous in all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Precision {
+    /// 32 bits, and 64 bits for rays that these leave undecided.
+    #[default]
+    Auto,
+    /// 32 bits.
+    F32,
+    /// 64 bits: at most half as fast.
+    F64,
+}
+
+/// The appearance of undecided pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum UndecidedStyle {
+    /// Like hits.
+    #[default]
+    Shade,
+    /// Like hits, with stripes.
+    Hatch,
+    /// Like hits, tinted.
+    Tint,
+    /// Not at all.
+    Miss,
+}
+
+/// Defines a type whose values are the rows of a table, chosen by name.
+macro_rules! rows {
+    ($(#[$doc:meta])* $name:ident($row:ty), $table:ident, $what:literal) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name(pub(crate) &'static $row);
+
+        impl $name {
+            /// All values; the first is the default.
+            pub fn all() -> impl Iterator<Item = Self> {
+                $table.iter().map(Self)
+            }
+
+            /// The name.
+            pub fn name(self) -> &'static str {
+                self.0.name
+            }
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self(&$table[0])
+            }
+        }
+
+        /// Parses a name. The error lists all names.
+        impl FromStr for $name {
+            type Err = Error;
+
+            fn from_str(name: &str) -> Result<Self, Error> {
+                Self::all().find(|one| one.name() == name).ok_or_else(|| {
+                    let names = Self::all().map(Self::name).collect::<Vec<_>>().join(", ");
+                    Error::argument(format!("'{name}' is not a {}: {names}", $what))
+                })
+            }
+        }
+    };
+}
+
+rows! {
+    /// A method to find where rays meet a surface: `"knoll".parse::<Method>()`. The default,
+    /// `affine`, proves hits and misses.
+    Method(zeroset_trace::Method), METHODS, "method"
+}
+
+rows! {
+    /// Lighting and background of a picture: `"studio".parse::<Look>()`.
+    Look(zeroset_style::Look), LOOKS, "look"
+}
+
+rows! {
+    /// A named side to look from: `"top".parse::<View>()`.
+    View(StandardView), VIEWS, "view"
+}
+
+impl Method {
+    /// Returns one line on what the method does and proves.
+    pub fn help(self) -> &'static str {
+        self.0.help
+    }
+}
+
+impl Look {
+    /// Returns one line on what the look looks like.
+    pub fn help(self) -> &'static str {
+        self.0.help
+    }
+}
+
+/// Settings of [`Function::trace_with`](crate::Function::trace_with): the domain, and how zeros are
+/// found.
+///
+/// ```
+/// use zeroset::{Precision, TraceSettings};
+/// let settings = TraceSettings::new()
+///     .domain([-2.0..=2.0, -2.0..=2.0, -2.0..=2.0])
+///     .method("mitchell".parse()?)
+///     .precision(Precision::F64)
+///     .accuracy(1e-9);
+/// # Ok::<(), zeroset::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct TraceSettings {
+    pub(crate) domain: Domain,
+    pub(crate) method: Method,
+    options: TraceOptions,
+    accuracy: Option<f64>,
+}
+
+/// The camera of a picture. The text's `view` line supplies the values that are not set here. Values
+/// that neither sets are chosen so that everything visible fits into the picture.
+///
+/// ```
+/// let camera = zeroset::Camera::new().eye([4.0, -5.0, 3.0]).target([0.0, 0.0, 0.0]).fov(30.0);
+/// # let _ = camera;
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct Camera {
+    pub(crate) choice: CameraChoice,
+}
+
+/// Settings of a picture, for [`Scene::render`](crate::Scene::render).
+///
+/// ```
+/// use zeroset::{Camera, Settings};
+/// let settings = Settings::new(640, 480)
+///     .domain([-2.0..=2.0, -2.0..=2.0, -2.0..=2.0])
+///     .camera(Camera::new().view("top".parse()?))
+///     .background([255, 255, 255]);
+/// # Ok::<(), zeroset::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+#[must_use]
+pub struct Settings {
+    trace: TraceSettings,
+    pub(crate) camera: CameraChoice,
+    shadows: bool,
+    antialias: usize,
+    ambient: Option<f64>,
+    pub(crate) axes: bool,
+    pub(crate) legend: bool,
+    picture: picture::Settings,
+}
+
+/// Defines setters.
+macro_rules! setters {
+    ($($(#[$doc:meta])* $name:ident($value:ident: $type:ty) => $($field:ident).+ = $new:expr;)*) => {
+        $(
+            $(#[$doc])*
+            pub fn $name(mut self, $value: $type) -> Self {
+                self.$($field).+ = $new;
+                self
+            }
+        )*
+    };
+}
+
+/// Defines the setters that rays and pictures have in common.
+macro_rules! trace_setters {
+    ($($field:ident.)*) => {
+        setters! {
+            /// Sets the box in which the surface is looked for. Default: [`Domain::Text`].
+            domain(domain: impl Into<Domain>) => $($field.)*domain = domain.into();
+            /// Sets the method that finds zeros. Default: `affine`.
+            method(method: Method) => $($field.)*method = method;
+            /// Sets the floats in which kernels compute. Default: [`Precision::Auto`].
+            precision(precision: Precision) => $($field.)*options.precision = match precision {
+                Precision::Auto => picture::Precision::Auto,
+                Precision::F32 => picture::Precision::F32,
+                Precision::F64 => picture::Precision::F64,
+            };
+            /// Sets how often the methods `knoll` and `raa` halve a ray's path through the domain:
+            /// from 1 to 20, or to 40 with [`Precision::F64`]. Default: 10.
+            max_depth(halvings: u32) => $($field.)*options.depth = halvings;
+            /// Sets how many samples the method `march` takes on a ray's path through the domain,
+            /// and how many steps the method `sphere` makes at most: from 2 to 2²⁰. Default: 256.
+            steps(steps: u32) => $($field.)*options.steps = steps;
+        }
+    };
+}
+
+impl TraceSettings {
+    /// The default settings.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    trace_setters!();
+
+    setters! {
+        /// Sets how far, in world units, the point at [`RayResult::Hit::t`](crate::RayResult::Hit::t)
+        /// may be from the zero: above 0. Proofs do not depend on it. Default: 10⁻⁶ of the domain's
+        /// largest extent.
+        accuracy(length: f64) => accuracy = Some(length);
+    }
+
+    /// # Errors
+    /// If a setting is out of range.
+    pub(crate) fn options(&self) -> Result<TraceOptions, Error> {
+        let TraceOptions { precision, depth, steps, tolerance, .. } = self.options;
+        check_depth(depth, precision)
+            .map_err(|why| Error::argument(format!("max_depth: {why}")))?;
+        let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
+        let wrong = || format!("steps must be between {least} and {most}");
+        ensure(STEPS_RANGE.contains(&steps), wrong)?;
+        ensure(is_tolerance(tolerance), || TOLERANCES)?;
+        Ok(self.options)
+    }
+
+    /// # Errors
+    /// If it is out of range.
+    pub(crate) fn accuracy_in(&self, region: &Region) -> Result<f64, Error> {
+        let accuracy = self.accuracy.unwrap_or(2.0 * region.half_extent() * ACCURACY);
+        let is_length = accuracy > 0.0 && accuracy.is_finite();
+        ensure(is_length, || "accuracy must be a finite length above 0")?;
+        Ok(accuracy)
+    }
+}
+
+fn ensure<D: fmt::Display>(holds: bool, wrong: impl FnOnce() -> D) -> Result<(), Error> {
+    if holds { Ok(()) } else { Err(Error::argument(wrong())) }
+}
+
+impl Camera {
+    /// A camera that leaves everything open.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    setters! {
+        /// Looks from a named side, whatever the text says of eye and upward direction.
+        view(view: View) => choice.view = Some(view.0);
+        /// Sets the position of the eye. It may lie inside the domain.
+        eye(point: [f64; 3]) => choice.eye = Some(point.into());
+        /// Sets the point in the middle of the picture. Default: the center of the domain.
+        target(point: [f64; 3]) => choice.target = Some(point.into());
+        /// Sets the direction that points up in the picture. Default: z.
+        up(direction: [f64; 3]) => choice.up = Some(direction.into());
+        /// Sets the vertical field of view of a perspective picture, in degrees: at least 10⁻⁷ and
+        /// below 180. Default: 40.
+        fov(degrees: f64) => choice.projection = Some(Projection::Perspective { fov: degrees });
+        /// Makes the projection parallel, with a picture of this height in world units.
+        orthographic(height: f64) => choice.projection = Some(Projection::Orthographic { height });
+    }
+}
+
+impl Settings {
+    /// The default settings for a picture of this many pixels in a row and rows.
+    pub fn new(width: usize, height: usize) -> Self {
+        Self {
+            trace: TraceSettings::default(),
+            camera: CameraChoice::default(),
+            shadows: false,
+            antialias: ANTIALIAS,
+            ambient: None,
+            axes: false,
+            legend: false,
+            picture: picture::Settings {
+                width,
+                height,
+                brackets: true,
+                occlusion: true,
+                ..picture::Settings::default()
+            },
+        }
+    }
+
+    trace_setters!(trace.);
+
+    setters! {
+        /// Sets how far, in pixels, a hit may be from where it is drawn: above 0, at most 100.
+        /// Proofs do not depend on it. Default: 0.5.
+        tolerance(pixels: f64) => trace.options.tolerance = pixels;
+        /// Sets the camera. Default: one on the side of the view `iso`, as near as possible.
+        camera(camera: Camera) => camera = camera.choice;
+        /// Sets lighting and background. Default: the text's `look` line, or else the first look.
+        look(look: Look) => picture.look = Some(look.0);
+        /// Sets the color of the background, as sRGB bytes. Default: the text's `background` line,
+        /// or else the look's.
+        background(rgb: [u8; 3]) => picture.background = Some(LinearRgb::from_srgb(rgb));
+        /// Sets the position of the light. Default: far above and to the left of the camera.
+        light(point: [f64; 3]) => picture.light = Some(point.into());
+        /// Sets the share of the light that comes from everywhere, from 0 to 1. Default: the
+        /// look's.
+        ambient(share: f64) => ambient = Some(share);
+        /// Casts soft shadows: a ray goes from every visible point to an area light. Default: no.
+        shadows(shadows: bool) => shadows = shadows;
+        /// Darkens points that near surfaces hide from the light, if the look does so. Default: yes.
+        occlusion(occlusion: bool) => picture.occlusion = occlusion;
+        /// Sets how many rays give a pixel on an edge its color: 1, 4, 16 or 64. Default: 16.
+        /// Statuses and distances are about the one ray through the pixel's center.
+        antialias(rays: usize) => antialias = rays;
+        /// Sets the appearance of undecided pixels. Default: [`UndecidedStyle::Shade`].
+        undecided(style: UndecidedStyle) => picture.undecided = match style {
+            UndecidedStyle::Shade => zeroset_shade::UndecidedStyle::Shade,
+            UndecidedStyle::Hatch => zeroset_shade::UndecidedStyle::Hatch,
+            UndecidedStyle::Tint => zeroset_shade::UndecidedStyle::Tint,
+            UndecidedStyle::Miss => zeroset_shade::UndecidedStyle::Miss,
+        };
+        /// Draws the domain's box with axes and ticks, as the text's line `axes on` does. The view
+        /// makes room for it. Default: no.
+        axes(axes: bool) => axes = axes;
+        /// Draws which value has which color, if values are colored, as with axes and as the text's
+        /// line `legend on` does. Default: no.
+        legend(legend: bool) => legend = legend;
+        /// Limits the time to find surfaces: pixels that are not reached by then are undecided and
+        /// not drawn. The picture then depends on the machine; its proofs hold all the same.
+        /// Default: no limit.
+        budget(time: Duration) => picture.budget = Some(time);
+    }
+
+    pub(crate) fn domain_choice(&self) -> DomainChoice {
+        self.trace.domain.choice()
+    }
+
+    /// The settings as pictures take them; the budget's time begins.
+    ///
+    /// # Errors
+    /// If one is out of range.
+    pub(crate) fn checked(&self) -> Result<picture::Settings, Error> {
+        let picture::Settings { width, height, light, .. } = self.picture;
+        let has_room = |pixels: usize| (1..=MOST_PIXELS).contains(&pixels);
+        ensure(width.checked_mul(height).is_some_and(has_room), || {
+            format!("a picture has from 1 to {MOST_PIXELS} pixels, and not {width}×{height}")
+        })?;
+        let is_finite = light.is_none_or(|light| light.is_finite());
+        ensure(is_finite, || "the position of the light must be finite")?;
+        let is_share = self.ambient.is_none_or(|share| (0.0..=1.0).contains(&share));
+        ensure(is_share, || "ambient must be between 0 and 1")?;
+        let antialias = Pattern::of(self.antialias)
+            .ok_or_else(|| Error::argument("antialias must be 1, 4, 16 or 64"))?;
+        let settings = picture::Settings {
+            method: self.trace.method.0,
+            options: self.trace.options()?,
+            antialias,
+            ambient: self.ambient.map(|share| share as f32),
+            begun: Some(Instant::now()),
+            ..self.picture.clone()
+        };
+        let shadow_depth = self.shadows.then(|| settings.usual_shadow_depth());
+        Ok(picture::Settings { shadow_depth, ..settings })
+    }
+}

@@ -1,0 +1,64 @@
+//! A text as it was read, and the values of its parameters.
+
+use crate::error::{Diagnostic, Error};
+use std::ops::RangeInclusive;
+use zeroset_interval::Interval;
+use zeroset_ir::Constant;
+use zeroset_scene::view::nearest;
+use zeroset_syntax::{Document, Options};
+
+/// A named number of a text that can be set without reading the text again: `r = 2`, a slider
+/// `r = 2 in [0, 5]`, or the time `t`.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Parameter {
+    /// The name.
+    pub name: String,
+    /// The `f64` nearest to the value.
+    pub value: f64,
+    /// The range that the text gives, as the nearest `f64`s. Kernels serve the whole range, and are
+    /// compiled again for values outside.
+    pub range: Option<RangeInclusive<f64>>,
+}
+
+pub(crate) struct Text {
+    text: String,
+    pub document: Document,
+}
+
+impl Text {
+    pub fn read(text: &str) -> Result<Self, Error> {
+        match zeroset_syntax::read(text, &Options::default()) {
+            Ok(document) => Ok(Self { text: text.to_owned(), document }),
+            Err(errors) => Err(Error::syntax(&errors, text)),
+        }
+    }
+
+    pub fn notes(&self) -> Vec<Diagnostic> {
+        self.document.notes.iter().map(|note| Diagnostic::note(note, &self.text)).collect()
+    }
+
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let parameter = |parameter: &zeroset_syntax::Parameter| Parameter {
+            name: parameter.name.clone(),
+            value: nearest(&parameter.value),
+            range: parameter.range.as_ref().map(|(low, high)| nearest(low)..=nearest(high)),
+        };
+        self.document.parameters.iter().map(parameter).collect()
+    }
+
+    /// The document with exactly this value of a parameter.
+    pub fn with(&self, name: &str, value: f64) -> Result<Document, Error> {
+        let point = Interval::point(value)
+            .ok_or_else(|| Error::argument(format!("`{name}` is set to {value}: not a number")))?;
+        let mut document = self.document.clone();
+        if let Some(found) = document.parameters.iter_mut().find(|one| one.name == name) {
+            found.value = Constant::enclosed(point);
+            return Ok(document);
+        }
+        let names = document.parameters.iter().map(|one| format!("`{}`", one.name));
+        let names = names.collect::<Vec<_>>().join(", ");
+        let known = if names.is_empty() { "there is none" } else { names.as_str() };
+        Err(Error::argument(format!("`{name}` is not a parameter of the text: {known}")))
+    }
+}
