@@ -121,7 +121,8 @@ impl Reference {
 impl Entries {
     /// Evaluates the function's sign where `samples`² rays enter the domain.
     ///
-    /// # Errors If the surface has no valid document, domain or camera.
+    /// # Errors
+    /// If the surface has no valid document, domain or camera.
     pub fn new(surface: &Surface, samples: usize) -> Result<Self> {
         let (function, bounds) = (function(surface)?, surface.bounds());
         let rays = surface.camera()?.rays(samples, samples);

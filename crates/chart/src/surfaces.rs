@@ -47,7 +47,8 @@ pub fn chosen(given: &[String]) -> Result<Vec<Surface>, ChartError> {
 impl Surface {
     /// The surface called `name`: one of the ten of this crate, or else of the gallery.
     ///
-    /// # Errors If the name is unknown, or its document has several surfaces.
+    /// # Errors
+    /// If the name is unknown, or its document has several surfaces.
     pub fn named(name: &str) -> Result<Self, ChartError> {
         let own = FILES.get_file(format!("{name}.zset")).and_then(|file| file.contents_utf8());
         let unknown =

@@ -33,11 +33,11 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     let found = rendering.searched.map_or("", |found| found.finding.describe());
     let _ = writeln!(text, "domain      x {x}, y {y}, z {z}  {found}");
     let settings = &rendering.request.settings;
-    let options: String = read_options(settings)
+    let options: Vec<String> = read_options(settings)
         .filter(|option| option.short(&settings.options).is_some())
-        .map(|option| format!(", {}", (option.describe)(&settings.options)))
+        .map(|option| (option.describe)(&settings.options))
         .collect();
-    let _ = writeln!(text, "method      {}{options}", settings.method.name);
+    let _ = writeln!(text, "method      {}, {}", settings.method.name, options.join(", "));
     let pixels = statistics.pixels;
     let _ = writeln!(
         text,
@@ -125,14 +125,13 @@ impl Rendering {
             format!("compiled in {}", ms(times.simplify + times.compile))
         };
         let settings = &self.request.settings;
-        let options: String = read_options(settings)
-            .filter_map(|option| option.short(&settings.options))
-            .map(|value| format!(" {value}"))
-            .collect();
+        let values: Vec<String> =
+            read_options(settings).filter_map(|option| option.short(&settings.options)).collect();
         format!(
-            "{} · {width}x{height} · {}{options} · {undecided} undecided · {made}{}",
+            "{} · {width}x{height} · {} {} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
             self.picture.method.name,
+            values.join(" "),
             if self.picture.flat { " · 0 everywhere?" } else { "" },
         )
     }

@@ -16,7 +16,8 @@ pub struct Effort {
 impl Effort {
     /// Returns and prints the values set in the environment, or else the given ones.
     ///
-    /// # Panics If a variable of the environment is set but is not a number.
+    /// # Panics
+    /// If a variable of the environment is set but is not a number.
     pub fn from_environment(seed: u64, cases: u64) -> Self {
         let or = |name: &str, default| env::var(name).map_or(default, |text| number(name, &text));
         let effort = Self { seed: or("ZEROSET_SEED", seed), cases: or("ZEROSET_CASES", cases) };

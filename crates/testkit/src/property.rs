@@ -121,7 +121,8 @@ pub fn slopes(data: &[u8]) -> Result<Tally, Failure> {
 /// Checks [`check_contraction`] on a case, or [`linear`] on an operation. Bytes choose between
 /// them, and choose the input and the precision.
 ///
-/// # Errors The first contradiction.
+/// # Errors
+/// The first contradiction.
 pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
     /// Batches per kernel, and vectors of operands per operation.
     const BATCHES: usize = 2;

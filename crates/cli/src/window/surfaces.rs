@@ -125,7 +125,7 @@ impl Window {
     pub(super) fn release_surface(&mut self, cancelled: bool) {
         match self.surfaces.held.take() {
             Some(ListDrag::Row(from, to)) if from != to && !cancelled => {
-                self.move_surface(from, to)
+                self.move_surface(from, to);
             }
             Some(ListDrag::Opacity(_)) => self.ask_for_opacity(),
             Some(ListDrag::Row(..)) | None => {}

@@ -307,7 +307,8 @@ mod tests {
     /// Returns the labels of a picture of this size, for the region from -2 to 2 on each axis.
     fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
         let settings = Settings { width, height, ..Settings::default() };
-        let document = zeroset_syntax::read("domain 2\nx^2+y^2+z^2 = 1", &Default::default());
+        let document =
+            zeroset_syntax::read("domain 2\nx^2+y^2+z^2 = 1", &zeroset_syntax::Options::default());
         let (document, choice) = (document.expect("reads"), CameraChoice::default());
         let region = view::region(&document, DomainChoice::Document, None).expect("a cube").0;
         let model = Model::new(&document, &region, &settings).expect("a model");

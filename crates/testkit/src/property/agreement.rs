@@ -87,9 +87,11 @@ impl KernelKind {
 /// inputs. The function is as typed, or simplified if `simple`. A function that is too long is
 /// skipped, and nothing is compared.
 ///
-/// # Errors The first input on which they differ, with a smaller case that still shows it.
+/// # Errors
+/// The first input on which they differ, with a smaller case that still shows it.
 ///
-/// # Panics If the code of a function of moderate length does not compile.
+/// # Panics
+/// If the code of a function of moderate length does not compile.
 pub fn agree<T: Adversarial>(
     subject: KernelKind,
     simple: bool,

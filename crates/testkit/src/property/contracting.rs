@@ -84,7 +84,8 @@ impl KernelOptions {
 /// function's value at a point is subtracted from it, which makes the point a root. No contraction
 /// may lose such a root.
 ///
-/// # Errors The first contradiction, shrunk.
+/// # Errors
+/// The first contradiction, shrunk.
 pub fn check_contraction<T: Adversarial>(
     kernel_options: KernelOptions,
     case: &Case,

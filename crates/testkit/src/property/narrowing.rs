@@ -31,7 +31,8 @@ struct QueryResult {
 /// Checks the narrowing of random segments to the zeros of random linear functions of `N` symbols.
 /// In the tally, `defined` counts segments that are narrowed and may have a zero.
 ///
-/// # Errors The first result that loses a zero, reports a false crossing, or narrows too little.
+/// # Errors
+/// The first result that loses a zero, reports a false crossing, or narrows too little.
 pub fn check_narrowing<T: Adversarial, const N: usize>(
     rng: &mut Rng,
     vectors: usize,

@@ -78,7 +78,8 @@ impl SurfaceCertificate {
 /// each claim against what is certain about the nearest surface on its ray. In the tally, `defined`
 /// counts rays with a certain crossing.
 ///
-/// # Errors The first false claim.
+/// # Errors
+/// The first false claim.
 pub fn picture(
     scene: &Scene,
     draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>,

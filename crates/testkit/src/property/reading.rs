@@ -20,9 +20,11 @@ const PRINTED: Limits = Limits {
 /// Reads `data` and renders its diagnostics. Then prints the statements and reads them again: trees
 /// and graph must be the same. In the tally, `defined` counts accepted texts.
 ///
-/// # Errors A difference, and the text.
+/// # Errors
+/// A difference, and the text.
 ///
-/// # Panics If the parser panics.
+/// # Panics
+/// If the parser panics.
 pub fn read_and_print(data: &[u8]) -> Result<Tally, Failure> {
     let options = Options { limits: LIMITS, ..Options::default() };
     let document = read_bytes(data, &options);

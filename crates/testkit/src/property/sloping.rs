@@ -25,7 +25,8 @@ pub fn reference_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGr
 /// Checks the gradient bounds of native code, or of the reference evaluator, on `boxes` random
 /// boxes of a case.
 ///
-/// # Errors The first contradiction, shrunk, with a line that reproduces it.
+/// # Errors
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_gradient_bounds<T: Adversarial>(
     native: bool,
     case: &Case,

@@ -22,7 +22,8 @@ const POINTS: usize = 6;
 /// bounds. The kernel's bounds must overlap that enclosure, and its facts about the box must be
 /// true.
 ///
-/// # Errors The first contradiction, shrunk, with a line that reproduces it.
+/// # Errors
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_interval_cases<T: Adversarial>(
     make: CompileCase<Enclose, T>,
     effort: Effort,

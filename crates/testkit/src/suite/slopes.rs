@@ -176,7 +176,8 @@ pub fn check_slopes_of_ops<T: Adversarial>(
 /// counts pairs of points. `defined` counts pairs where the function is certainly defined at both
 /// points and reported as Lipschitz continuous in the box.
 ///
-/// # Errors The first contradiction, shrunk, with a line that reproduces it.
+/// # Errors
+/// The first contradiction, shrunk, with a line that reproduces it.
 pub fn check_slopes<T: Adversarial>(
     make: CompileCase<EncloseGradient, T>,
     case: &Case,

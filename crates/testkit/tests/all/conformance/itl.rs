@@ -23,7 +23,7 @@ pub struct TestCase {
 pub enum Term {
     /// An interval (`None` if empty), decorated or bare.
     Set(Option<Interval>, Option<Decoration>),
-    /// The invalid interval NaI ("not an interval").
+    /// The invalid interval, `NaI` ("not an interval").
     Nai,
     /// An integer, the exponent of `pown`.
     Integer(i32),
