@@ -155,8 +155,8 @@ impl Picture {
         self.rows.depth[pixel].is_finite().then(|| self.rows.surface[pixel].into())
     }
 
-    /// Returns the ray through a pixel's center; `None` outside of the picture. Its direction may have any
-    /// length.
+    /// Returns the ray through a pixel's center; `None` outside of the picture. Its direction may
+    /// have any length.
     pub fn ray(&self, column: usize, row: usize) -> Option<Ray> {
         self.pixel(column, row)?;
         let zeroset_space::Ray { origin, direction } = self.rays.ray(column, row);

@@ -23,8 +23,8 @@ pub struct Ray {
     pub direction: [f64; 3],
 }
 
-/// A claim about a ray within a domain, with its proof. Distances are values of the ray's t: multiply them by
-/// the direction's length to get world units.
+/// A claim about a ray within a domain, with its proof. Distances are values of the ray's t:
+/// multiply them by the direction's length to get world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RayResult {

@@ -176,8 +176,8 @@ pub struct TraceSettings {
     accuracy: Option<f64>,
 }
 
-/// The camera of a picture. The text's `view` line supplies the values that are not set here. Values
-/// that neither sets are chosen so that everything visible fits into the picture.
+/// The camera of a picture. The text's `view` line supplies the values that are not set here.
+/// Values that neither sets are chosen so that everything visible fits into the picture.
 ///
 /// ```
 /// let camera = zeroset::Camera::new().eye([4.0, -5.0, 3.0]).target([0.0, 0.0, 0.0]).fov(30.0);
@@ -260,9 +260,9 @@ impl TraceSettings {
     trace_setters!();
 
     setters! {
-        /// Sets how far, in world units, the point at [`RayResult::Hit::t`](crate::RayResult::Hit::t)
-        /// may be from the zero: above 0. Proofs do not depend on it. Default: 10⁻⁶ of the domain's
-        /// largest extent.
+        /// Sets how far, in world units, the point at
+        /// [`RayResult::Hit::t`](crate::RayResult::Hit::t) may be from the zero: above 0. Proofs do
+        /// not depend on it. Default: 10⁻⁶ of the domain's largest extent.
         accuracy(length: f64) => accuracy = Some(length);
     }
 
@@ -357,7 +357,8 @@ impl Settings {
         ambient(share: f64) => ambient = Some(share);
         /// Casts soft shadows: a ray goes from every visible point to an area light. Default: no.
         shadows(shadows: bool) => shadows = shadows;
-        /// Darkens points that near surfaces hide from the light, if the look does so. Default: yes.
+        /// Darkens points that near surfaces hide from the light, if the look does so. Default:
+        /// yes.
         occlusion(occlusion: bool) => picture.occlusion = occlusion;
         /// Sets how many rays give a pixel on an edge its color: 1, 4, 16 or 64. Default: 16.
         /// Statuses and distances are about the one ray through the pixel's center.

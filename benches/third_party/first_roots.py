@@ -223,7 +223,7 @@ def sampled_verdict(value, inside, claim):
     if claim is None:
         return True
     s, r = (sign(t) for t in claim)
-    # Signs prove nothing if the interval ends outside the domain or where the function is undefined.
+    # Signs prove nothing if the interval ends outside the domain, or where f is undefined.
     if s is None or r is None or s != r:
         return True
     # The function may have jumped back behind a zero.

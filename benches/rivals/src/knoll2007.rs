@@ -86,7 +86,12 @@ impl Knoll2007 {
     ///
     /// # Errors
     /// If the picture is too large, or the depth is not from 1 to 32.
-    pub fn new(width: &'static PacketWidth, name: &str, size: usize, depth: u32) -> Result<Option<Self>> {
+    pub fn new(
+        width: &'static PacketWidth,
+        name: &str,
+        size: usize,
+        depth: u32,
+    ) -> Result<Option<Self>> {
         ensure!((1..=DEEPEST).contains(&depth), "the C++ takes depths from 1 to {DEEPEST}");
         // The C++ has `int` indices, and three bytes per pixel.
         ensure!(size <= 1 << 14, "the C++ draws no more than {} rows", 1 << 14);

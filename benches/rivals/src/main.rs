@@ -160,7 +160,8 @@ fn main() -> Result<()> {
         for ((side, times), ratios) in sides.iter().zip(times).zip(ratios) {
             let reference = references.get(&side.size());
             let errors = reference.map(|reference| reference.errors(&side.distances()));
-            let (side, enclosure_calls, remark) = (side.name(), side.enclosure_calls(), side.remark());
+            let (side, enclosure_calls, remark) =
+                (side.name(), side.enclosure_calls(), side.remark());
             report.add(surface.name, Row { side, times, errors, enclosure_calls, ratios, remark });
         }
         if let Some(reference) = references.get(&(arguments.size as usize)) {

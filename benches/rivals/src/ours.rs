@@ -1,11 +1,11 @@
 //! zeroset's methods, called through the library.
 
-use zeroset_trace::TraceOptions;
 use crate::side::{EnclosureCalls, Side};
 use crate::surfaces::Surface;
 use anyhow::Result;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Normals, Picture, Settings};
+use zeroset_trace::TraceOptions;
 use zeroset_trace::{Camera, Method};
 
 /// A compiled surface, with its last picture.
@@ -27,7 +27,8 @@ impl ZerosetSide {
         size: usize,
         depth: u32,
     ) -> Result<Self> {
-        let settings = Settings { options: TraceOptions { depth, ..TraceOptions::default() },
+        let settings = Settings {
+            options: TraceOptions { depth, ..TraceOptions::default() },
             width: size,
             height: size,
             method,
@@ -69,7 +70,9 @@ impl Side for ZerosetSide {
     fn enclosure_calls(&self) -> Option<EnclosureCalls> {
         let work = &self.picture.as_ref()?.statistics.work.interval;
         // Some methods evaluate no intervals.
-        (work.calls > 0)
-            .then(|| EnclosureCalls { calls: work.calls, lanes: work.lanes as f64 / work.calls as f64 })
+        (work.calls > 0).then(|| EnclosureCalls {
+            calls: work.calls,
+            lanes: work.lanes as f64 / work.calls as f64,
+        })
     }
 }

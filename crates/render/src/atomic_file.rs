@@ -1,8 +1,8 @@
 //! Files that appear whole or not at all.
 //!
 //! Content goes to an unnamed file, which at the end is copied next to the target and renamed over
-//! it. [`AtomicFile::create`] checks beforehand that this is possible, so an unwritable target is an
-//! error before the rendering and not after it. An interrupted run leaves nothing behind.
+//! it. [`AtomicFile::create`] checks beforehand that this is possible, so an unwritable target is
+//! an error before the rendering and not after it. An interrupted run leaves nothing behind.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};

@@ -103,7 +103,8 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// `[lo, hi]`, raised to the least positive number of the format, where the logarithm is defined.
+    /// `[lo, hi]`, raised to the least positive number of the format, where the logarithm is
+    /// defined.
     pub(in crate::rules) fn positive_ends(&mut self, a: &Operand<M::V>) -> [M::V; 2] {
         let lo = self.lo(&a.value);
         if a.range.lo > 0.0 {
