@@ -14,7 +14,7 @@ pub struct Output {
 
 enum Sink {
     File(AtomicFile),
-    /// The path `-`: printed at the end.
+    /// Standard output. Its content is collected here and printed at the end.
     Standard(Vec<u8>),
 }
 
@@ -53,8 +53,8 @@ impl Output {
         self.end()
     }
 
-    /// Like [`Output::finish`], but writes to standard output as content comes. A closed pipe ends
-    /// this without an error.
+    /// Like [`Output::finish`], but writes to standard output immediately. A closed pipe ends the
+    /// output without an error.
     ///
     /// # Errors
     /// If writing or renaming fails; a file is then unchanged.

@@ -1,24 +1,24 @@
 //! Files that appear whole or not at all.
 //!
-//! Content goes to an unnamed file, which at the end is copied next to the target and renamed over
-//! it. [`AtomicFile::create`] checks beforehand that this is possible, so an unwritable target is
-//! an error before the rendering and not after it. An interrupted run leaves nothing behind.
+//! Content is written to an unnamed file. At the end it is copied next to the target and renamed
+//! over it. [`AtomicFile::create`] checks beforehand that this is possible, so an unwritable target
+//! is reported before rendering. An interrupted run leaves no files behind.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// Longest chain of symbolic links, as in Linux.
+/// Longest chain of symbolic links that is followed, as in Linux.
 const MOST_LINKS: usize = 40;
 
 /// A file being written. It appears under its name when it is [committed](Self::commit).
 pub struct AtomicFile(Sink);
 
 enum Sink {
-    /// A file without a name, so that an interrupted run leaves nothing, and its final path.
+    /// An unnamed file and its final path. An interrupted run leaves nothing behind.
     Renamed(BufWriter<File>, PathBuf),
-    /// A device or a pipe, which a rename would replace.
+    /// A device or a pipe. It is written directly, since a rename would replace it.
     Direct(BufWriter<File>),
 }
 
@@ -35,7 +35,7 @@ impl AtomicFile {
                 let device = File::options().write(true).open(&path)?;
                 return Ok(Self(Sink::Direct(BufWriter::new(device))));
             }
-            // A rename would replace even a read-only file; opening it for writing fails.
+            // A rename would replace even a read-only file, so check that it can be written to.
             Ok(_) => drop(File::options().write(true).open(&path)?),
             Err(_) => {}
         }
@@ -97,7 +97,7 @@ fn copy_and_rename(mut written: File, target: &Path) -> io::Result<()> {
         #[cfg(unix)]
         {
             use std::os::unix::fs::{MetadataExt, fchown};
-            // Only a superuser can change the owner; for others this fails, which is accepted.
+            // Only a superuser can change the owner. For others this fails, which does no harm.
             let _ = fchown(file.as_file(), Some(replaced.uid()), Some(replaced.gid()));
         }
         // A private file stays private.
@@ -107,8 +107,7 @@ fn copy_and_rename(mut written: File, target: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns the path that symbolic links lead to, since a rename would replace a link. The last link
-/// may lead to a file that does not exist yet.
+/// Follows symbolic links, since a rename would replace a link. The target need not exist.
 fn resolve_links(mut path: PathBuf) -> io::Result<PathBuf> {
     for _ in 0..MOST_LINKS {
         if !path.is_symlink() {
@@ -131,6 +130,6 @@ fn temporary(directory: &Path) -> io::Result<NamedTempFile> {
         // The process's umask still applies.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    // The full error would name the temporary file.
+    // The full error would mention the temporary file's path.
     builder.tempfile_in(directory).map_err(|error| error.kind().into())
 }
