@@ -78,7 +78,7 @@ SURFACE(linked_tori, 1.0f, X u = 10.f * x; X v = 10.f * y; X w = 10.f * z; retur
 struct Rays { V o[3], d[3], distance; M hit, valid; };
 static thread_local long evaluations;
 
-// Algorithm 3: slabs along the axis K are halved where F contains 0, with a stack of steps by depth.
+// Algorithm 3: slabs along the axis K are halved where F contains 0. A stack holds steps by depth.
 template <class F> static void trace(Rays &r, float b, int depth) {
   V enter = splat(0), leave = splat(1e30f);
   for (int a = 0; a < 3; a++) {
