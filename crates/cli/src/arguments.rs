@@ -18,6 +18,10 @@ use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOpt
 /// Default number of rays traced in a pixel that lies on an edge.
 pub const DEFAULT_AA: usize = 16;
 
+/// Shown below the options of `render --help`.
+const MORE: &str =
+    "--help-all also lists arrays of what is proven, and options of methods, light and sequences.";
+
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
 /// Without a command, zeroset opens a window and a prompt.
@@ -44,9 +48,10 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a formula, a file, or a gallery surface to a picture.
+    #[command(after_help = MORE, after_long_help = "")]
     Render(Box<RenderArgs>),
     /// Evaluate formulas at points or over boxes: JSON lines in, JSON lines out.
-    #[command(after_long_help = EVAL_FORMAT)]
+    #[command(after_help = EVAL_FORMAT)]
     Eval(EvalArgs),
     /// Show how a formula is read, simplified and compiled.
     Explain(ExplainArgs),
@@ -159,7 +164,7 @@ pub struct RenderArgs {
     pub camera: CameraArgs,
 
     /// Choose the shape that the domain is clipped to
-    #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipShape>(), default_value = "auto")]
+    #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipShape>(), default_value = "auto", hide_short_help = true)]
     pub clip_to: ClipShape,
 
     #[command(flatten)]
@@ -225,7 +230,7 @@ pub struct CameraArgs {
     target: Option<DVec3>,
 
     /// Set the direction that points up in the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
     up: Option<DVec3>,
 
     /// Set the vertical field of view, in degrees [default: 40]
@@ -233,7 +238,13 @@ pub struct CameraArgs {
     fov: Option<f64>,
 
     /// Use parallel projection, with a picture this high in world units
-    #[arg(long, value_name = "HEIGHT", conflicts_with = "fov", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "HEIGHT",
+        conflicts_with = "fov",
+        allow_hyphen_values = true,
+        hide_short_help = true
+    )]
     ortho: Option<f64>,
 
     /// Keep only a*x + b*y + c*z <= d; `off` removes a clip plane that the file sets
@@ -283,7 +294,7 @@ impl KernelArgs {
 /// The flags are `--method`, and one for each row of [`OPTIONS`].
 impl Args for KernelArgs {
     fn augment_args(command: clap::Command) -> clap::Command {
-        let method = Arg::new("method").long("method").value_parser(methods());
+        let method = Arg::new("method").long("method").value_name("METHOD").value_parser(methods());
         let method = method.default_value(METHODS[0].name).help("How rays are traced");
         OPTIONS.iter().fold(command.arg(method), |command, option| command.arg(flag(option)))
     }
@@ -321,7 +332,9 @@ fn flag(option: &'static MethodOption) -> Arg {
     }
     let default = (option.get)(&TraceOptions::default());
     let arg = arg.value_name(option.value).visible_aliases(option.aliases.iter().copied());
-    arg.allow_hyphen_values(true).help(format!("{} [default: {default}]", option.help))
+    arg.allow_hyphen_values(true)
+        .help(format!("{} [default: {default}]", option.help))
+        .hide_short_help(!option.is_common)
 }
 
 #[derive(Debug, Args)]
@@ -334,11 +347,11 @@ pub struct TracingArgs {
     pub shadows: bool,
 
     /// Halve a shadow ray's path this many times [default: one less than --max-depth]
-    #[arg(long, value_name = "N", requires = "shadows")]
+    #[arg(long, value_name = "N", requires = "shadows", hide_short_help = true)]
     pub shadow_depth: Option<u32>,
 
     /// Choose how normals are computed
-    #[arg(long, value_parser = one_of::<Normals>(), default_value = "gradient")]
+    #[arg(long, value_parser = one_of::<Normals>(), default_value = "gradient", hide_short_help = true)]
     pub normals: Normals,
 
     /// Use this many threads [default: one per processor]
@@ -366,26 +379,26 @@ pub struct SequenceArgs {
 
     /// Stop one step before the end, which shows the same as the start, so that an animation
     /// repeats smoothly (implied by a full turn without other motion)
-    #[arg(long = "loop")]
+    #[arg(long = "loop", hide_short_help = true)]
     pub is_loop: bool,
 
     /// Show this many frames per second of an animation
-    #[arg(long, value_name = "N", default_value_t = 30)]
+    #[arg(long, value_name = "N", default_value_t = 30, hide_short_help = true)]
     pub fps: u16,
 
     /// Split the work into N equal parts and render only part I: 1/8 to 8/8
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, value_name = "I/N", hide_short_help = true)]
     pub shard: Option<String>,
 
     /// Keep frames that this command has already rendered from the same text
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     pub resume: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct ShadingArgs {
     /// Choose how undecided pixels are drawn
-    #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade")]
+    #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade", hide_short_help = true)]
     pub undecided: UndecidedStyle,
 
     /// Choose lighting and background [default: the document's, else studio]
@@ -405,11 +418,11 @@ pub struct ShadingArgs {
     pub aa: usize,
 
     /// Set the position of the light [default: far above and to the left of the camera]
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
     pub light: Option<DVec3>,
 
     /// Set the ambient share of the light, from 0 to 1 [default: the look's]
-    #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true, hide_short_help = true)]
     pub ambient: Option<f32>,
 
     /// Set the background to a CSS color such as white, or to hexadecimal digits [default: the

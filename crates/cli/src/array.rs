@@ -137,7 +137,7 @@ impl Args for Arrays {
     fn augment_args(command: Command) -> Command {
         ARRAYS.iter().fold(command, |command, row| {
             let flag = Arg::new(row.flag).long(row.flag).help(row.help).value_name("FILE.npy");
-            command.arg(flag.value_parser(value_parser!(PathBuf)))
+            command.arg(flag.value_parser(value_parser!(PathBuf)).hide_short_help(true))
         })
     }
 

@@ -116,6 +116,8 @@ pub struct MethodOption {
     pub prompt_help: &'static str,
     /// The key in JSON reports; empty for none.
     pub key: &'static str,
+    /// Whether short help lists it.
+    pub is_common: bool,
     /// The axis label of charts that vary it; empty if charts do not.
     pub axis: &'static str,
     /// The value as it is typed; `on` or `off` for a switch.
@@ -174,6 +176,7 @@ pub const PRECISION: MethodOption = MethodOption {
     help: "Kernel precision; enclosures are rigorous in all",
     prompt_help: "kernel precision: f64 is slower but resolves more",
     key: "precision",
+    is_common: true,
     axis: "precision",
     get: |options| options.precision.to_string(),
     // Slabs that are too thin for the new floats become as thin as they can be.
@@ -249,6 +252,7 @@ pub const TOLERANCE: MethodOption = MethodOption {
     help: "How far, in pixels, a hit may be from where it is reported: above 0, at most 100",
     prompt_help: "how far a hit may be from where it is drawn, in pixels",
     key: "tolerance",
+    is_common: true,
     axis: "tolerance, in pixels",
     get: |options| options.tolerance.to_string(),
     set: |options, text| {
@@ -309,6 +313,7 @@ const SWITCH: MethodOption = MethodOption {
     help: "",
     prompt_help: "",
     key: "",
+    is_common: false,
     axis: "",
     get: |_| String::new(),
     set: |_, _| Ok(()),
