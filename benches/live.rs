@@ -41,7 +41,8 @@ struct Edit {
     lines: [String; 2],
 }
 
-/// All keys that leave valid text while the formulas are typed.
+/// The line of each example's first surface is typed key by key. Returns the keys that leave valid
+/// text.
 fn edits(examples: &[Example]) -> Vec<Edit> {
     let mut edits = Vec::new();
     for (number, example) in examples.iter().enumerate() {

@@ -104,8 +104,8 @@ const LEAST: f64 = 1e-100;
 
 /// A ray as methods take it, and the factor between its t and that of the caller's ray.
 ///
-/// The factor is a power of two that brings the direction's largest component within [0.5, 1), so
-/// that both are the same line.
+/// The factor is a power of two that brings the direction's largest component within [0.5, 1).
+/// Scaling by it is exact, so both rays lie on the same line.
 fn scaled(ray: &Ray, number: usize, accuracy: f64) -> Result<(Segment, f64), Error> {
     let refuse = |why: &str| Err(Error::argument(format!("ray {number} {why}")));
     let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction));

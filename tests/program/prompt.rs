@@ -296,7 +296,8 @@ fn terminals_that_take_pixels_get_them() {
     let terminal = Terminal::start_in("xterm-kitty", &["--preview", "x^2+y^2+z^2 = 1"]);
     terminal.shows("undecided");
     let shown = terminal.shown();
-    // The terminal has 90 columns and 30 rows, of which 4 are left free, and no size in pixels.
+    // The terminal has 90 columns and 30 rows, and 4 rows are left free. It does not report its
+    // size in pixels, so a character is taken to be 8 by 16.
     assert!(shown.contains("\u{1b}_Ga=T,f=100,q=2,c=90,r=26,"), "no picture");
     assert!(shown.contains("720x416"), "another size");
     assert!(!has_letters(&shown), "letters too");

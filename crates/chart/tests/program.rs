@@ -125,7 +125,8 @@ fn rigour_has_a_price() {
         chart(&["rigour", "sphere", "gyroid", "--size", "64", "--repeats", "3", "-o", path]);
     assert!(output.status.success(), "{output:?}");
     let rows: Vec<rigour::RigourRow> = parsed(&directory.path().join("rigour.csv"));
-    // Two surfaces, three kernels and a picture, two precisions, three arithmetics.
+    // One row for each of 2 surfaces, 4 workloads (three kernels and a picture), 2 precisions and 3
+    // arithmetics.
     assert_eq!(rows.len(), 2 * 4 * 2 * 3, "{rows:?}");
     for row in &rows {
         assert!(row.ns > 0.0 && row.ns_lower <= row.ns && row.ns <= row.ns_upper, "{row:?}");

@@ -450,7 +450,7 @@ fn side() -> impl TypedValueParser<Value = &'static StandardView> {
     names.try_map(|name| StandardView::named(&name).ok_or("no such view"))
 }
 
-/// Description of the JSON lines, shown below the options by `eval --help-all`.
+/// Description of the JSON lines, shown below the options by `eval --help`.
 const EVAL_FORMAT: &str = r#"One line in, one line out; both are JSON objects.
 
 At a point:

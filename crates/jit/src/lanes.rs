@@ -55,7 +55,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder
     }
 
-    /// Returns the vector as a value of the function.
+    /// Returns the Cranelift value of a vector. A constant gets one when it is first used.
     pub fn value(&mut self, vector: LaneVector) -> Value {
         let (format, bits) = match vector {
             LaneVector::Value(value) => return value,

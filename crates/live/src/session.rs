@@ -72,7 +72,7 @@ impl SessionState {
 }
 
 impl Checkpoint {
-    /// The dragged values, except those that `text` defines differently from this checkpoint.
+    /// The dragged values whose definitions in `text` are the same as in this checkpoint's text.
     pub fn dragged_in(&self, text: &str) -> Vec<Dragged> {
         let side = |text, one: &Dragged| right_side(text, &one.name);
         let kept =

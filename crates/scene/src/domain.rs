@@ -312,8 +312,8 @@ fn windows(program: &Program, search: &CellSearch<'_>) -> Result<(Cell, bool), P
     Ok((whole.unwrap_or(Cell::cube(DEFAULT_HALF)), all_round))
 }
 
-/// A side shorter than this share of the longest is too thin: `FLAT` for a window, `THIN` for a
-/// bounded surface, which may be a curve.
+/// A side shorter than this share of the longest is too thin: `FLAT` for a window, `THIN` for the
+/// box around a bounded surface.
 const FLAT: f64 = 0.01;
 const THIN: f64 = 1e-4;
 /// A side that is too thin gets this share of the longest.

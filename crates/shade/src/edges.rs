@@ -81,9 +81,9 @@ impl<'a> PixelRun<'a> {
 /// One bit per lane.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// The pairs that may have an edge between them, as bits, among the sixteen pairs from the `k`th
-/// on. These few comparisons decide most pairs. A step in depth is no edge up to `at_eye` plus
-/// `growth` times the depth.
+/// Compares sixteen pairs of pixels, from the `k`th on. Returns those that may have an edge between
+/// them, as bits: these few comparisons rule out most pairs. Depths may differ by `at_eye` plus
+/// `growth` times the smaller one.
 #[inline(always)]
 fn differing<S: Simd>(
     simd: S,

@@ -167,10 +167,12 @@ impl RayGrid {
 
     /// The ray through the center of the pixel in column `i` and row `j`; row 0 is on top.
     ///
-    /// Its direction is `forward + (2(i+½)/width − 1)·s·(width/height)·right + (1 −
-    /// 2(j+½)/height)·s·up`, where `s` is the tangent of half the vertical field of view. In an
-    /// orthographic picture the direction is `forward`, and the two offsets move the origin
-    /// instead, with `s` half the height. Errors are given at [`Camera`].
+    /// The ray's direction is `forward + (2(i+½)/width − 1)·s·(width/height)·right + (1 −
+    /// 2(j+½)/height)·s·up`, where `s` is the tangent of half the vertical field of view.
+    ///
+    /// In an orthographic picture the direction is `forward`. The other two terms move the origin
+    /// instead, and `s` is half the picture's height in world units. [`Camera`] bounds the rounding
+    /// errors of rays.
     #[inline]
     pub fn ray(&self, i: usize, j: usize) -> Ray {
         let [across, upward] = self.offset(i, j).map(|offset| offset * self.unit);

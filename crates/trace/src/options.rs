@@ -340,8 +340,8 @@ impl MethodOption {
         (!self.is_default(options)).then(|| format!("--{}{value}", self.name))
     }
 
-    /// The value for a summary, or the name of a switch. `None` for a default that summaries do not
-    /// show.
+    /// What a summary shows of this option: its value, or its name if it is a switch. `None` if
+    /// summaries do not show it because the value is the default.
     pub fn short(&self, options: &TraceOptions) -> Option<String> {
         let is_shown = self.is_always_shown || !self.is_default(options);
         is_shown.then(|| {

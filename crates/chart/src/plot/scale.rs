@@ -31,7 +31,8 @@ impl AxisScale {
         Self { low, high, zero, places: 0 }
     }
 
-    /// An axis with this many named places.
+    /// An axis with this many places at equal distances, for names. Their values are 0, 1, 2 and so
+    /// on.
     pub fn named(places: usize) -> Self {
         Self { low: 0.0, high: 1.0, zero: None, places }
     }

@@ -83,7 +83,8 @@ mod tests {
         assert_eq!((greys[0], greys[7]), (0, 255));
         assert!(greys.is_sorted() && greys[3] > 80 && greys[4] < 175, "{greys:?}");
         assert!(pixels.iter().all(|pixel| pixel & 0xff == pixel >> 16));
-        // A narrower picture shows the middle, and a single pixel fills any picture.
+        // A window of one pixel shows the middle of a picture, and a picture of one pixel fills any
+        // window.
         let mut one = [7];
         enlarge(&rgb, [2, 1], &mut one, [1, 1]);
         assert_eq!(one[0] & 0xff, 128);

@@ -21,7 +21,7 @@ pub struct Surfaces {
     scroll: usize,
     hovered: Option<(usize, ListPart)>,
     held: Option<ListDrag>,
-    /// Index and new opacity of a surface, not requested yet.
+    /// Index of a surface, and its new opacity, which has not been requested yet.
     opacity: Option<(usize, f64)>,
     /// Revision and time of the last request of an opacity.
     sent: Option<(u64, Instant)>,

@@ -4,7 +4,7 @@
 /// both counted.
 const COUNTED: f32 = if cfg!(all(unix, not(target_os = "macos"))) { 2.0 } else { 1.0 };
 
-/// Converts the library's counts to steps.
+/// Converts scroll counts to steps. Keeps the count of a step that is not complete yet.
 #[derive(Default)]
 pub struct Wheel {
     /// Count of a step whose button has not been released yet.

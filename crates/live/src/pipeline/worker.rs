@@ -268,7 +268,7 @@ impl Worker {
         is_alike.then_some(seen)
     }
 
-    /// Applies the requested light to a plain full picture, unless a newer request exists.
+    /// Draws a full picture again in the requested light, unless a newer request exists.
     fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), FaultReason> {
         let (settings, advance) = (&job.request.settings, |_| self.shared.wanted(job));
         if !advance(0) {

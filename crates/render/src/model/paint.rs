@@ -67,8 +67,8 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The color maps and contour lines of a model. The points of `picture` determine the ranges of
-    /// values. `None` if there are neither maps nor lines.
+    /// The color maps and contour lines of a model; `None` if it has neither. A range of values
+    /// that is not given is taken from the surface points in `picture`.
     pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
         let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();

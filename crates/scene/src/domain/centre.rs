@@ -19,7 +19,8 @@ struct NodePolynomial {
     is_whole: bool,
 }
 
-/// Largest number of products of terms that are expanded in a function.
+/// How many pairs of terms may be multiplied in all while the polynomials of a function are
+/// expanded.
 const MOST_PRODUCTS: usize = 100_000;
 
 /// The center of the function at `root`, for parameters within `parameters`: the mean of the

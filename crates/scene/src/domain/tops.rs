@@ -31,8 +31,8 @@ const SCALES: i32 = 5;
 const LOW: f64 = 0.075;
 const HIGH: f64 = 3.0;
 
-/// Toward a pole, the extent of the middle half of all heights grows by at least this factor when
-/// the window is halved.
+/// A graph counts as having poles only if the range of the middle half of its heights grows by more
+/// than this factor when the window is halved.
 const GROWS: f64 = 1.2;
 
 /// Half the side of a window on the extrema of a graph, or on some of them if there are many.

@@ -56,7 +56,8 @@ const WHITE: f32 = 2.0;
 /// lanes.
 #[inline(always)]
 pub fn highlight_power<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
-    /// Square of the cosine at which the power is 1e-6.
+    /// The highlight is too small to be visible where the cosine's square is at most this: the
+    /// cosine's 40th power is then at most about 1e-6.
     const LEAST: f32 = 0.5;
     let is_seen = above.simd_gt(LEAST * below);
     if is_seen.all_false() {

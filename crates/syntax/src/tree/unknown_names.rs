@@ -277,7 +277,8 @@ impl Scope {
         found[name.len()] = Some(Vec::new());
         for at in (0..name.len()).rev().filter(|at| name.is_char_boundary(*at)) {
             let ends = (at + 1..=name.len()).rev().filter(|end| name.is_char_boundary(*end));
-            // The whole name does not count as a part, even if it is defined.
+            // At the start, the longest part is skipped: it is the whole name, which is to be split
+            // even if it is defined.
             found[at] = ends.skip(usize::from(at == 0)).find_map(|end| {
                 let rest = found[end].as_ref()?;
                 let kind = self.part(&name[at..end], locals)?;

@@ -1,6 +1,6 @@
 //! Affine forms must enclose the values of every operation alone, and of random functions along
-//! segments and tiles of rays, in both precisions. Contractions must lose no zero, and forms of
-//! smooth functions must be as tight as they should be.
+//! segments and tiles of rays, in both precisions. Contractions must lose no zero. Errors of smooth
+//! operations must shrink like the square of the operands' spread.
 //!
 //! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all forms`.
 

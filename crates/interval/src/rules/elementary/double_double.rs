@@ -192,7 +192,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.each(a, |approx, part| approx.m.mul(part, power))
     }
 
-    /// a with its sign flipped where `sign` has the sign bit set; other bits of `sign` must be 0.
+    /// Flips the sign of `a` in lanes where `sign` has the sign bit set. All other bits of `sign`
+    /// must be 0.
     pub(super) fn flipped(&mut self, a: DoubleDouble<M::V>, sign: M::V) -> DoubleDouble<M::V> {
         self.each(a, |approx, part| approx.m.xor(part, sign))
     }

@@ -66,7 +66,8 @@ impl Decoration {
 /// Returns all cases of a file.
 ///
 /// # Panics
-/// If the file contains other notation, so that no case is skipped unnoticed.
+/// If the file contains notation that this reader does not know, so that no case is skipped
+/// unnoticed.
 pub fn parse(file: &str) -> Vec<TestCase> {
     let mut text = file.to_owned();
     while let Some(start) = text.find("/*") {

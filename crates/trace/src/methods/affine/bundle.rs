@@ -90,10 +90,14 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Writes the rays of a 4×4 tile to the batch. The tile's plane narrows the segment of each
-    /// ray. If the segment is not `within` the region, it is clipped to the region, and `inside` is
-    /// set to where each ray is certainly in it. Returns the lanes in which anything is left, as
-    /// bits.
+    /// Writes the rays of a 4×4 tile to the batch, each with the part of `segment` that the tile's
+    /// plane leaves.
+    ///
+    /// Unless `segment` lies `within` the region, these parts are clipped to the region too. Then
+    /// `inside` is set, for each ray, to values of s between which the ray is certainly in the
+    /// region.
+    ///
+    /// Returns the lanes in which anything is left, as bits.
     #[inline(always)]
     fn place(
         &mut self,
