@@ -58,14 +58,14 @@ pub struct Counts {
 pub struct Picture {
     rays: RayGrid,
     domain: [Interval; 3],
-    rows: Rows,
+    rows: PictureArrays,
     /// The picture without its rows.
     whole: picture::Picture,
 }
 
 /// The arrays of a picture, from the top down to the last finished row.
 #[derive(Clone, Default)]
-pub(crate) struct Rows {
+pub(crate) struct PictureArrays {
     rgb: Vec<u8>,
     status: Vec<Status>,
     reason: Vec<UndecidedReason>,
@@ -75,7 +75,7 @@ pub(crate) struct Rows {
     surface: Vec<u16>,
 }
 
-impl Rows {
+impl PictureArrays {
     /// Adds the next rows.
     pub fn add(&mut self, part: &picture::Picture) {
         let buffer = &part.buffer;
@@ -99,7 +99,12 @@ impl Rows {
 
 impl Picture {
     /// A picture whose rows are all there; `whole` tells of all of them.
-    pub(crate) fn new(rays: RayGrid, region: &Region, rows: Rows, whole: picture::Picture) -> Self {
+    pub(crate) fn new(
+        rays: RayGrid,
+        region: &Region,
+        rows: PictureArrays,
+        whole: picture::Picture,
+    ) -> Self {
         Self { rays, domain: bounds(region), rows, whole }
     }
 

@@ -1,7 +1,7 @@
 //! A text of surfaces, drawn.
 
 use crate::error::{Diagnostic, Error};
-use crate::picture::{Picture, Rows};
+use crate::picture::{Picture, PictureArrays};
 use crate::settings::Settings;
 use crate::text::{Parameter, Text};
 use std::fmt;
@@ -102,7 +102,7 @@ impl Scene {
             framing::camera(&model, document, choice, &settings)
         };
         let camera = camera.map_err(Error::scene)?;
-        let (mut rows, mut marks) = (Rows::default(), None);
+        let (mut rows, mut marks) = (PictureArrays::default(), None);
         let size = [settings.width, settings.height];
         let mut add = |Strip { top, picture, overview }: Strip<'_>| -> Result<(), ProgramError> {
             let seen = overview.unwrap_or(&*picture);

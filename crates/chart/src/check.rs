@@ -8,7 +8,7 @@ use crate::progress::progress;
 use crate::row::Row;
 use crate::run::RunBatch;
 use crate::store::Store;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::views::View;
 use std::path::Path;
 
@@ -40,7 +40,7 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
     let batches = grouped(&store.rows, |row| (&row.surface, &row.view, row.conditions()));
     let bar = progress(batches.len());
     for ((surface, view, conditions), old) in batches {
-        let surface = Surface::named(surface)?;
+        let surface = ChartSurface::named(surface)?;
         let view = View { name: view.clone(), camera: old[0].camera()? };
         bar.set_message(format!("{} {}", surface.name, view.name));
         let configurations =

@@ -22,7 +22,7 @@ pub enum ChartError {
     UnknownMethod(String),
     /// A surface cannot be drawn or judged.
     #[error("{surface}: {why}")]
-    Surface {
+    ChartSurface {
         /// The surface's name.
         surface: String,
         /// The cause, as one phrase.
@@ -57,7 +57,7 @@ pub enum ChartError {
 impl ChartError {
     /// Converter of a surface's errors for `map_err`.
     pub fn of_surface<E: ToString>(surface: &str) -> impl Fn(E) -> Self {
-        move |why| Self::Surface { surface: surface.to_owned(), why: why.to_string() }
+        move |why| Self::ChartSurface { surface: surface.to_owned(), why: why.to_string() }
     }
 
     /// Converter of a chart's errors for `map_err`.

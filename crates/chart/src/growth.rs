@@ -12,7 +12,7 @@ use crate::files::write_csv;
 use crate::machine::Environment;
 use crate::measure::pool;
 use crate::progress::progress;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::views::rng;
 use formulas::all;
 use serde::{Deserialize, Serialize};
@@ -99,7 +99,7 @@ fn save(rows: &[GrowthRow], directory: &Path) -> Result<(), ChartError> {
 
 /// Compiles a formula once.
 fn compile(
-    (source, formula): &(FormulaSource, Surface),
+    (source, formula): &(FormulaSource, ChartSurface),
     seed: u64,
     machine: &Environment,
 ) -> Result<GrowthRow, ChartError> {

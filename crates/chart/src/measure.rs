@@ -3,7 +3,7 @@
 use crate::error::ChartError;
 use crate::grid::Configuration;
 use crate::quantile::Quartiles;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::views::rng;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::time::{Duration, Instant};
@@ -48,7 +48,7 @@ pub fn pool(threads: usize) -> ThreadPool {
 /// # Panics
 /// If `repeats` is 0.
 pub fn measure(
-    surface: &Surface,
+    surface: &ChartSurface,
     camera: &Camera,
     size: usize,
     configurations: &[Configuration],

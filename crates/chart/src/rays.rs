@@ -4,7 +4,7 @@
 use crate::arguments::RaysArguments;
 use crate::error::ChartError;
 use crate::files::write;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::truth::{Truth, certify};
 use crate::views::{direction, rng};
 use glam::DVec3;
@@ -32,7 +32,7 @@ const COLUMNS: usize = 6;
 /// If the surface is unknown or a solid, the file has no rays, or a result cannot be written.
 pub fn rays(arguments: &RaysArguments) -> Result<String, ChartError> {
     let RaysArguments { surface, output, within, .. } = arguments;
-    let surface = Surface::named(surface)?;
+    let surface = ChartSurface::named(surface)?;
     if surface.is_solid() {
         let why = "a solid has faces, too; rays are followed to surfaces only";
         return Err(ChartError::of_surface(&surface.name)(why));
@@ -112,7 +112,7 @@ fn random(region: &Region, count: usize, seed: u64) -> Vec<Ray> {
 /// A method's results, and its time per ray in nanoseconds, without compilation.
 fn follow(
     method: &Method,
-    surface: &Surface,
+    surface: &ChartSurface,
     program: &Program,
     rays: &[Ray],
     within: f64,

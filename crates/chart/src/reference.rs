@@ -2,7 +2,7 @@
 
 use crate::error::ChartError;
 use crate::files::write;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::truth::{Truth, certify};
 use crate::views::{View, rng};
 use serde::{Deserialize, Serialize};
@@ -55,7 +55,7 @@ impl RootReference {
     /// If the directory cannot be written, or the function cannot be compiled.
     pub fn kept(
         directory: &Path,
-        surface: &Surface,
+        surface: &ChartSurface,
         view: &View,
         sampling: Sampling,
     ) -> Result<Self, ChartError> {

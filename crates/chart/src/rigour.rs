@@ -19,7 +19,7 @@ use crate::machine::Environment;
 use crate::measure::pool;
 use crate::progress::progress;
 use crate::quantile::{Quartiles, geometric_mean};
-use crate::surfaces::{self, Surface};
+use crate::surfaces::{self, ChartSurface};
 use crate::views::{View, rng, views};
 use inputs::{ByArithmetic, boxes, chosen, errors, lengths, widths};
 use kernels::{HasKernel, KernelPrecision, KernelSet, PrecisionKernels};
@@ -96,7 +96,7 @@ fn table(rows: &[RigourRow]) -> String {
 
 /// A surface, and the conditions that it is measured under.
 struct Plan<'a> {
-    surface: &'a Surface,
+    surface: &'a ChartSurface,
     view: &'a View,
     program: &'a Program,
     arguments: &'a RigourArguments,

@@ -5,7 +5,7 @@ use crate::errors::PixelErrors;
 use crate::grid::{Configuration, precision};
 use crate::machine::Environment;
 use crate::measure::Measured;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::views::View;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -112,7 +112,7 @@ pub fn status_hash(buffer: &GBuffer) -> String {
 impl Row {
     /// A row from the parts of a measurement.
     pub fn new(
-        surface: &Surface,
+        surface: &ChartSurface,
         view: &View,
         conditions: Conditions,
         configuration: &Configuration,

@@ -10,7 +10,7 @@ use crate::progress::progress;
 use crate::reference::{RootReference, Sampling};
 use crate::row::{Conditions, Row};
 use crate::store::Store;
-use crate::surfaces::{Surface, chosen};
+use crate::surfaces::{ChartSurface, chosen};
 use crate::views::{View, views};
 use rayon::ThreadPool;
 use std::path::Path;
@@ -62,7 +62,7 @@ pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
 /// One view of one surface, and the conditions that it is measured under.
 pub struct RunBatch<'a> {
     /// The surface.
-    pub surface: &'a Surface,
+    pub surface: &'a ChartSurface,
     /// The view.
     pub view: &'a View,
     /// The conditions.

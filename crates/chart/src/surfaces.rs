@@ -16,12 +16,12 @@ static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/data");
 
 /// A document with its domain.
 #[derive(Clone, Debug)]
-pub struct Surface {
+pub struct ChartSurface {
     /// Name of the surface.
     pub name: String,
     /// Text of the function file.
     pub text: String,
-    /// Document read from the text. It has one surface, unless [`Surface::read`] read it, which
+    /// Document read from the text. It has one surface, unless [`ChartSurface::read`] read it, which
     /// allows several.
     pub document: Document,
     /// The domain: given, or the document's, or one found by intervals.
@@ -38,13 +38,13 @@ pub fn names() -> Vec<&'static str> {
 ///
 /// # Errors
 /// If a name is unknown, or its document has several surfaces.
-pub fn chosen(given: &[String]) -> Result<Vec<Surface>, ChartError> {
+pub fn chosen(given: &[String]) -> Result<Vec<ChartSurface>, ChartError> {
     let given = distinct(given.iter().map(String::as_str));
     let names = if given.is_empty() { names() } else { given };
-    names.into_iter().map(Surface::named).collect()
+    names.into_iter().map(ChartSurface::named).collect()
 }
 
-impl Surface {
+impl ChartSurface {
     /// The surface called `name`: one of the ten of this crate, or else of the gallery.
     ///
     /// # Errors
@@ -70,7 +70,7 @@ impl Surface {
         Ok(surface)
     }
 
-    /// Like [`Surface::of`], for a text that may have several surfaces.
+    /// Like [`ChartSurface::of`], for a text that may have several surfaces.
     ///
     /// # Errors
     /// If the text cannot be read, or has no domain.

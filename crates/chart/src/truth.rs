@@ -4,7 +4,7 @@
 //! normals come from a kernel. It evaluates the derivatives at the certified root in `f64`.
 
 use crate::error::ChartError;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -46,14 +46,18 @@ fn line(ray: &Ray) -> Line {
 ///
 /// # Errors
 /// If the function cannot be compiled.
-pub fn certify(surface: &Surface, rays: &[Ray], budget: u32) -> Result<Vec<Truth>, ChartError> {
+pub fn certify(
+    surface: &ChartSurface,
+    rays: &[Ray],
+    budget: u32,
+) -> Result<Vec<Truth>, ChartError> {
     let certifier = Certifier::new(surface, budget)?;
     Ok(rays.par_iter().map(|ray| certifier.truth(ray)).collect())
 }
 
 /// The certified tracer, prepared for a surface.
 pub struct Certifier<'a> {
-    surface: &'a Surface,
+    surface: &'a ChartSurface,
     model: Model,
     function: Function,
     bounds: [[f64; 2]; 3],
@@ -65,7 +69,7 @@ impl<'a> Certifier<'a> {
     ///
     /// # Errors
     /// If the function cannot be compiled.
-    pub fn new(surface: &'a Surface, budget: u32) -> Result<Self, ChartError> {
+    pub fn new(surface: &'a ChartSurface, budget: u32) -> Result<Self, ChartError> {
         let settings = Settings {
             options: TraceOptions { precision: Precision::F64, ..TraceOptions::default() },
             ..Settings::default()

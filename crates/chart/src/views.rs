@@ -4,7 +4,7 @@
 //! that are compared.
 
 use crate::error::ChartError;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::truth::Certifier;
 use fastrand::Rng;
 use glam::DVec3;
@@ -64,11 +64,11 @@ pub struct View {
 ///
 /// # Errors
 /// If the function cannot be compiled.
-pub fn views(surface: &Surface, count: usize, seed: u64) -> Result<Vec<View>, ChartError> {
+pub fn views(surface: &ChartSurface, count: usize, seed: u64) -> Result<Vec<View>, ChartError> {
     (0..count).map(|number| view(surface, number, seed)).collect()
 }
 
-fn view(surface: &Surface, number: usize, seed: u64) -> Result<View, ChartError> {
+fn view(surface: &ChartSurface, number: usize, seed: u64) -> Result<View, ChartError> {
     let mut rng = rng(&format!("{seed} {} view {number}", surface.name));
     let (centre, half) = (surface.region.centre(), surface.region.half_extent());
     let mut kind = if number == 0 { KINDS[0] } else { KINDS[1 + (number - 1) % (KINDS.len() - 1)] };
@@ -124,7 +124,7 @@ pub fn direction(rng: &mut Rng) -> DVec3 {
 }
 
 /// A point where the function crosses 0, visible from outside, with its normal towards the viewer.
-fn point(surface: &Surface, rng: &mut Rng) -> Result<Option<(DVec3, DVec3)>, ChartError> {
+fn point(surface: &ChartSurface, rng: &mut Rng) -> Result<Option<(DVec3, DVec3)>, ChartError> {
     let certifier = Certifier::new(surface, BUDGET)?;
     let (centre, half) = (surface.region.centre(), surface.region.half_extent());
     for _ in 0..TRIES {

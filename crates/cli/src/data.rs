@@ -1,6 +1,6 @@
 //! The directory of data that is kept after the program ends: history, last document, tips shown.
 
-use super::output::Output;
+use super::output::OutputFile;
 use std::path::PathBuf;
 
 /// Returns the data directory, created if missing. `None` if it cannot be created.
@@ -18,7 +18,7 @@ pub fn data_directory() -> Option<PathBuf> {
 pub fn store_text(name: &str, text: &str) {
     let Some(directory) = data_directory() else { return };
     // Failing to store the text is no reason to stop.
-    if let Ok(output) = Output::create(&directory.join(name)) {
+    if let Ok(output) = OutputFile::create(&directory.join(name)) {
         let _ = output.finish(|out| writeln!(out, "{text}"));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::arguments::OutputArgs;
 use super::array::{ARRAYS, ArrayRow, Arrays, NewRowWriter, RowWriter};
-use super::output::Output;
+use super::output::OutputFile;
 use super::png_file::PictureOrigin;
 use anyhow::{Context, Error, Result, bail, ensure};
 use png::StreamWriter;
@@ -32,7 +32,7 @@ impl OutputArgs {
 }
 
 /// The requested files, opened before rendering. The row is `None` for the picture itself.
-pub struct Files(Vec<(Option<&'static ArrayRow>, Output)>);
+pub struct Files(Vec<(Option<&'static ArrayRow>, OutputFile)>);
 
 impl Files {
     /// Opens all requested files.
@@ -51,7 +51,7 @@ impl Files {
         if let Some(path) = picture {
             check_png(path).map_err(Error::msg)?;
         }
-        let outputs = paths().map(|path| Output::create(path)).collect::<Result<Vec<_>>>()?;
+        let outputs = paths().map(|path| OutputFile::create(path)).collect::<Result<Vec<_>>>()?;
         for (index, (one, path)) in outputs.iter().zip(paths()).enumerate() {
             let twice = outputs[..index].iter().any(|other| one.is_same(other));
             ensure!(!twice, "'{}' is given for two outputs", path.display());
@@ -129,7 +129,7 @@ impl OpenFiles {
 
 /// An output file, shared with its row writer.
 #[derive(Clone)]
-struct SharedOutput(Rc<RefCell<Output>>);
+struct SharedOutput(Rc<RefCell<OutputFile>>);
 
 impl SharedOutput {
     fn failed(&self, error: io::Error) -> anyhow::Error {

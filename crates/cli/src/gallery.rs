@@ -2,7 +2,7 @@
 
 use super::arguments::GalleryArgs;
 use super::notes;
-use super::output::{Output, print};
+use super::output::{OutputFile, print};
 use super::progress::Progress;
 use super::render::{in_threads, method_settings, with_effects};
 use super::sheet::ContactSheet;
@@ -50,11 +50,11 @@ pub fn listed(examples: &[Example]) -> String {
 }
 
 fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()> {
-    let sheet_file = Output::create(&directory.join(SHEET))?;
+    let sheet_file = OutputFile::create(&directory.join(SHEET))?;
     let mut sheet = ContactSheet::new(examples.len());
     let bar = Progress::new(examples.len() as u64, "gallery");
     for (done, example) in examples.iter().enumerate() {
-        let file = Output::create(&directory.join(format!("{}.png", example.slug)))?;
+        let file = OutputFile::create(&directory.join(format!("{}.png", example.slug)))?;
         let picture = render(example, settings).with_context(|| example.slug)?;
         let (width, height) = (settings.width, settings.height);
         file.finish(|out| write_png(out, picture.as_raw(), [width, height], &[]))?;

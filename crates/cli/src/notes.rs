@@ -5,11 +5,11 @@ use std::io::{IsTerminal, Write};
 /// An error message that is already formatted, with carets and a suggestion.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub struct Diagnostic(pub String);
+pub struct FormattedError(pub String);
 
-/// Reports an error and its causes on one line. A [`Diagnostic`] is printed as it is.
+/// Reports an error and its causes on one line. A [`FormattedError`] is printed as it is.
 pub fn error(error: &anyhow::Error) {
-    if let Some(diagnostic) = error.downcast_ref::<Diagnostic>() {
+    if let Some(diagnostic) = error.downcast_ref::<FormattedError>() {
         return say(&diagnostic.0);
     }
     say(&format!("{}: {error:#}", label("error", "31")));

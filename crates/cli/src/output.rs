@@ -6,29 +6,29 @@ use std::path::{Path, PathBuf};
 use zeroset_render::atomic_file::AtomicFile;
 
 /// A file being written, which appears under its name at the end.
-pub struct Output {
+pub struct OutputFile {
     /// The path as given, for messages.
     path: PathBuf,
-    sink: Sink,
+    sink: OutputSink,
 }
 
-enum Sink {
+enum OutputSink {
     File(AtomicFile),
     /// Standard output. Its content is collected here and printed at the end.
     Standard(Vec<u8>),
 }
 
-impl Output {
+impl OutputFile {
     /// Prepares to write to `path`, following links; `-` is standard output.
     ///
     /// # Errors
     /// If the directory does not exist or cannot be written to, or the path is a directory.
     pub fn create(path: &Path) -> Result<Self> {
         let sink = if path == Path::new("-") {
-            Sink::Standard(Vec::new())
+            OutputSink::Standard(Vec::new())
         } else {
             let file = AtomicFile::create(path);
-            Sink::File(file.with_context(|| format!("cannot write '{}'", path.display()))?)
+            OutputSink::File(file.with_context(|| format!("cannot write '{}'", path.display()))?)
         };
         Ok(Self { path: path.to_owned(), sink })
     }
@@ -36,7 +36,7 @@ impl Output {
     /// Whether both outputs write to one file, so that one would replace the other.
     pub fn is_same(&self, other: &Self) -> bool {
         match (&self.sink, &other.sink) {
-            (Sink::File(one), Sink::File(other)) => one.is_same(other),
+            (OutputSink::File(one), OutputSink::File(other)) => one.is_same(other),
             _ => false,
         }
     }
@@ -53,15 +53,15 @@ impl Output {
         self.end()
     }
 
-    /// Like [`Output::finish`], but writes to standard output immediately. A closed pipe ends the
+    /// Like [`OutputFile::finish`], but writes to standard output immediately. A closed pipe ends the
     /// output without an error.
     ///
     /// # Errors
     /// If writing or renaming fails; a file is then unchanged.
     pub fn stream(self, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
         match self.sink {
-            Sink::Standard(_) => written(content(&mut std::io::stdout().lock())),
-            Sink::File(_) => self.finish(content),
+            OutputSink::Standard(_) => written(content(&mut std::io::stdout().lock())),
+            OutputSink::File(_) => self.finish(content),
         }
     }
 
@@ -76,26 +76,26 @@ impl Output {
     /// If writing or renaming fails; the target is then unchanged.
     pub fn end(self) -> Result<()> {
         match self.sink {
-            Sink::File(file) => {
+            OutputSink::File(file) => {
                 file.commit().with_context(|| format!("cannot write '{}'", self.path.display()))
             }
-            Sink::Standard(whole) => print_bytes(&whole),
+            OutputSink::Standard(whole) => print_bytes(&whole),
         }
     }
 }
 
-impl Write for Output {
+impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         match &mut self.sink {
-            Sink::File(file) => file.write(bytes),
-            Sink::Standard(whole) => whole.write(bytes),
+            OutputSink::File(file) => file.write(bytes),
+            OutputSink::Standard(whole) => whole.write(bytes),
         }
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
         match &mut self.sink {
-            Sink::File(file) => file.flush(),
-            Sink::Standard(_) => Ok(()),
+            OutputSink::File(file) => file.flush(),
+            OutputSink::Standard(_) => Ok(()),
         }
     }
 }

@@ -4,7 +4,7 @@ use super::animation::{Animation, AnimationFormat};
 use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
 use super::array::Arrays;
 use super::files::Files;
-use super::output::{Output, print};
+use super::output::{OutputFile, print};
 use super::png_file::PictureOrigin;
 use super::progress::Progress;
 use super::subject::{self, Subject};
@@ -372,7 +372,7 @@ impl<'a> FrameRenderer<'a> {
 
     /// Writes all frames to one file, or to standard output.
     fn animation(mut self, format: AnimationFormat, path: &Path, fps: u16) -> Result<FrameCounts> {
-        let output = Output::create(path)?;
+        let output = OutputFile::create(path)?;
         let origin = PictureOrigin::typed(&self.subject.source.text);
         let size = [self.settings.width, self.settings.height];
         let frames = self.sequence.frames;

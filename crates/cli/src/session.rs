@@ -4,7 +4,7 @@ use super::arguments::InteractiveArgs;
 use super::data::store_text;
 use super::gallery::listed;
 use super::history::History;
-use super::output::{Output, print};
+use super::output::{OutputFile, print};
 use super::png_file::PictureOrigin;
 use super::render::{kernel_settings, with_effects};
 use super::source::{self, Source};
@@ -358,7 +358,7 @@ impl Session {
             );
         }
         let text = self.live.text();
-        Output::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
+        OutputFile::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
         *lock(&self.refused_overwrite) = None;
         self.live.saved(&path, &text);
         self.follow();
@@ -382,7 +382,7 @@ impl Session {
                 .context("all names up to zeroset-9999.png are taken")?,
         };
         check_png(&path).map_err(anyhow::Error::msg)?;
-        let output = Output::create(&path)?;
+        let output = OutputFile::create(&path)?;
         // A picture that fits a terminal is too small for a file.
         let Settings { width, height, .. } = self.live.settings();
         let small = self.in_terminal.load(Ordering::Relaxed)

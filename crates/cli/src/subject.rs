@@ -54,7 +54,7 @@ impl Subject {
             Err(errors) => {
                 let shown =
                     errors.render(Some(&source.from.to_string()), &source.text, notes::colored());
-                Err(notes::Diagnostic(shown).into())
+                Err(notes::FormattedError(shown).into())
             }
         }
     }

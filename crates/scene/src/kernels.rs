@@ -124,7 +124,7 @@ fn within_limit(made: &[CompiledKernel]) -> Result<(), ProgramError> {
 }
 
 /// The steps of a kernel before parameter values are bound, and the uniforms that they read.
-struct Code<Q: Query, T: Real> {
+struct UnboundKernel<Q: Query, T: Real> {
     steps: Steps<Q, T>,
     uniforms: Uniforms,
 }
@@ -139,7 +139,7 @@ enum Steps<Q: Query, T: Real> {
 ///
 /// Slot 0 has code whose uniforms are computed beforehand. Slot 1 has code without uniforms, for
 /// parameter values at which a uniform is undefined.
-type Slot<Q, T> = [Once<Option<Code<Q, T>>>; 2];
+type Slot<Q, T> = [Once<Option<UnboundKernel<Q, T>>>; 2];
 
 /// The code of one surface in one precision.
 #[derive(Default)]
@@ -184,7 +184,7 @@ impl CodeStore {
         surface: usize,
         form: KernelSource,
         steps: Result<Option<(Tape<T>, Uniforms)>, ProgramError>,
-    ) -> Result<Option<Code<Q, T>>, ProgramError> {
+    ) -> Result<Option<UnboundKernel<Q, T>>, ProgramError> {
         let Some((tape, uniforms)) = steps? else { return Ok(None) };
         // The kernels compiled so far may have used up the limit.
         self.ledger.is_open()?;
@@ -200,7 +200,7 @@ impl CodeStore {
             Evaluator::Reference => Steps::Reference(tape),
         };
         self.ledger.add(made)?;
-        Ok(Some(Code { steps, uniforms }))
+        Ok(Some(UnboundKernel { steps, uniforms }))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The grid of rays of one picture: a camera together with a size in pixels.
 
 use crate::camera::{Basis, Camera, Projection};
-use crate::painted::Window;
+use crate::painted::PixelWindow;
 use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
 use glam::{DVec3, Vec3};
@@ -252,7 +252,7 @@ impl RayGrid {
     /// Columns and rows of a window's pixels in the whole picture, relative to those of its first
     /// pixel.
     #[inline(always)]
-    fn places(&self, window: Window) -> [Lanes<f32>; 2] {
+    fn places(&self, window: PixelWindow) -> [Lanes<f32>; 2] {
         if self.is_patched() {
             places_in_patch(window.column)
         } else {
@@ -266,7 +266,7 @@ impl RayGrid {
     pub fn points<S: Simd>(
         &self,
         simd: S,
-        window: Window,
+        window: PixelWindow,
         distances: &[f64; LANES],
     ) -> [Lanes<f64>; 3] {
         let Basis { forward, right, up } = self.basis;
@@ -302,7 +302,7 @@ impl RayGrid {
     /// The directions of the rays of a window, with an error of a few ulps of `f32`, which is
     /// enough for colors.
     #[inline(always)]
-    pub fn ways<S: Simd>(&self, simd: S, window: Window) -> RayDirections<S> {
+    pub fn ways<S: Simd>(&self, simd: S, window: PixelWindow) -> RayDirections<S> {
         let [forward, right, up] = self.steps;
         // These are in halves of a pixel. They are integers, so a part of a picture has the same
         // directions as the whole.

@@ -13,7 +13,7 @@ pub const SHADED_ROWS: usize = 8;
 
 /// Adjacent pixels of a row, one per lane. The window may extend beyond the row and the picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Window {
+pub struct PixelWindow {
     /// Column of the first pixel, from the left edge of the picture.
     pub column: usize,
     /// Row, from the top of the picture.
@@ -27,7 +27,7 @@ pub struct Window {
 /// All lanes.
 pub const FULL: u32 = (1 << LANES) - 1;
 
-impl Window {
+impl PixelWindow {
     /// The lanes that are wanted.
     #[inline]
     pub fn lanes(self) -> impl Iterator<Item = usize> {
@@ -69,7 +69,7 @@ impl Window {
         }
     }
 
-    /// As [`Window::store`], for colors. They were written a moment ago, sixteen bytes at a time,
+    /// As [`PixelWindow::store`], for colors. They were written a moment ago, sixteen bytes at a time,
     /// and are read in the same pieces: a wider read would wait until all of its pieces are in the
     /// nearest cache.
     #[inline(always)]
@@ -136,7 +136,7 @@ pub fn windows(
     drawn: &[f64],
     first: usize,
     width: usize,
-) -> Vec<Window> {
+) -> Vec<PixelWindow> {
     let width = width.max(1);
     // Memory is reserved for the largest possible number of windows, since it is soon released.
     let mut found = Vec::with_capacity(status.len().div_ceil(width) * width.div_ceil(LANES));
@@ -151,7 +151,7 @@ fn look<S: Simd>(
     drawn: &[f64],
     first: usize,
     width: usize,
-    found: &mut Vec<Window>,
+    found: &mut Vec<PixelWindow>,
 ) {
     for (row, (status, drawn)) in status.chunks(width).zip(drawn.chunks(width)).enumerate() {
         let mut column = 0;
@@ -170,7 +170,12 @@ fn look<S: Simd>(
                 }
                 wanted = painted(simd, &status[column..], &drawn[column..]);
             }
-            found.push(Window { column, row: first + row, index: row * width + column, wanted });
+            found.push(PixelWindow {
+                column,
+                row: first + row,
+                index: row * width + column,
+                wanted,
+            });
             column += LANES;
         }
     }

@@ -4,7 +4,7 @@
 use crate::band::Band;
 use crate::gbuffer::{GBuffer, PixelCounts, distance};
 use crate::kernel_stats::KernelStats;
-use crate::painted::{Window, are_misses, windows};
+use crate::painted::{PixelWindow, are_misses, windows};
 use crate::ray_result::{Status, UndecidedReason};
 use crate::surface_ids::SurfaceIdSlice;
 use fearless_simd::{Level, Simd, dispatch};
@@ -204,7 +204,7 @@ impl Rows<'_> {
     }
 
     /// The windows over all painted pixels.
-    pub fn windows(&self) -> Vec<Window> {
+    pub fn windows(&self) -> Vec<PixelWindow> {
         windows(Level::new(), self.status, self.drawn, self.first, self.width)
     }
 

@@ -1,7 +1,7 @@
 //! Formulas of every size: those of the gallery, and generated sums and products.
 
 use crate::error::ChartError;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::views::rng;
 use fastrand::Rng;
 use glam::DVec3;
@@ -30,10 +30,10 @@ const STEP: f64 = 1.5;
 ///
 /// # Errors
 /// If an example has no domain.
-pub fn all(nodes: usize, seed: u64) -> Result<Vec<(FormulaSource, Surface)>, ChartError> {
+pub fn all(nodes: usize, seed: u64) -> Result<Vec<(FormulaSource, ChartSurface)>, ChartError> {
     let mut all = Vec::new();
     for example in examples() {
-        all.push((FormulaSource::Gallery, Surface::read(example.slug, example.text, None)?));
+        all.push((FormulaSource::Gallery, ChartSurface::read(example.slug, example.text, None)?));
     }
     let (mut terms, most) = (1, (nodes / NODES).max(1));
     loop {
@@ -49,7 +49,7 @@ pub fn all(nodes: usize, seed: u64) -> Result<Vec<(FormulaSource, Surface)>, Cha
 
 /// A sum or product of `terms` different linear functions. Their values on the domain are within
 /// [−1, 1], so that no bounds of a product become infinite.
-fn generated(source: FormulaSource, terms: usize, seed: u64) -> Result<Surface, ChartError> {
+fn generated(source: FormulaSource, terms: usize, seed: u64) -> Result<ChartSurface, ChartError> {
     let name = format!("{source:?}-{terms}").to_lowercase();
     let mut rng = rng(&format!("{seed} {name}"));
     let linear: Vec<String> = (0..terms).map(|_| format!("({})", linear(&mut rng))).collect();
@@ -59,7 +59,7 @@ fn generated(source: FormulaSource, terms: usize, seed: u64) -> Result<Surface, 
     };
     let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0))
         .map_err(ChartError::of_surface(&name))?;
-    Surface::read(&name, &text, Some(region))
+    ChartSurface::read(&name, &text, Some(region))
 }
 
 /// A random linear function whose values on the cube from −1 to 1 are within [−1, 1].

@@ -10,7 +10,7 @@ use crate::progress::progress;
 use crate::reference::{RootReference, Sampling};
 use crate::row::Row;
 use crate::store::Store;
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::views::View;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -51,7 +51,7 @@ fn middle_configurations(rows: &[&Row]) -> Vec<Configuration> {
 
 fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
     let row = rows[0];
-    let surface = Surface::named(&row.surface)?;
+    let surface = ChartSurface::named(&row.surface)?;
     let view = View { name: format!("{}-page", row.view), camera: row.camera()? };
     let sampling = Sampling { size: SIZE, samples: 0, seed: row.seed, budget: BUDGET };
     let reference = RootReference::kept(&store.path("reference"), &surface, &view, sampling)?;

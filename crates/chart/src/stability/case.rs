@@ -3,7 +3,7 @@
 use super::SIDE;
 use crate::error::ChartError;
 use crate::reference::{RootReference, Sampling};
-use crate::surfaces::Surface;
+use crate::surfaces::ChartSurface;
 use crate::truth::{Root, Truth};
 use crate::views::View;
 use glam::DVec3;
@@ -111,11 +111,11 @@ impl Case {
     ///
     /// # Errors
     /// If the formula is refused.
-    pub fn view(&self) -> Result<(Surface, View), ChartError> {
+    pub fn view(&self) -> Result<(ChartSurface, View), ChartError> {
         let [x0, x1, y0, y1, z0, z1] = self.domain;
         let region = Region::new(DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
         let region = region.map_err(ChartError::of_surface(&self.slug))?;
-        let surface = Surface::of(&self.slug, &self.formula, Some(region))?;
+        let surface = ChartSurface::of(&self.slug, &self.formula, Some(region))?;
         let camera = match self.eye {
             Some(eye) => {
                 let [eye, target, up] = [eye, self.target, self.up].map(DVec3::from_array);

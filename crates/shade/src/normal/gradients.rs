@@ -8,7 +8,7 @@ use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient
 use zeroset_interval::Format;
 use zeroset_trace::KernelStats;
 use zeroset_trace::Status;
-use zeroset_trace::painted::{Window, bits};
+use zeroset_trace::painted::{PixelWindow, bits};
 use zeroset_trace::{RayDirections, RayGrid};
 
 /// Number of windows that each step processes together. This avoids two delays: a kernel sets the
@@ -25,7 +25,7 @@ impl<T: Real> NormalSource<'_, T> {
         seen: &ShadingInput<'_>,
         normals: &mut BandNormals<'_>,
         rays: &RayGrid,
-        windows: &[Window],
+        windows: &[PixelWindow],
         canvas: Option<&mut ColoredRows<'_>>,
         work: &mut KernelStats,
     ) -> Vec<usize> {
@@ -62,13 +62,13 @@ struct BandGradients<'a, 'c, 'n, T: Real> {
 
 impl<T: Real> BandGradients<'_, '_, '_, T> {
     /// Computes all normals that have a gradient. Returns the pixels without one.
-    fn found(mut self, windows: &[Window]) -> Vec<usize> {
+    fn found(mut self, windows: &[PixelWindow]) -> Vec<usize> {
         dispatch!(Level::new(), simd => self.compute_normals(simd, windows));
         self.open
     }
 
     #[inline(always)]
-    fn compute_normals<S: Simd>(&mut self, simd: S, windows: &[Window]) {
+    fn compute_normals<S: Simd>(&mut self, simd: S, windows: &[PixelWindow]) {
         let mut points: [Points<T>; TOGETHER] = Default::default();
         let mut gradients: [Gradients<T>; TOGETHER] = Default::default();
         let zero = [f32x16::splat(simd, 0.0); 3];
@@ -80,7 +80,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
                 let ways = self.rays.ways(simd, window);
                 *to_eye = ways.to_eye;
                 open[k] = window.wanted & !self.caps(window);
-                let window = Window { wanted: open[k], ..window };
+                let window = PixelWindow { wanted: open[k], ..window };
                 if window.wanted != 0 {
                     self.place(simd, window, &ways, &mut points[k]);
                 }
@@ -104,7 +104,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
 
     /// The lanes of a window that are on a cap.
     #[inline(always)]
-    fn caps(&self, window: Window) -> u32 {
+    fn caps(&self, window: PixelWindow) -> u32 {
         if self.seen.columns.cap.is_empty() {
             return 0;
         }
@@ -118,7 +118,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
     fn finish<S: Simd>(
         &mut self,
         simd: S,
-        window: Window,
+        window: PixelWindow,
         open: u32,
         faced: ViewAndNormals<S>,
         found: u32,
@@ -126,10 +126,10 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         let is_faced = found == window.wanted;
         // Normals of a window that is painted right away are not needed later.
         if open != 0 && (self.normals.is_kept() || !is_faced) {
-            store(&faced.1, Window { wanted: found, ..window }, self.normals.all());
+            store(&faced.1, PixelWindow { wanted: found, ..window }, self.normals.all());
         }
         if found != open {
-            let missing = Window { wanted: open & !found, ..window };
+            let missing = PixelWindow { wanted: open & !found, ..window };
             self.open.extend(missing.pixels());
         }
         if let Some(canvas) = &mut self.canvas {
@@ -146,7 +146,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
     fn place<S: Simd>(
         &self,
         simd: S,
-        window: Window,
+        window: PixelWindow,
         ways: &RayDirections<S>,
         points: &mut Points<T>,
     ) {
@@ -217,7 +217,7 @@ fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3],
 
 /// Stores a window's vectors.
 #[inline(always)]
-fn store<S: Simd>(units: &[f32x16<S>; 3], window: Window, all: &mut [[f32; 3]]) {
+fn store<S: Simd>(units: &[f32x16<S>; 3], window: PixelWindow, all: &mut [[f32; 3]]) {
     let mut axes = [[0.0; LANES]; 3];
     for (lanes, unit) in axes.iter_mut().zip(units) {
         unit.store_slice(lanes);

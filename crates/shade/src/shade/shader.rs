@@ -9,7 +9,7 @@ use zeroset_eval::{LANES, Lanes};
 use zeroset_trace::Columns;
 use zeroset_trace::RayGrid;
 use zeroset_trace::Status;
-use zeroset_trace::painted::{FULL, Window, bits};
+use zeroset_trace::painted::{FULL, PixelWindow, bits};
 
 /// Distance between the stripes of a hatch, and their width, in pixels along a row.
 const HATCH_PERIOD: usize = 6;
@@ -65,7 +65,7 @@ pub struct ColoredRows<'a> {
     shader: &'a Shader<'a>,
     bytes: &'a mut [[u8; 3]],
     /// Windows that wait for normals.
-    pub(crate) left: Vec<Window>,
+    pub(crate) left: Vec<PixelWindow>,
 }
 
 impl ColoredRows<'_> {
@@ -75,7 +75,7 @@ impl ColoredRows<'_> {
         &mut self,
         simd: S,
         seen: &ShadingInput<'_>,
-        window: Window,
+        window: PixelWindow,
         faced: ViewAndNormals<S>,
     ) {
         self.shader.paint(simd, seen, window, Some(faced), self.bytes);
@@ -91,7 +91,7 @@ impl ColoredRows<'_> {
     }
 
     /// Paints windows whose normals are in the G-buffer `seen`.
-    pub(super) fn windows(&mut self, seen: &ShadingInput<'_>, windows: &[Window]) {
+    pub(super) fn windows(&mut self, seen: &ShadingInput<'_>, windows: &[PixelWindow]) {
         let Self { shader, bytes, .. } = self;
         dispatch!(shader.level, simd => {
             for &window in windows {
@@ -138,7 +138,11 @@ impl RareQuantities {
 
     /// The quantities of a window; `None` if all of them are the defaults.
     #[inline]
-    fn of(seen: &ShadingInput<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Option<Self> {
+    fn of(
+        seen: &ShadingInput<'_>,
+        window: PixelWindow,
+        marks: Option<[Lanes<f32>; 2]>,
+    ) -> Option<Self> {
         let ShadingInput { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
         let is_plain = marks.is_none()
             && paint.is_empty()
@@ -150,7 +154,7 @@ impl RareQuantities {
     }
 
     #[inline(never)]
-    fn all(seen: &ShadingInput<'_>, window: Window, marks: Option<[Lanes<f32>; 2]>) -> Self {
+    fn all(seen: &ShadingInput<'_>, window: PixelWindow, marks: Option<[Lanes<f32>; 2]>) -> Self {
         let ShadingInput { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
         let (mut is_cap, mut paints) = ([false; LANES], [Paint::NONE; LANES]);
         let (is_cap, paints) = (window.load(cap, &mut is_cap), window.load(paint, &mut paints));
@@ -194,7 +198,7 @@ impl Shader<'_> {
         &self,
         simd: S,
         seen: &ShadingInput<'_>,
-        mut window: Window,
+        mut window: PixelWindow,
         faced: Option<ViewAndNormals<S>>,
         bytes: &mut [[u8; 3]],
     ) {
@@ -214,7 +218,7 @@ impl Shader<'_> {
                 None
             }
             UndecidedStyle::Hatch | UndecidedStyle::Tint => {
-                Some(self.marks(Window { wanted: undecided, ..window }))
+                Some(self.marks(PixelWindow { wanted: undecided, ..window }))
             }
         };
         let mut surface = [seen.columns.surface.all; LANES];
@@ -236,13 +240,14 @@ impl Shader<'_> {
                 Some(own) => self.light::<S, true>(simd, seen, window, faced, colors, own),
             };
             let colors = self.codes.bytes(simd, amounts);
-            Window { wanted: window.wanted & of_surface, ..window }.store_colors(&colors, bytes);
+            PixelWindow { wanted: window.wanted & of_surface, ..window }
+                .store_colors(&colors, bytes);
             window.wanted &= !of_surface;
         }
     }
 
     /// How undecided pixels are marked: the factor of their own light, and the share of the tint.
-    fn marks(&self, undecided: Window) -> [Lanes<f32>; 2] {
+    fn marks(&self, undecided: PixelWindow) -> [Lanes<f32>; 2] {
         let [mut left, mut tint] = [1.0, 0.0].map(Lanes::splat);
         let diagonal = undecided.column + undecided.row + self.rays.corner.iter().sum::<usize>();
         for lane in undecided.lanes() {
@@ -262,7 +267,7 @@ impl Shader<'_> {
         &self,
         simd: S,
         seen: &ShadingInput<'_>,
-        window: Window,
+        window: PixelWindow,
         faced: Option<ViewAndNormals<S>>,
         colors: &SurfaceColors,
         own: &RareQuantities,

@@ -10,7 +10,9 @@ use crate::lower::value::{Tensor, component, numbers, vector};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::Note;
 use crate::span::Span;
-use crate::tree::ast::{Chain, Definition, Expr, ExprKind, Function, NamedValue, Relation, Sign};
+use crate::tree::ast::{
+    Chain, ChainSign, Definition, Expr, ExprKind, Function, NamedValue, Relation,
+};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_ops::Op;
@@ -227,7 +229,7 @@ impl<'a> Lowering<'a> {
         &mut self,
         kind: Chain,
         first: &'a Expr,
-        rest: &'a [(Sign, Expr)],
+        rest: &'a [(ChainSign, Expr)],
         locals: &Locals<'a>,
     ) -> Fallible<Tensor> {
         let mut all = self.value_of(first, locals)?;

@@ -113,7 +113,12 @@ impl Expr {
 
     /// A sum or a product of two or more operands. If `first` is a chain of the same kind, its
     /// operands are spliced in, which does not change the meaning.
-    pub(crate) fn chain(kind: Chain, first: Self, mut more: Vec<(Sign, Self)>, span: Span) -> Self {
+    pub(crate) fn chain(
+        kind: Chain,
+        first: Self,
+        mut more: Vec<(ChainSign, Self)>,
+        span: Span,
+    ) -> Self {
         let (first, rest) = match first.kind {
             ExprKind::Chain(inner, first, mut rest) if inner == kind => {
                 rest.append(&mut more);
@@ -126,14 +131,14 @@ impl Expr {
 
     /// `self/divisor`, which stands at `span`.
     pub(crate) fn over(self, divisor: Self, span: Span) -> Self {
-        Self::chain(Chain::Product, self, vec![(Sign::Inverse, divisor)], span)
+        Self::chain(Chain::Product, self, vec![(ChainSign::Inverse, divisor)], span)
     }
 
     /// Numerator and denominator, if this is the quotient of two expressions.
     pub(crate) fn quotient(&self) -> Option<(&Self, &Self)> {
         match &self.kind {
             ExprKind::Chain(Chain::Product, top, rest) => match rest.as_slice() {
-                [(Sign::Inverse, bottom)] => Some((top, bottom)),
+                [(ChainSign::Inverse, bottom)] => Some((top, bottom)),
                 _ => None,
             },
             _ => None,
@@ -156,7 +161,7 @@ pub enum ExprKind {
     /// `-a`.
     Negate(Box<Expr>),
     /// `a + b - c` or `a*b/c`: a first operand, and one or more further ones.
-    Chain(Chain, Box<Expr>, Vec<(Sign, Expr)>),
+    Chain(Chain, Box<Expr>, Vec<(ChainSign, Expr)>),
     /// `a^b`.
     Power(Box<Expr>, Box<Expr>),
     /// A function call with its arguments.
@@ -221,7 +226,7 @@ pub enum Chain {
 
 /// Sign that joins an operand to those before it in a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sign {
+pub enum ChainSign {
     /// By `+`, by `*` or by juxtaposition.
     Direct,
     /// By `-` or `/`.
@@ -230,12 +235,12 @@ pub enum Sign {
 
 impl Chain {
     /// The operation that joins an operand with this sign.
-    pub(crate) fn op(self, sign: Sign) -> Op {
+    pub(crate) fn op(self, sign: ChainSign) -> Op {
         match (self, sign) {
-            (Self::Sum, Sign::Direct) => Op::Add,
-            (Self::Sum, Sign::Inverse) => Op::Sub,
-            (Self::Product, Sign::Direct) => Op::Mul,
-            (Self::Product, Sign::Inverse) => Op::Div,
+            (Self::Sum, ChainSign::Direct) => Op::Add,
+            (Self::Sum, ChainSign::Inverse) => Op::Sub,
+            (Self::Product, ChainSign::Direct) => Op::Mul,
+            (Self::Product, ChainSign::Inverse) => Op::Div,
         }
     }
 }

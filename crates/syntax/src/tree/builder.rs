@@ -9,7 +9,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{MAX_NOTES, Note, NoteKind};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
-use crate::tree::ast::{Chain, Expr, ExprKind, Function, Name, Relation, Sign};
+use crate::tree::ast::{Chain, ChainSign, Expr, ExprKind, Function, Name, Relation};
 use crate::tree::diagnose::recognise;
 use crate::tree::grammar::{Pair, Pairs, Rule, first_kind};
 use crate::tree::print::factor_text;
@@ -37,7 +37,7 @@ pub(crate) struct Builder<'a> {
 }
 
 /// Signs before a term or in an exponent, with their places.
-pub(crate) type Signs = Vec<(Sign, Span)>;
+pub(crate) type Signs = Vec<(ChainSign, Span)>;
 
 impl<'a> Builder<'a> {
     pub(crate) fn new(
@@ -211,7 +211,7 @@ impl<'a> Builder<'a> {
     #[inline(never)]
     pub(crate) fn sum(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let mut pairs = pair.into_inner();
-        let mut before = Sign::Direct;
+        let mut before = ChainSign::Direct;
         let mut terms = Vec::new();
         loop {
             terms.push((before, self.term(&mut pairs)?));
@@ -247,21 +247,21 @@ impl<'a> Builder<'a> {
     /// Negates the result of `build` once for each minus in `signs`.
     pub(crate) fn signed(
         &mut self,
-        signs: &[(Sign, Span)],
+        signs: &[(ChainSign, Span)],
         build: impl FnOnce(&mut Self) -> Fallible<Expr>,
     ) -> Fallible<Expr> {
         let Some((_, first)) = signs.first() else {
             return build(self);
         };
-        let minus = signs.iter().filter(|(sign, _)| *sign == Sign::Inverse);
+        let minus = signs.iter().filter(|(sign, _)| *sign == ChainSign::Inverse);
         negated(self.nested(*first, minus.count(), build)?, signs)
     }
 
     /// Reads a product. The signs `before` it belong to the left operand of its first remainder.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
-        let mut joint = RowOperator { sign: Sign::Direct, function: None };
-        let mut factors: Vec<(Sign, Expr)> = Vec::new();
+        let mut joint = RowOperator { sign: ChainSign::Direct, function: None };
+        let mut factors: Vec<(ChainSign, Expr)> = Vec::new();
         loop {
             let signs = self.signs(pairs);
             let row = self.row(pairs)?;
@@ -272,7 +272,7 @@ impl<'a> Builder<'a> {
                 let signs = std::mem::take(&mut before);
                 let whole = self
                     .signed(&signs, |_| chain_of(Chain::Product, std::mem::take(&mut factors)))?;
-                factors.push((Sign::Direct, whole));
+                factors.push((ChainSign::Direct, whole));
             }
             match self.joint(pairs) {
                 Some(next) => joint = next,
@@ -286,16 +286,16 @@ impl<'a> Builder<'a> {
     fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<RowOperator> {
         let operator = pairs.peek()?;
         let (sign, function) = match first_kind(&operator)? {
-            Star => (Sign::Direct, None),
-            Slash => (Sign::Inverse, None),
-            DotProduct => (Sign::Direct, Some(Function::OfVectors(VectorFunction::Dot))),
+            Star => (ChainSign::Direct, None),
+            Slash => (ChainSign::Inverse, None),
+            DotProduct => (ChainSign::Direct, Some(Function::OfVectors(VectorFunction::Dot))),
             Remainder => {
                 // The word `mod` is unambiguous, so only the sign `%` gets a note.
                 if self.typed(&operator).contains('%') {
                     self.note(self.span(&operator), NoteKind::Remainder);
                 }
                 let remainder = self.scope.signatures(&Callee::BuiltIn("mod".to_owned()));
-                (Sign::Direct, remainder.function(2))
+                (ChainSign::Direct, remainder.function(2))
             }
             _ => return None,
         };
@@ -307,7 +307,7 @@ impl<'a> Builder<'a> {
     #[inline(never)]
     fn join(
         &mut self,
-        factors: &mut Vec<(Sign, Expr)>,
+        factors: &mut Vec<(ChainSign, Expr)>,
         mut joint: RowOperator,
         signs: &Signs,
         row: Vec<Expr>,
@@ -327,16 +327,16 @@ impl<'a> Builder<'a> {
                 first
             }
         };
-        if joint.sign == Sign::Inverse {
+        if joint.sign == ChainSign::Inverse {
             self.note_division(factors, &first, &others);
         }
         factors.push((joint.sign, first));
-        factors.extend(others.into_iter().map(|f| (Sign::Direct, f)));
+        factors.extend(others.into_iter().map(|f| (ChainSign::Direct, f)));
         Ok(())
     }
 
     /// Notes a division that may be meant to be grouped otherwise.
-    fn note_division(&mut self, before: &[(Sign, Expr)], divisor: &Expr, others: &[Expr]) {
+    fn note_division(&mut self, before: &[(ChainSign, Expr)], divisor: &Expr, others: &[Expr]) {
         let Some((_, numerator)) = before.last() else {
             return;
         };
@@ -352,7 +352,7 @@ impl<'a> Builder<'a> {
 
 /// The operator between a row of juxtaposed factors and the factors before it.
 struct RowOperator {
-    sign: Sign,
+    sign: ChainSign,
     /// Function that is applied to the factors on both sides of the operator.
     function: Option<Function>,
 }
@@ -392,9 +392,9 @@ fn compared(mut sides: Sides) -> Fallible<Expr> {
 
 /// Negates a number once for each minus sign.
 #[inline(never)]
-fn negated(mut expr: Expr, signs: &[(Sign, Span)]) -> Fallible<Expr> {
+fn negated(mut expr: Expr, signs: &[(ChainSign, Span)]) -> Fallible<Expr> {
     number_only(&expr)?;
-    for (_, span) in signs.iter().rev().filter(|(sign, _)| *sign == Sign::Inverse) {
+    for (_, span) in signs.iter().rev().filter(|(sign, _)| *sign == ChainSign::Inverse) {
         let span = span.to(expr.span);
         expr = expr.negated(span);
     }
@@ -447,7 +447,7 @@ fn is_remainder(pair: &Pair<'_>) -> bool {
 /// A sum or a product of one or more operands. If there are several, all must be numbers. The sign
 /// of the first is ignored.
 #[inline(never)]
-pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(Sign, Expr)>) -> Fallible<Expr> {
+pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(ChainSign, Expr)>) -> Fallible<Expr> {
     let (_, first) = operands.remove(0);
     let Some((_, last)) = operands.last() else { return Ok(first) };
     let span = first.span.to(last.span);
@@ -457,17 +457,17 @@ pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(Sign, Expr)>) -> Fallible
 
 /// The product of one or more factors.
 pub(crate) fn product_of(factors: impl IntoIterator<Item = Expr>) -> Fallible<Expr> {
-    chain_of(Chain::Product, factors.into_iter().map(|part| (Sign::Direct, part)).collect())
+    chain_of(Chain::Product, factors.into_iter().map(|part| (ChainSign::Direct, part)).collect())
 }
 
 /// The quotient of the first part by each of the others in turn.
 pub(crate) fn quotient_of(parts: impl IntoIterator<Item = Expr>) -> Fallible<Expr> {
-    chain_of(Chain::Product, parts.into_iter().map(|part| (Sign::Inverse, part)).collect())
+    chain_of(Chain::Product, parts.into_iter().map(|part| (ChainSign::Inverse, part)).collect())
 }
 
 #[inline(never)]
-pub(crate) fn sign(pair: &Pair<'_>) -> Sign {
-    if first_kind(pair) == Some(Plus) { Sign::Direct } else { Sign::Inverse }
+pub(crate) fn sign(pair: &Pair<'_>) -> ChainSign {
+    if first_kind(pair) == Some(Plus) { ChainSign::Direct } else { ChainSign::Inverse }
 }
 
 pub(crate) fn relation(pair: &Pair<'_>) -> Relation {

@@ -3,7 +3,7 @@
 
 use crate::messages::error::{Error, ErrorKind, Fallible, plural};
 use crate::span::Span;
-use crate::tree::ast::{Chain, Expr, ExprKind, Function, Sign};
+use crate::tree::ast::{Chain, ChainSign, Expr, ExprKind, Function};
 use crate::tree::builder::{Builder, chain_of, product_of, quotient_of};
 use crate::tree::grammar::Pair;
 use zeroset_ops::{Op, VectorFunction};
@@ -12,7 +12,7 @@ use zeroset_ops::{Op, VectorFunction};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ForeignFunction {
     /// The sum or product of all arguments, or the difference or quotient of two.
-    Chain(Chain, Sign),
+    Chain(Chain, ChainSign),
     Minus,
     /// The sum of a vector's components.
     Total,
@@ -30,11 +30,11 @@ const MAX_DEGREE: u32 = 30;
 /// The foreign function called `name`. `square` tells whether its arguments are in square brackets.
 pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFunction> {
     Some(match name {
-        "Plus" => ForeignFunction::Chain(Chain::Sum, Sign::Direct),
-        "Times" => ForeignFunction::Chain(Chain::Product, Sign::Direct),
+        "Plus" => ForeignFunction::Chain(Chain::Sum, ChainSign::Direct),
+        "Times" => ForeignFunction::Chain(Chain::Product, ChainSign::Direct),
         "Minus" if square => ForeignFunction::Minus,
-        "Subtract" if square => ForeignFunction::Chain(Chain::Sum, Sign::Inverse),
-        "Divide" | "Rational" => ForeignFunction::Chain(Chain::Product, Sign::Inverse),
+        "Subtract" if square => ForeignFunction::Chain(Chain::Sum, ChainSign::Inverse),
+        "Divide" | "Rational" => ForeignFunction::Chain(Chain::Product, ChainSign::Inverse),
         "Total" => ForeignFunction::Total,
         "Boole" => ForeignFunction::Boole,
         "fmod" => ForeignFunction::Remainder,
@@ -57,9 +57,9 @@ impl Builder<'_> {
             return Ok(self.condition_of(only.clone())?.indicator(place));
         }
         let count = match kind {
-            ForeignFunction::Chain(_, Sign::Direct) => parts.len().max(1),
+            ForeignFunction::Chain(_, ChainSign::Direct) => parts.len().max(1),
             ForeignFunction::Minus | ForeignFunction::Total | ForeignFunction::Boole => 1,
-            ForeignFunction::Chain(_, Sign::Inverse)
+            ForeignFunction::Chain(_, ChainSign::Inverse)
             | ForeignFunction::Chebyshev
             | ForeignFunction::Remainder => 2,
         };
@@ -106,7 +106,7 @@ fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
     let quotient = quotient_of([a.clone(), b.clone()])?;
     let whole = Expr::new(ExprKind::Call(Function::Native(Op::Trunc), vec![quotient]), span);
     let multiple = product_of([b, whole])?;
-    chain_of(Chain::Sum, vec![(Sign::Direct, a), (Sign::Inverse, multiple)])
+    chain_of(Chain::Sum, vec![(ChainSign::Direct, a), (ChainSign::Inverse, multiple)])
 }
 
 /// The Chebyshev polynomial of the first kind of this degree at `a`, written out. The recurrence is
@@ -139,11 +139,11 @@ fn chebyshev(degree: u32, a: &Expr, span: Span) -> Fallible<Expr> {
             None => number(*factor),
             Some(power) if factor.abs() == 1 => power,
             Some(power) => {
-                let rest = vec![(Sign::Direct, power)];
+                let rest = vec![(ChainSign::Direct, power)];
                 Expr::chain(Chain::Product, number(*factor), rest, span)
             }
         };
-        terms.push((if *factor < 0 { Sign::Inverse } else { Sign::Direct }, term));
+        terms.push((if *factor < 0 { ChainSign::Inverse } else { ChainSign::Direct }, term));
     }
     chain_of(Chain::Sum, terms)
 }

@@ -6,7 +6,7 @@
 use crate::lex::spelling::{is_name_char, token_kind};
 use crate::lex::token_kind::TokenKind;
 use crate::tree::ast::{
-    Chain, Definition, Expr, ExprKind, Function, NamedValue, Relation, Series, Sign, Statement,
+    Chain, ChainSign, Definition, Expr, ExprKind, Function, NamedValue, Relation, Series, Statement,
 };
 use std::fmt;
 
@@ -81,7 +81,7 @@ impl fmt::Display for Expr {
                     _ => write(f, first, needed)?,
                 }
                 for (sign, operand) in rest {
-                    f.write_str(signs[usize::from(*sign == Sign::Inverse)])?;
+                    f.write_str(signs[usize::from(*sign == ChainSign::Inverse)])?;
                     write(f, operand, needed)?;
                 }
                 Ok(())

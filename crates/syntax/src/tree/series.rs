@@ -4,7 +4,7 @@ use crate::lex::spelling::{decimal, plain_name};
 use crate::lex::token_kind::TokenKind::BigProduct;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
-use crate::tree::ast::{Chain, Expr, ExprKind, Name, Series, Sign};
+use crate::tree::ast::{Chain, ChainSign, Expr, ExprKind, Name, Series};
 use crate::tree::builder::{Builder, number_only, numbers_only};
 use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::special_forms::{descend_to, tuple};
@@ -73,7 +73,7 @@ impl Builder<'_> {
         if let Some(end) = built.get_mut(1) {
             let span = end.span;
             let past = std::mem::replace(end, Expr::of_digits("0", place));
-            let one = vec![(Sign::Inverse, Expr::of_digits("1", place))];
+            let one = vec![(ChainSign::Inverse, Expr::of_digits("1", place))];
             *end = Expr::chain(Chain::Sum, past, one, span);
         }
         Ok((index, built))

@@ -7,7 +7,7 @@ use proptest::test_runner::RngSeed;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Notation, TABLE, VectorFunction};
 use zeroset_syntax::ast::{
-    Chain, Expr, ExprKind, Function, Name, NamedValue, Relation, Series, Sign, Statement,
+    Chain, ChainSign, Expr, ExprKind, Function, Name, NamedValue, Relation, Series, Statement,
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
@@ -27,7 +27,7 @@ fn expr(kind: ExprKind) -> Expr {
 }
 
 /// A sum or a product as the parser builds it: a first operand of the same kind is spliced in.
-fn chain(kind: Chain, first: Expr, mut rest: Vec<(Sign, Expr)>) -> Expr {
+fn chain(kind: Chain, first: Expr, mut rest: Vec<(ChainSign, Expr)>) -> Expr {
     match first.kind {
         ExprKind::Chain(of_first, inner, mut operands) if of_first == kind => {
             operands.append(&mut rest);
@@ -95,7 +95,7 @@ fn series(is_product: bool, mut ends: Vec<Expr>, step: Option<Expr>) -> Expr {
 
 fn number() -> impl Strategy<Value = Expr> {
     leaf().prop_recursive(6, 40, 4, |inner| {
-        let sign = prop::sample::select(vec![Sign::Direct, Sign::Inverse]);
+        let sign = prop::sample::select(vec![ChainSign::Direct, ChainSign::Inverse]);
         let chains = |kind| {
             (inner.clone(), vec((sign.clone(), inner.clone()), 1..4))
                 .prop_map(move |(first, rest)| chain(kind, first, rest))

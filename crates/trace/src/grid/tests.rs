@@ -228,15 +228,15 @@ fn parallel_rays_are_within_the_stated_share_of_the_height() {
     assert!(refused > 20);
 }
 
-fn points(rays: &RayGrid, window: Window, distances: &[f64; LANES]) -> [Lanes<f64>; 3] {
+fn points(rays: &RayGrid, window: PixelWindow, distances: &[f64; LANES]) -> [Lanes<f64>; 3] {
     dispatch!(Level::new(), simd => rays.points(simd, window, distances))
 }
 
-fn ways_to_eye(rays: &RayGrid, window: Window) -> [[f32; LANES]; 3] {
+fn ways_to_eye(rays: &RayGrid, window: PixelWindow) -> [[f32; LANES]; 3] {
     dispatch!(Level::new(), simd => rays.ways(simd, window).to_eye.map(|axis| axis.to_array()))
 }
 
-fn points_along(rays: &RayGrid, window: Window, distances: &[f64; LANES]) -> [Lanes<f32>; 3] {
+fn points_along(rays: &RayGrid, window: PixelWindow, distances: &[f64; LANES]) -> [Lanes<f32>; 3] {
     dispatch!(Level::new(), simd => {
         let ways = rays.ways(simd, window);
         rays.points_along(simd, &ways, distances)
@@ -250,7 +250,7 @@ fn windows_have_the_rays_of_their_pixels() {
         let (eye, target) = (DVec3::new(2.0, -3.0, 1.5), DVec3::new(0.1, 0.2, 0.3));
         let rays = Camera::new(eye, target, DVec3::Z, projection).expect("valid").rays(37, 5);
         for (column, row) in [(0, 0), (21, 2), (7, 4)] {
-            let window = Window { column, row, index: 0, wanted: 1 };
+            let window = PixelWindow { column, row, index: 0, wanted: 1 };
             let distances = std::array::from_fn(|lane| 1.0 + 0.3 * lane as f64);
             let (points, to_eye) = (points(&rays, window, &distances), ways_to_eye(&rays, window));
             for lane in 0..LANES {
@@ -279,7 +279,7 @@ fn points_in_f32_are_near_however_far_the_eye_is() {
         let camera = Camera::new(target + distance * way, target, DVec3::Z, projection);
         let rays = camera.expect("valid").rays(64, 48);
         for (column, row) in [(0, 0), (21, 20), (48, 47)] {
-            let window = Window { column, row, index: 0, wanted: 1 };
+            let window = PixelWindow { column, row, index: 0, wanted: 1 };
             let distances = std::array::from_fn(|lane| {
                 let ray = rays.ray(column + lane, row);
                 // About the point nearest to the target.
@@ -351,7 +351,7 @@ fn rays_of_patches_are_those_of_the_picture() {
             // Windows that begin at the first pixel of a patch, or later.
             for first in [0, 5] {
                 let wanted = 0xffff >> first;
-                let window = Window { column: first, row, index: 16 * row + first, wanted };
+                let window = PixelWindow { column: first, row, index: 16 * row + first, wanted };
                 let distances = [4.5; LANES];
                 let points = points(&patches, window, &distances);
                 let ways = ways_to_eye(&patches, window);
