@@ -21,8 +21,8 @@ pub struct ChartSurface {
     pub name: String,
     /// Text of the function file.
     pub text: String,
-    /// Document read from the text. It has one surface, unless [`ChartSurface::read`] read it, which
-    /// allows several.
+    /// Document read from the text. It has one surface, unless [`ChartSurface::read`] read it,
+    /// which allows several.
     pub document: Document,
     /// The domain: given, or the document's, or one found by intervals.
     pub region: Region,

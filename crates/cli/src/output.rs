@@ -53,8 +53,8 @@ impl OutputFile {
         self.end()
     }
 
-    /// Like [`OutputFile::finish`], but writes to standard output immediately. A closed pipe ends the
-    /// output without an error.
+    /// Like [`OutputFile::finish`], but writes to standard output immediately. A closed pipe ends
+    /// the output without an error.
     ///
     /// # Errors
     /// If writing or renaming fails; a file is then unchanged.

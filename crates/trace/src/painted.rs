@@ -69,9 +69,9 @@ impl PixelWindow {
         }
     }
 
-    /// As [`PixelWindow::store`], for colors. They were written a moment ago, sixteen bytes at a time,
-    /// and are read in the same pieces: a wider read would wait until all of its pieces are in the
-    /// nearest cache.
+    /// As [`PixelWindow::store`], for colors. They were written a moment ago, sixteen bytes at a
+    /// time, and are read in the same pieces: a wider read would wait until all of its pieces are
+    /// in the nearest cache.
     #[inline(always)]
     pub fn store_colors(&self, colors: &[[u8; 3]; LANES], all: &mut [[u8; 3]]) {
         let all = &mut all[self.index..];
