@@ -332,7 +332,7 @@ fn flag(option: &'static MethodOption) -> Arg {
     }
     let default = (option.get)(&TraceOptions::default());
     let arg = arg.value_name(option.value).visible_aliases(option.aliases.iter().copied());
-    arg.allow_hyphen_values(true)
+    arg.allow_negative_numbers(true)
         .help(format!("{} [default: {default}]", option.help))
         .hide_short_help(!option.is_common)
 }

@@ -35,7 +35,8 @@ impl<'a> Pick<'a> {
         let distance = buffer.drawn[pixel];
         let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
         let settings = &rendering.request.settings;
-        let reach = if settings.method.reads.contains(&DEPTH) {
+        let method = rendering.picture.method_of(buffer.surface[pixel].into());
+        let reach = if method.reads.contains(&DEPTH) {
             let extent = 2.0 * rendering.model.region().half_extent();
             extent * 0.5_f64.powi(settings.options.depth as i32)
         } else {
@@ -69,7 +70,8 @@ impl<'a> Pick<'a> {
             Status::Miss => "miss: proven, no zero along this ray within the domain".to_owned(),
             Status::Hit => "hit: proven".to_owned(),
             Status::Undecided if buffer.reason(self.pixel) == UndecidedReason::Unproven => {
-                let method = self.rendering.picture.method;
+                let picture = &self.rendering.picture;
+                let method = picture.method_of(picture.buffer.surface[self.pixel].into());
                 match (method.proves, self.point) {
                     (Proves::Nothing, _) => format!("undecided: {} proves nothing", method.name),
                     (_, None) => format!("undecided: {} proves misses only", method.name),

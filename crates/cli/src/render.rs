@@ -203,6 +203,9 @@ fn remark(
     searched: Option<AutoDomain>,
 ) {
     picture.remarks.iter().for_each(|remark| notes::note(remark));
+    for note in zeroset_live::fallback_notes(picture, settings.method) {
+        notes::note(&note);
+    }
     if picture.flat {
         notes::note(zeroset_live::FLAT);
     }
@@ -212,9 +215,6 @@ fn remark(
         let blank = Blank::find(&subject.document, region, picture.undefined, searched);
         notes::note(&blank.describe(&|ends| format!("--domain {ends}")));
         return;
-    }
-    for note in zeroset_live::fallback_notes(picture, settings.method) {
-        notes::note(&note);
     }
     if let Some(why) = picture.why_undecided() {
         let all = pixels.miss + seen;

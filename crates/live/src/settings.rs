@@ -66,11 +66,12 @@ fn listed<'a>(
 /// Sets a method option unless `text` is empty, and reports its value.
 pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<Reply, Refusal> {
     if !text.is_empty() {
-        let mut refused = None;
-        live.change(|request| refused = (option.set)(&mut request.settings.options, text).err());
-        if let Some(why) = refused {
-            return Err(Refusal::Command(format!(":{} {text}: {why}", option.command)));
-        }
+        // A value that is refused must not start another picture.
+        (option.set)(&mut live.settings().options, text)
+            .map_err(|why| Refusal::Command(format!(":{} {text}: {why}", option.command)))?;
+        live.change(|request| {
+            let _ = (option.set)(&mut request.settings.options, text);
+        });
     }
     let settings = live.settings();
     let slabs = live.snapshot().rendering.filter(|_| *option == DEPTH).map(|seen| {

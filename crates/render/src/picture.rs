@@ -179,6 +179,12 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// The method that traced the surface with this number.
+    pub fn method_of(&self, surface: usize) -> &'static Method {
+        let fallback = self.fallbacks.iter().find(|(fallen, _)| *fallen == surface);
+        fallback.map_or(self.method, |(_, fallback)| fallback.method)
+    }
+
     /// The same picture without its rows.
     pub(crate) fn without_rows(mut self) -> Self {
         let buffer = GBuffer::new(self.buffer.width, 0, 0);

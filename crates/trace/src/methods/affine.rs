@@ -184,7 +184,7 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
     }
 
     fn fallback(&self, rays: &RayGrid) -> Option<Fallback> {
-        let why = "from this far away, affine forms cannot tell where in the domain a ray is";
+        let why = "the domain is too thin for its distance from the eye: affine forms cannot tell where in it a ray is";
         (self.is_too_far(&RayFrame::new(rays, self.task.region))
             && knoll::prepare::<T>(self.task).is_ok())
         .then(|| Fallback { method: knoll_row(), why: why.to_owned() })
