@@ -10,9 +10,7 @@ use zeroset_scene::view::{CameraChoice, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_space::Region;
 use zeroset_style::{LOOKS, StandardView, VIEWS};
-use zeroset_trace::{
-    METHODS, Projection, STEPS_RANGE, TOLERANCES, TraceOptions, check_depth, is_tolerance,
-};
+use zeroset_trace::{METHODS, Projection, TraceOptions};
 
 /// Pixels of the largest picture: each takes some fifty bytes.
 const MOST_PIXELS: usize = 1 << 26;
@@ -269,13 +267,7 @@ impl TraceSettings {
     /// # Errors
     /// If a setting is out of range.
     pub(crate) fn options(&self) -> Result<TraceOptions, Error> {
-        let TraceOptions { precision, depth, steps, tolerance, .. } = self.options;
-        check_depth(depth, precision)
-            .map_err(|why| Error::argument(format!("max_depth: {why}")))?;
-        let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
-        let wrong = || format!("steps must be between {least} and {most}");
-        ensure(STEPS_RANGE.contains(&steps), wrong)?;
-        ensure(is_tolerance(tolerance), || TOLERANCES)?;
+        self.options.check().map_err(Error::argument)?;
         Ok(self.options)
     }
 

@@ -35,7 +35,7 @@ pub use method::{Fallback, Method, Proves, Segment, Start, Tracer};
 pub use methods::{METHODS, MOST_STEPS};
 pub use options::{
     DEPTH, MethodOption, NO_CONTRACT, NO_INTERVALS, NO_TILES, OPTIONS, PRECISION, Precision, STEPS,
-    STEPS_RANGE, TOLERANCE, TOLERANCES, TraceOptions, check_depth, is_tolerance,
+    TOLERANCE, TOLERANCES, TraceOptions, check_depth, is_tolerance,
 };
 pub use ray_result::{RayResult, Status, UndecidedReason};
 pub use region_caps::{cap, cap_rows};

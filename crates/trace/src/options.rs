@@ -36,6 +36,18 @@ pub struct TraceOptions {
 }
 
 impl TraceOptions {
+    /// Checks that each option is in its range.
+    ///
+    /// # Errors
+    /// If one is not: its key in JSON, and the reason.
+    pub fn check(&self) -> Result<(), String> {
+        let check = |option: &MethodOption| {
+            let typed = (option.set)(&mut self.clone(), &(option.get)(self));
+            typed.map_err(|why| format!("{}: {why}", option.key))
+        };
+        OPTIONS.iter().try_for_each(check)
+    }
+
     /// Greatest length of a hit's bracket, in pixels: a hit is reported in its middle.
     pub(crate) fn longest(&self) -> f64 {
         2.0 * self.tolerance
@@ -138,7 +150,7 @@ pub struct MethodOption {
 
 /// Valid values of [`TraceOptions::steps`]. The least is one sample at each end of a ray's path. At
 /// the greatest, a picture takes minutes.
-pub const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
+const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
 
 /// The valid range of [`TraceOptions::tolerance`] and the reason for it, in words.
 pub const TOLERANCES: &str = "a tolerance is a number of pixels, above 0, since no arithmetic finds a root exactly, and at \
