@@ -256,7 +256,7 @@ fn commands_are_answered() {
     );
     let command = fine.command("out.png");
     assert!(command.contains("--precision f64"), "{command}");
-    assert!(say(":precision f32").starts_with("precision f32"));
+    assert!(say(":precision f32").ends_with("; depth 20 of at most 20"));
     assert!(say(":depth").starts_with("depth 20 of at most 20"));
     let coarse = settled(&live);
     assert!(

@@ -37,11 +37,11 @@ pub struct Arguments {
     pub interactive: InteractiveArgs,
 
     /// Print the most used options
-    #[arg(short, long, global = true, action = ArgAction::HelpShort)]
+    #[arg(short, long, global = true, action = ArgAction::HelpShort, display_order = 1000)]
     help: Option<bool>,
 
     /// Print all options
-    #[arg(long, global = true, action = ArgAction::HelpLong)]
+    #[arg(long, global = true, action = ArgAction::HelpLong, display_order = 1001)]
     help_all: Option<bool>,
 }
 
@@ -332,6 +332,13 @@ fn flag(option: &'static MethodOption) -> Arg {
     }
     let default = (option.get)(&TraceOptions::default());
     let arg = arg.value_name(option.value).visible_aliases(option.aliases.iter().copied());
+    let values = (option.values)();
+    let arg = if values.is_empty() {
+        arg
+    } else {
+        let values = values.into_iter().map(|(name, help)| PossibleValue::new(name).help(help));
+        arg.value_parser(PossibleValuesParser::new(values))
+    };
     arg.allow_negative_numbers(true)
         .help(format!("{} [default: {default}]", option.help))
         .hide_short_help(!option.is_common)

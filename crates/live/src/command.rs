@@ -48,7 +48,7 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
     let options = OPTIONS.iter().filter(|option| !option.command.is_empty());
     let rows = options.map(|option| CommandRow {
         name: option.command,
-        arguments: option.value,
+        arguments: option.arguments,
         doc: option.prompt_help,
         run: |_, _| None,
     });
@@ -347,7 +347,7 @@ mod tests {
         for text in [":tolerance -1", ":tolerance 0", ":tolerance nan", ":tolerance 101"] {
             assert!(message(text).contains("above 0"), "{text}");
         }
-        assert!(message(":tolerance fine").contains("'fine' is not such a number"));
+        assert!(message(":tolerance fine").contains("'fine' is not a number"));
         assert!(message(":precision f16").contains("'f16' is not one of auto, f32, f64"));
         assert!(message(":depth 0").contains("between 1 and 20, or 40 in precision f64"));
         assert!(message(":set t = soon").contains("'soon' is not a finite number"));

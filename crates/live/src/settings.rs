@@ -4,7 +4,7 @@ use super::reply::{Refusal, Reply, refused, say};
 use super::session::Live;
 use zeroset_render::picture::Settings;
 use zeroset_style::{LOOKS, Look};
-use zeroset_trace::{DEPTH, METHODS, Method, MethodOption};
+use zeroset_trace::{DEPTH, METHODS, Method, MethodOption, PRECISION};
 
 pub(super) fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
     let Some(method) = Method::named(name) else {
@@ -74,14 +74,17 @@ pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<R
         });
     }
     let settings = live.settings();
+    let is_deep = *option == PRECISION && settings.method.reads.contains(&DEPTH);
+    let depth = is_deep.then(|| format!("; {}", (DEPTH.describe)(&settings.options)));
     let slabs = live.snapshot().rendering.filter(|_| *option == DEPTH).map(|seen| {
         let extent = 2.0 * seen.model.region().half_extent();
         format!(": slabs of at most {:.2e}", extent * 0.5_f64.powi(settings.options.depth as i32))
     });
     let unused_note = unused_note(&settings, option);
     say(format!(
-        "{}{}{unused_note}",
+        "{}{}{}{unused_note}",
         (option.describe)(&settings.options),
+        depth.unwrap_or_default(),
         slabs.unwrap_or_default()
     ))
 }

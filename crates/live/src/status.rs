@@ -33,7 +33,7 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     let found = rendering.searched.map_or("", |found| found.finding.describe());
     let _ = writeln!(text, "domain      x {x}, y {y}, z {z}  {found}");
     let settings = &rendering.request.settings;
-    let options: Vec<String> = read_options(settings)
+    let options: Vec<String> = read_options(rendering)
         .filter(|option| option.short(&settings.options).is_some())
         .map(|option| (option.describe)(&settings.options))
         .collect();
@@ -81,10 +81,11 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     text
 }
 
-/// The options that the method uses, in the order of [`OPTIONS`].
-fn read_options(settings: &Settings) -> impl Iterator<Item = &'static MethodOption> {
-    let method = settings.method;
-    OPTIONS.iter().filter(|option| method.reads.contains(option))
+/// The options that the methods of a picture use, fallbacks included, in the order of [`OPTIONS`].
+fn read_options(rendering: &Rendering) -> impl Iterator<Item = &'static MethodOption> + '_ {
+    let fallbacks = rendering.picture.fallbacks.iter().map(|(_, fallback)| fallback.method);
+    let methods: Vec<_> = fallbacks.chain([rendering.request.settings.method]).collect();
+    OPTIONS.iter().filter(move |option| methods.iter().any(|one| one.reads.contains(option)))
 }
 
 /// A note for each surface that was traced by a fallback method.
@@ -126,7 +127,7 @@ impl Rendering {
         };
         let settings = &self.request.settings;
         let values: Vec<String> =
-            read_options(settings).filter_map(|option| option.short(&settings.options)).collect();
+            read_options(self).filter_map(|option| option.short(&settings.options)).collect();
         format!(
             "{} · {width}x{height} · {} {} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
@@ -189,7 +190,7 @@ impl Rendering {
         if settings.method != usual.method {
             let _ = write!(command, " --method {}", settings.method.name);
         }
-        for flag in read_options(settings).filter_map(|option| option.flag(&settings.options)) {
+        for flag in read_options(self).filter_map(|option| option.flag(&settings.options)) {
             let _ = write!(command, " {flag}");
         }
         if settings.undecided != UndecidedStyle::Shade {

@@ -120,8 +120,12 @@ pub struct MethodOption {
     pub aliases: &'static [&'static str],
     /// The prompt's command that sets it; empty if it has no command.
     pub command: &'static str,
+    /// What may follow the command at the prompt.
+    pub arguments: &'static str,
     /// Notation of a value; empty for a switch, which takes no value.
     pub value: &'static str,
+    /// All values, each with one line of help; empty if they are numbers.
+    pub values: fn() -> Vec<(&'static str, &'static str)>,
     /// One line of help.
     pub help: &'static str,
     /// One line of help at the prompt.
@@ -184,7 +188,9 @@ pub fn check_depth(depth: u32, precision: Precision) -> Result<(), String> {
 pub const PRECISION: MethodOption = MethodOption {
     name: "precision",
     command: "precision",
-    value: "auto|f32|f64",
+    arguments: "[auto|f32|f64]",
+    value: "PRECISION",
+    values: || Precision::NAMES.iter().map(|row| (row.1, row.2)).collect(),
     help: "Kernel precision; enclosures are rigorous in all",
     prompt_help: "kernel precision: f64 is slower but resolves more",
     key: "precision",
@@ -212,6 +218,7 @@ pub const DEPTH: MethodOption = MethodOption {
     name: "max-depth",
     aliases: &["depth", "dstop"],
     command: "depth",
+    arguments: "[N]",
     value: "N",
     help: "How many times a ray's path through the domain is halved: at most 20, or 40 in f64; beyond \
            14, rays that stay undecided are given up after 32768 steps",
@@ -220,7 +227,7 @@ pub const DEPTH: MethodOption = MethodOption {
     axis: "depth: how often the domain is halved",
     get: |options| options.depth.to_string(),
     set: |options, text| {
-        let depth = number(text)?;
+        let depth = whole(text)?;
         check_depth(depth, options.precision)?;
         options.depth = depth;
         Ok(())
@@ -236,6 +243,7 @@ pub const DEPTH: MethodOption = MethodOption {
 pub const STEPS: MethodOption = MethodOption {
     name: "steps",
     command: "steps",
+    arguments: "[N]",
     value: "N",
     help: "Samples on a ray's path through the domain, or the most steps along it: 2 to 1048576",
     prompt_help: "samples on a ray's path through the domain, or the most steps along it",
@@ -243,7 +251,7 @@ pub const STEPS: MethodOption = MethodOption {
     axis: "steps: samples on a ray's way, or steps along it at most",
     get: |options| options.steps.to_string(),
     set: |options, text| {
-        let steps = number(text)?;
+        let steps = whole(text)?;
         if !STEPS_RANGE.contains(&steps) {
             let (least, most) = (STEPS_RANGE.start(), STEPS_RANGE.end());
             return Err(format!("steps are between {least} and {most}"));
@@ -260,6 +268,7 @@ pub const STEPS: MethodOption = MethodOption {
 pub const TOLERANCE: MethodOption = MethodOption {
     name: "tolerance",
     command: "tolerance",
+    arguments: "[PIXELS]",
     value: "PIXELS",
     help: "How far, in pixels, a hit may be from where it is reported: above 0, at most 100",
     prompt_help: "how far a hit may be from where it is drawn, in pixels",
@@ -268,7 +277,7 @@ pub const TOLERANCE: MethodOption = MethodOption {
     axis: "tolerance, in pixels",
     get: |options| options.tolerance.to_string(),
     set: |options, text| {
-        let pixels = number(text)?;
+        let pixels = text.parse().map_err(|_| format!("'{text}' is not a number"))?;
         if !is_tolerance(pixels) {
             return Err(TOLERANCES.to_owned());
         }
@@ -321,7 +330,9 @@ const SWITCH: MethodOption = MethodOption {
     name: "",
     aliases: &[],
     command: "",
+    arguments: "",
     value: "",
+    values: Vec::new,
     help: "",
     prompt_help: "",
     key: "",
@@ -378,8 +389,10 @@ impl fmt::Debug for MethodOption {
     }
 }
 
-fn number<T: std::str::FromStr>(text: &str) -> Result<T, String> {
-    text.trim().parse().map_err(|_| format!("'{text}' is not such a number"))
+/// Reads a whole number. Numbers beyond the range of `u32` become its ends, which no option allows.
+fn whole(text: &str) -> Result<u32, String> {
+    let number: i128 = text.parse().map_err(|_| format!("'{text}' is not a whole number"))?;
+    Ok(number.clamp(0, u32::MAX.into()) as u32)
 }
 
 fn switch(is_on: bool) -> String {
