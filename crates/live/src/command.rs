@@ -37,11 +37,11 @@ pub struct CommandRow {
     run: fn(&Live, &str) -> Option<Result<Reply, Refusal>>,
 }
 
-/// Number of rows of [`ROWS`] before the method options. The last of these rows is `method`.
-const OPTIONS_AFTER: usize = 18;
-
 /// Name of the command that adds a surface.
 const ADD: &str = "add";
+
+/// Name of the command that chooses the method. Those of the method options follow it.
+const METHOD: &str = "method";
 
 /// All commands, in the order of the help, including one for each method option.
 pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
@@ -50,9 +50,11 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
         name: option.command,
         arguments: option.arguments,
         doc: option.prompt_help,
+        // [`Live::enter`] sets the option itself.
         run: |_, _| None,
     });
-    let (before, after) = ROWS.split_at(OPTIONS_AFTER);
+    let method = ROWS.iter().position(|row| row.name == METHOD).unwrap_or(0);
+    let (before, after) = ROWS.split_at(method + 1);
     before.iter().copied().chain(rows).chain(after.iter().copied()).collect()
 });
 
@@ -96,7 +98,7 @@ const ROWS: &[CommandRow] = &[
         run: |live, name| Some(look(live, name)) },
     CommandRow { name: "shadows", arguments: "[on|off]", doc: "cast shadows",
         run: |live, choice| Some(shadows(live, optional(choice, switch)?)) },
-    CommandRow { name: "method", arguments: "[NAME]", doc: "how rays are traced",
+    CommandRow { name: METHOD, arguments: "[NAME]", doc: "how rays are traced",
         run: |live, name| Some(method(live, name)) },
     CommandRow { name: "time", arguments: "T", doc: "set the time t",
         run: |live, time| view::number(time).map(|_| live.set(TIME, time)) },
