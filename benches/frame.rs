@@ -15,8 +15,7 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, METHODS, Method, Precision, Projection};
+use zeroset_trace::{Camera, METHODS, Method, Precision, Projection, TraceOptions};
 
 /// Number of rounds, unless `--rounds` gives another.
 const ROUNDS: usize = 15;

@@ -8,8 +8,7 @@ use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{METHODS, Status, UndecidedReason};
+use zeroset_trace::{METHODS, Status, TraceOptions, UndecidedReason};
 
 /// Two surfaces, one of which casts a shadow on the other.
 const TEXT: &str = "domain 2\nz = -1\nx^2+y^2+z^2 = 1/2";

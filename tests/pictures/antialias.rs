@@ -7,8 +7,7 @@ use zeroset_scene::gallery::example;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern, edges};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, METHODS, Precision};
+use zeroset_trace::{Camera, METHODS, Precision, TraceOptions};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let text = example(text).map_or(text, |example| example.text);

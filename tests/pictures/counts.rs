@@ -5,8 +5,7 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, METHODS, Projection};
+use zeroset_trace::{Camera, METHODS, Projection, TraceOptions};
 
 const SIZE: usize = 72;
 

@@ -9,8 +9,7 @@ use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_space::{HalfSpace, Region};
 use zeroset_style::ColorMap;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, Projection, RayGrid};
+use zeroset_trace::{Camera, Projection, RayGrid, TraceOptions};
 
 const SIDE: usize = 48;
 

@@ -10,9 +10,8 @@ use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Precision, Settings};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::TraceOptions;
 use zeroset_trace::{
-    Camera, METHODS, Method, Projection, Proves, RayGrid, Status, UndecidedReason,
+    Camera, METHODS, Method, Projection, Proves, RayGrid, Status, TraceOptions, UndecidedReason,
 };
 
 /// The depth that the table is computed with.

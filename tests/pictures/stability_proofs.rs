@@ -8,8 +8,7 @@ use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice};
 use zeroset_testkit::property::{Formula, Scene, picture as check_claims};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, Projection, Status, UndecidedReason};
+use zeroset_trace::{Camera, Projection, Status, TraceOptions, UndecidedReason};
 
 /// Settings with a tolerance near the reference's accuracy.
 fn settings() -> Settings {

@@ -5,8 +5,7 @@ use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, UndecidedReason};
+use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, TraceOptions, UndecidedReason};
 
 const SIDE: usize = 41;
 

@@ -6,8 +6,7 @@ use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{Pattern, UndecidedStyle};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, GBuffer, RayResult};
+use zeroset_trace::{Camera, GBuffer, RayResult, TraceOptions};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let document = read(text, &Options::default()).expect("reads");

@@ -11,8 +11,9 @@ use zeroset_scene::gallery::example;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status};
+use zeroset_trace::{
+    Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status, TraceOptions,
+};
 
 /// The depth that the table is computed with.
 const DEPTH: u32 = 12;

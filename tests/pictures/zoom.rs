@@ -9,8 +9,7 @@ use zeroset_scene::view::{DomainChoice, region};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options, read};
 use zeroset_testkit::property::{Formula, Scene, picture as check_claims};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, METHODS, Precision, Projection, Status};
+use zeroset_trace::{Camera, METHODS, Precision, Projection, Status, TraceOptions};
 
 const SURFACES: [&str; 5] = [
     "domain 2\nx^2+y^2+z^2 = 1",

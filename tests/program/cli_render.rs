@@ -156,6 +156,36 @@ fn arrays_hold_what_the_picture_shows() {
 }
 
 #[test]
+fn a_fallback_is_named_with_its_reason() {
+    let place = Sandbox::new();
+    // From so far away, affine forms cannot tell where in the domain a ray is.
+    let far = ["--eye", "1e14,0,0", "--target", "0,0,0", "--up", "0,0,1", "--ortho", "2.5"];
+    let far = place.run(&[&["render", SPHERE, "--json", "--size", "16"], &far[..]].concat()).ok();
+    let object = far.json();
+    assert_eq!(
+        (&object["method"], &object["fallbacks"][0]["surface"]),
+        (&"knoll".into(), &0.into())
+    );
+    assert!(far.stderr.contains("surface 1 was traced by knoll, not affine: "), "{}", far.stderr);
+    // The forms of the first surface need more stack than a kernel may use; those of the second do
+    // not.
+    let terms =
+        |n: u32| (0..n).map(|k| format!("exp(x*{k}/99+y/{k}.7)-z*{k}/7")).collect::<Vec<_>>();
+    let text = format!("min({})=0; x^2+y^2+z^2=4", terms(320).join(","));
+    let run = place.run(&["render", &text, "--domain", "2.5", "--json", "--size", "16"]).ok();
+    let object = run.json();
+    assert_eq!(object["method"], "affine");
+    let fallbacks = object["fallbacks"].as_array().expect("a list");
+    assert!(fallbacks.len() == 1 && fallbacks[0]["method"] == "knoll", "{fallbacks:?}");
+    assert!(run.stderr.contains("its affine forms cannot be compiled: "), "{}", run.stderr);
+    assert!(run.stderr.contains("knoll proves misses, and hits only"), "{}", run.stderr);
+    // Nothing is said where nothing fell back.
+    assert!(
+        place.run(&["render", SPHERE, "--json", "--size", "8"]).json().get("fallbacks").is_none()
+    );
+}
+
+#[test]
 fn one_json_object_tells_times_counts_and_what_was_used() {
     let place = Sandbox::new();
     let run = place.run(&["render", SPHERE, "--json", "--size", "32"]).ok();

@@ -5,8 +5,7 @@ use crate::surfaces::Surface;
 use anyhow::Result;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Normals, Picture, Settings};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, Method};
+use zeroset_trace::{Camera, Method, TraceOptions};
 
 /// A compiled surface, with its last picture.
 pub struct ZerosetSide {

@@ -19,8 +19,7 @@ use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::program::{ClearedGraph, KernelSource, Program};
 use zeroset_scene::view;
 use zeroset_space::Region;
-use zeroset_trace::Method;
-use zeroset_trace::TraceOptions;
+use zeroset_trace::{Method, TraceOptions};
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;

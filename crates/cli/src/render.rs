@@ -203,7 +203,7 @@ fn remark(
     searched: Option<AutoDomain>,
 ) {
     picture.remarks.iter().for_each(|remark| notes::note(remark));
-    for note in zeroset_live::fallback_notes(picture, settings.method) {
+    for note in picture.fallback_notes(settings.method) {
         notes::note(&note);
     }
     if picture.flat {

@@ -46,6 +46,6 @@ pub use reply::{Refusal, Reply};
 pub use session::Live;
 pub use slider::Slider;
 pub use source::DocumentSource;
-pub use status::{FLAT, fallback_notes, quote};
+pub use status::{FLAT, quote};
 pub use status_words::status_words;
 pub use surfaces::SurfaceEntry;

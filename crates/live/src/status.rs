@@ -6,11 +6,11 @@ use std::fmt::Write as _;
 use std::time::Duration;
 use zeroset_interval::Interval;
 use zeroset_render::names::Named;
-use zeroset_render::picture::{Picture, Settings};
+use zeroset_render::picture::Settings;
 use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::view::{self, ClipChoice, DomainChoice};
 use zeroset_shade::UndecidedStyle;
-use zeroset_trace::{Fallback, Method, MethodOption, OPTIONS, Projection};
+use zeroset_trace::{MethodOption, OPTIONS, Projection};
 
 /// Note on a picture whose function may be 0 everywhere.
 pub const FLAT: &str =
@@ -55,7 +55,7 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     if let Some(why) = rendering.why_blank() {
         let _ = writeln!(text, "note        {why}");
     }
-    for note in fallback_notes(&rendering.picture, settings.method) {
+    for note in rendering.picture.fallback_notes(settings.method) {
         let _ = writeln!(text, "note        {note}");
     }
     for remark in &rendering.picture.remarks {
@@ -86,16 +86,6 @@ fn read_options(rendering: &Rendering) -> impl Iterator<Item = &'static MethodOp
     let fallbacks = rendering.picture.fallbacks.iter().map(|(_, fallback)| fallback.method);
     let methods: Vec<_> = fallbacks.chain([rendering.request.settings.method]).collect();
     OPTIONS.iter().filter(move |option| methods.iter().any(|one| one.reads.contains(option)))
-}
-
-/// A note for each surface that was traced by a fallback method.
-pub fn fallback_notes(picture: &Picture, asked: &Method) -> Vec<String> {
-    let surfaces = picture.fallbacks.iter();
-    let note = |(surface, fallback): &(usize, Fallback)| {
-        let (method, why) = (fallback.method.name, &fallback.why);
-        format!("surface {} was traced by {method}, not {}: {why}", surface + 1, asked.name)
-    };
-    surfaces.map(note).collect()
 }
 
 /// A time in milliseconds, with one decimal below 10 ms.

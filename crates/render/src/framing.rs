@@ -11,8 +11,7 @@ use zeroset_scene::view::{self, CameraChoice, SceneError};
 use zeroset_space::Region;
 use zeroset_style::StandardView;
 use zeroset_syntax::Document;
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, CameraError, Projection};
+use zeroset_trace::{Camera, CameraError, Projection, TraceOptions};
 
 /// Rows and columns of the small picture.
 const SIDE: usize = 64;

@@ -179,6 +179,15 @@ pub struct Picture {
 }
 
 impl Picture {
+    /// A note for each surface that a fallback traced in the place of the method `requested`.
+    pub fn fallback_notes(&self, requested: &Method) -> Vec<String> {
+        let note = |(surface, fallback): &(usize, Fallback)| {
+            let (method, why) = (fallback.method.name, &fallback.why);
+            format!("surface {} was traced by {method}, not {}: {why}", surface + 1, requested.name)
+        };
+        self.fallbacks.iter().map(note).collect()
+    }
+
     /// The method that traced the surface with this number.
     pub fn method_of(&self, surface: usize) -> &'static Method {
         let fallback = self.fallbacks.iter().find(|(fallen, _)| *fallen == surface);
@@ -235,16 +244,18 @@ impl Picture {
         let parts: Vec<(UndecidedReason, usize)> =
             UndecidedReason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
         if let [(UndecidedReason::Unproven, _)] = parts[..] {
-            let why = match self.method.proves {
+            // Some surfaces may have been traced by a fallback, which then left these pixels open.
+            let fallback = self.fallbacks.first().map(|(_, fallback)| fallback.method);
+            let who = fallback.map_or("this method", |method| method.name);
+            let what = match fallback.unwrap_or(self.method).proves {
                 Proves::Nothing => {
-                    "this method proves nothing of rays that meet the domain, but where the domain \
-                     cuts a solid"
+                    "proves nothing of rays that meet the domain, but where the domain cuts a solid"
                 }
                 Proves::Misses | Proves::HitsAndMisses => {
-                    "this method proves misses, and hits only where the domain cuts a solid"
+                    "proves misses, and hits only where the domain cuts a solid"
                 }
             };
-            return Some(why.to_owned());
+            return Some(format!("{who} {what}"));
         }
         let parts: Vec<String> = parts
             .into_iter()

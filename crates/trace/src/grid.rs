@@ -37,7 +37,7 @@ pub struct RayGrid {
     pub corner: [usize; 2],
     /// Bounds of the screen coordinates: half the width and height of the whole picture. A part of
     /// a picture has the bounds of the whole, so that it is traced in the same way.
-    pub reach: [f64; 2],
+    pub(crate) reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
     /// The direction of view, and the change of a ray's direction from half a pixel to the right,
@@ -49,7 +49,7 @@ pub struct RayGrid {
     /// parallel.
     pub unit: f64,
     /// Whether the picture is orthographic.
-    pub parallel: bool,
+    pub(crate) parallel: bool,
     patches: Option<Arc<[Patch]>>,
 }
 
@@ -106,13 +106,13 @@ impl RayGrid {
 
     /// The patch in this row, if these are rays of patches.
     #[inline]
-    pub fn patch(&self, row: usize) -> Option<Patch> {
+    pub(crate) fn patch(&self, row: usize) -> Option<Patch> {
         self.patches.as_ref().map(|patches| patches[row])
     }
 
     /// Returns whether these are the rays of patches.
     #[inline]
-    pub fn is_patched(&self) -> bool {
+    pub(crate) fn is_patched(&self) -> bool {
         self.patches.is_some()
     }
 
@@ -200,7 +200,7 @@ impl RayGrid {
     /// [Screen coordinates](Self::screen) along one axis of four points. `sum` is the sum of two
     /// columns, or of two rows, for the first point, and `step` is its change from point to point.
     #[inline(always)]
-    pub fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
+    pub(crate) fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
         let [across, upward] = self.first;
         // All numbers are integers until the last step, which rounds.
         let (first, step) = if axis == 0 {

@@ -119,7 +119,7 @@ pub fn bits(holds: impl Fn(usize) -> bool) -> u32 {
 
 /// The positions of the bits that are set: the inverse of [`bits`].
 #[inline]
-pub fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
+pub(crate) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = (bits != 0).then(|| bits.trailing_zeros() as usize);
         bits &= bits.wrapping_sub(1);
@@ -183,7 +183,7 @@ fn look<S: Simd>(
 
 /// Returns whether all of these pixels are misses, so that nothing is painted.
 #[inline]
-pub fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
+pub(crate) fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
     status.iter().fold(0, |any, status| any | *status as u8) == Status::Miss as u8
 }
 

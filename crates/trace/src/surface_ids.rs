@@ -31,7 +31,7 @@ impl SurfaceIds {
     }
 
     /// Keeps only the given pixels.
-    pub fn crop(&mut self, pixels: &Range<usize>) {
+    pub(crate) fn crop(&mut self, pixels: &Range<usize>) {
         self.each.truncate(pixels.end);
         self.each.drain(..pixels.start.min(self.each.len()));
     }

@@ -12,8 +12,7 @@ use zeroset_scene::program::Program;
 use zeroset_space::Region;
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Formula, Pixel, RayClaim, Scene};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, METHODS, Method, Projection, Status};
+use zeroset_trace::{Camera, METHODS, Method, Projection, Status, TraceOptions};
 
 /// Returns the claims of every method's picture about the rays of its pixels. `None` if the scene's
 /// camera is invalid or its formula has no surface.

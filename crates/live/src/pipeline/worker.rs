@@ -14,8 +14,7 @@ use zeroset_scene::program::Program;
 use zeroset_scene::view::{self, CameraChoice, SceneError};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Errors};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Camera, Proves};
+use zeroset_trace::{Camera, Proves, TraceOptions};
 
 /// Least depth of a coarse picture, which is the number of halvings along a ray.
 const LEAST_DEPTH: u32 = 6;

@@ -12,8 +12,7 @@ use zeroset_scene::program::ProgramError;
 use zeroset_shade::{
     Pattern, UndecidedStyle, edges, hand_back_colors, is_creased, is_smooth, slope,
 };
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{GBuffer, Patch, RayGrid, Status};
+use zeroset_trace::{GBuffer, Patch, RayGrid, Status, TraceOptions};
 
 /// Number of pixels that are antialiased together, small enough for the inner caches.
 const PART: usize = 64;

@@ -14,8 +14,7 @@ use zeroset_shade::{
 };
 use zeroset_space::Ball;
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
-use zeroset_trace::TraceOptions;
-use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid};
+use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid, TraceOptions};
 
 /// Distance from the surface at which shadow rays start, in slabs of the smallest size. This keeps
 /// the surface from shadowing itself.
