@@ -173,9 +173,6 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub shading: ShadingArgs,
 
-    #[command(flatten)]
-    pub sequence: SequenceArgs,
-
     /// Stop searching for surfaces after this time; unreached pixels are undecided and not drawn
     ///
     /// Time counts from the start of the command, or of each frame. Choosing the domain and
@@ -187,6 +184,9 @@ pub struct RenderArgs {
     /// Exit with code 1 if any pixel is undecided
     #[arg(long)]
     pub strict: bool,
+
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
 }
 
 impl RenderArgs {
@@ -468,12 +468,12 @@ Over a box, a lower and an upper end for each of x, y and z:
   {"f": "sin(x)*y", "box": [[0, 1], [1, "0x1p1"], [0, "inf"]], "precision": "f64"}
   {"lo": 0.0, "hi": 1.68, "defined": true, "continuous": true, "empty": false, "precision": "f64"}
 
-All values lie between lo and hi. "empty" is true where f is proven to have no value, "defined" where
-it is proven to have one at the point or everywhere in the box, "continuous" where it is proven to be
-continuous too. At a point where f is proven to have no value, "value" and "grad" are "nan"; where
-nothing is proven they are what the arithmetic of floats yields. Numbers may be texts: hexadecimal
-floats, "inf" and "-inf". "f" may hold several lines, as a file does. A line that cannot be answered
-gives {"error": "..."}."#;
+All values lie between lo and hi. "empty" is true where f is proven to have no value,
+"defined" where it is proven to have one at the point or everywhere in the box, "continuous"
+where it is proven to be continuous too. At a point where f is proven to have no value,
+"value" and "grad" are "nan"; where nothing is proven they are what the arithmetic of floats
+yields. Numbers may be texts: hexadecimal floats, "inf" and "-inf". "f" may hold several
+lines, as a file does. A line that cannot be answered gives {"error": "..."}."#;
 
 #[derive(Debug, Args)]
 pub struct EvalArgs {
