@@ -2,7 +2,7 @@
 
 use crate::lanes::Lanes;
 use crate::real::{Real, middle, outward};
-use crate::value_domain::PARAMETER_QUANTITIES;
+use crate::value_kind::PARAMETER_QUANTITIES;
 use std::sync::Arc;
 use zeroset_interval::Interval;
 

@@ -6,7 +6,7 @@
 
 use crate::real::Real;
 use crate::tape::{Step, Tape, may_vanish};
-use crate::value_domain::ValueDomain;
+use crate::value_kind::{Intervals, Loader, ValueKind, coordinate_bounds, parameter_bounds};
 use zeroset_interval::{
     Branch, Claims, Enclosure, Fact, Format, Interval, Machine, Operand, Split, enclose,
     enclose_branch,
@@ -178,15 +178,12 @@ impl<V: Copy> Combination<V> {
 
 impl<T: Real> Tape<T> {
     /// Computes in which lanes all outputs may be 0 together, in some combination of branches.
-    pub(crate) fn possible_branches<M: Machine, D>(
+    pub(crate) fn possible_branches<M: Machine>(
         &self,
         m: &mut M,
         branches: &Branches,
-        leaves: &mut D,
-    ) -> Fact<M::V>
-    where
-        D: ValueDomain<T, M, Value = Enclosure<M::V>>,
-    {
+        loader: &mut impl Loader<M>,
+    ) -> Fact<M::V> {
         let mut done: Vec<Combination<M::V>> = Vec::new();
         for parts in branches.combinations() {
             let made = vec![Fact::False; branches.choices.len()];
@@ -199,15 +196,17 @@ impl<T: Real> Tape<T> {
                 } else {
                     let leaf = |value| (value, Fact::False);
                     let (value, made) = match step {
-                        Step::Coordinate(axis) => leaf(leaves.coordinate(m, *axis)),
-                        Step::Parameter(number) => leaf(leaves.parameter(m, *number as usize)),
-                        Step::Constant(bounds, _) => leaf(leaves.constant(m, *bounds)),
+                        Step::Coordinate(axis) => leaf(coordinate_bounds(m, loader, *axis)),
+                        Step::Parameter(number) => {
+                            leaf(parameter_bounds(m, loader, *number as usize))
+                        }
+                        Step::Constant(bounds, _) => leaf(Intervals::constant::<T, M>(m, *bounds)),
                         Step::Apply(op, operands) => {
                             enclose_step::<T, M>(m, branches, &now, index, *op, operands)
                         }
                     };
                     let (range, exponent) = (self.range(index), step.exponent());
-                    let value = leaves.clamp_to(m, value, range);
+                    let value = Intervals::clamp_to::<T, M>(m, value, range);
                     (Operand { value, range, exponent }, made)
                 };
                 if let Some(choice) = branches.makes[index] {

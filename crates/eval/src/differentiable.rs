@@ -4,14 +4,13 @@
 //! in which the function is Lipschitz continuous, it changes no more than its slopes allow.
 
 use crate::real::Real;
-use crate::value_domain::{Bounds, Loader, ValueDomain};
+use crate::value_kind::{Intervals, Loader, ValueKind, Vector, parameter_bounds};
 use zeroset_interval::{Enclosure, Exponent, Fact, Interval, Machine, Term};
-use zeroset_ir::Axis;
 use zeroset_ops::{Class, Law, Op};
 
 /// An enclosure, and how smooth the expression is over the box.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Smooth<V> {
+pub struct Smooth<V> {
     pub value: Enclosure<V>,
     /// Lanes in which the expression is Lipschitz continuous on the box.
     pub lipschitz: Fact<V>,
@@ -19,51 +18,70 @@ pub(crate) struct Smooth<V> {
     pub differentiable: Fact<V>,
 }
 
-/// The domain of enclosures with the facts of [`Smooth`].
-pub(crate) struct SmoothnessDomain<'a, I>(pub Bounds<'a, I>);
+/// Enclosures with the facts of [`Smooth`].
+#[derive(Clone, Copy, Debug)]
+pub struct Smoothness;
 
-fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
+/// The value of a coordinate, parameter or constant.
+pub(crate) fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
     Smooth { value, lipschitz: Fact::True, differentiable: Fact::True }
 }
 
-impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for SmoothnessDomain<'_, I>
-where
-    for<'a> Bounds<'a, I>: ValueDomain<T, M, Value = Enclosure<M::V>>,
-{
-    type Value = Smooth<M::V>;
+impl ValueKind for Smoothness {
+    type Value<V: Vector> = Smooth<V>;
 
-    fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value {
-        leaf(ValueDomain::<T, M>::coordinate(&mut self.0, m, axis))
+    fn parameter<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        number: usize,
+    ) -> Smooth<M::V> {
+        leaf(parameter_bounds(m, loader, number))
     }
 
-    fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value {
-        leaf(ValueDomain::<T, M>::parameter(&mut self.0, m, number))
+    fn constant<T: Real, M: Machine>(m: &mut M, bounds: Interval) -> Smooth<M::V> {
+        leaf(Intervals::constant::<T, M>(m, bounds))
     }
 
-    fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value {
-        leaf(ValueDomain::<T, M>::constant(&mut self.0, m, bounds))
-    }
-
-    fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value {
+    fn apply<T: Real, M: Machine>(
+        m: &mut M,
+        op: Op,
+        operands: &[Term<Smooth<M::V>>],
+    ) -> Smooth<M::V> {
         let bounds: Vec<_> = operands.iter().map(|term| term.with(term.value.value)).collect();
-        let value = ValueDomain::<T, M>::apply(&mut self.0, m, op, &bounds);
+        let value = Intervals::apply::<T, M>(m, op, &bounds);
         smooth::<T, M>(m, op, operands, value)
     }
 
-    fn apply_twins(
-        &mut self,
+    fn apply_twins<T: Real, M: Machine>(
         m: &mut M,
         op: Op,
-        operand: &Term<Self::Value>,
-    ) -> Option<[Self::Value; 2]> {
+        operand: &Term<Smooth<M::V>>,
+    ) -> Option<[Smooth<M::V>; 2]> {
         let bounds = operand.with(operand.value.value);
-        let both = ValueDomain::<T, M>::apply_twins(&mut self.0, m, op, &bounds)?;
+        let both = Intervals::apply_twins::<T, M>(m, op, &bounds)?;
         Some(both.map(|value| smooth::<T, M>(m, op, &[*operand], value)))
     }
 
-    fn clamp_to(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
-        let bounds = ValueDomain::<T, M>::clamp_to(&mut self.0, m, value.value, range);
+    fn clamp_to<T: Real, M: Machine>(
+        m: &mut M,
+        value: Smooth<M::V>,
+        range: Interval,
+    ) -> Smooth<M::V> {
+        let bounds = Intervals::clamp_to::<T, M>(m, value.value, range);
         Smooth { value: bounds, ..value }
+    }
+
+    fn map<V: Vector, U: Vector>(value: &Smooth<V>, f: &mut impl FnMut(V) -> U) -> Smooth<U> {
+        Smooth {
+            value: value.value.map(f),
+            lipschitz: value.lipschitz.map(f),
+            differentiable: value.differentiable.map(f),
+        }
+    }
+
+    fn shape<V: Vector>(value: &Smooth<V>) -> u128 {
+        let own = [value.lipschitz.shape(), value.differentiable.shape()];
+        own.into_iter().fold(value.value.facts.shape(), |code, fact| 3 * code + fact)
     }
 }
 

@@ -1,15 +1,8 @@
 //! Affine forms along rays: the domain of values in which segments are narrowed.
 
-use crate::real::Real;
-use crate::tape::Tape;
-use crate::value_domain::{Loader, PARAMETER_QUANTITIES, ValueDomain};
-use std::marker::PhantomData;
-use zeroset_interval::{
-    Contraction, Enclosure, Form, Format, Interval, Machine, Term, contract, linearise,
-    linearise_sincos,
-};
+use crate::value_kind::Loader;
+use zeroset_interval::{Contraction, Form, Format, Machine, contract};
 use zeroset_ir::Axis;
-use zeroset_ops::Op;
 
 /// How coordinates depend on `N` symbols, of which the last runs along a ray.
 pub(crate) trait Path<const N: usize> {
@@ -31,22 +24,21 @@ pub(crate) struct SegmentPath;
 /// Path through tiles of rays; its quantities are those of [`Tiles`](crate::Tiles).
 pub(crate) struct TilePath;
 
-/// The domain of affine forms of points on a path.
-struct AffineDomain<'a, I, V, P, const N: usize> {
-    loader: &'a mut I,
-    depth: RayRange<V>,
-    path: PhantomData<P>,
-}
-
 /// A range of t along a ray: `middle` ± `half` contains a segment from end to end.
 #[derive(Clone, Copy)]
-pub(crate) struct RayRange<V> {
+pub struct RayRange<V> {
     pub middle: V,
     pub half: V,
 }
 
 impl<V: Copy> RayRange<V> {
-    fn between<M: Machine<V = V>>(m: &mut M, format: Format, ends: [V; 2]) -> Self {
+    /// Loads the range of the segments of a path.
+    pub(crate) fn load<P: Path<N>, M: Machine<V = V>, const N: usize>(
+        m: &mut M,
+        format: Format,
+        loader: &mut impl Loader<M>,
+    ) -> Self {
+        let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
         let half = m.number(format, 0.5);
         let middle = m.unrounded(|m| {
             let sum = m.add(ends[0], ends[1]);
@@ -116,62 +108,15 @@ impl Path<3> for TilePath {
     }
 }
 
-/// Evaluates the first output of a tape on a path. Returns its affine form, the part of the path
-/// where it may be 0, and the range of t.
-pub(crate) fn evaluate_and_contract<
-    P: Path<N>,
-    T: Real,
-    V: Copy,
-    M: Machine<V = V>,
-    const N: usize,
->(
-    tape: &Tape<T>,
+/// Returns the part of a path where the form of a function may be 0.
+pub(crate) fn contract_path<P: Path<N>, M: Machine, const N: usize>(
     m: &mut M,
+    format: Format,
     loader: &mut impl Loader<M>,
-) -> (Form<V, N>, Contraction<V>, RayRange<V>) {
-    let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
-    let depth = RayRange::between(m, T::FORMAT, ends);
-    let form =
-        tape.evaluate(m, &mut AffineDomain::<_, _, P, N> { loader, depth, path: PhantomData })[0];
+    depth: RayRange<M::V>,
+    form: &Form<M::V, N>,
+) -> Contraction<M::V> {
     // Load again: a value that lives longer would be spilled and reloaded.
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
-    let new = contract(m, T::FORMAT, &form, [depth.middle, depth.half], ends);
-    (form, new, depth)
-}
-
-impl<T: Real, M: Machine, I: Loader<M>, P: Path<N>, const N: usize> ValueDomain<T, M>
-    for AffineDomain<'_, I, M::V, P, N>
-{
-    type Value = Form<M::V, N>;
-
-    fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value {
-        P::coordinate(m, self.loader, self.depth, axis)
-    }
-
-    fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value {
-        let [neg_lo, hi] =
-            [0, 1].map(|end| self.loader.parameter(m, PARAMETER_QUANTITIES * number + end));
-        Form::between(m, T::FORMAT, &Enclosure::total(neg_lo, hi))
-    }
-
-    fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value {
-        Form::constant(m, T::FORMAT, bounds)
-    }
-
-    fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value {
-        linearise(m, T::FORMAT, op, operands)
-    }
-
-    fn apply_twins(
-        &mut self,
-        m: &mut M,
-        op: Op,
-        term: &Term<Self::Value>,
-    ) -> Option<[Self::Value; 2]> {
-        linearise_sincos(m, T::FORMAT, op, term)
-    }
-
-    fn clamp_to(&mut self, m: &mut M, value: Self::Value, range: Interval) -> Self::Value {
-        value.clamp_to(m, T::FORMAT, range)
-    }
+    contract(m, format, form, [depth.middle, depth.half], ends)
 }

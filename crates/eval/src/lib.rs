@@ -1,7 +1,7 @@
 //! Queries about functions, the layouts of their data, and the reference evaluator.
 //!
 //! A [`Tape`] is a graph laid out for evaluation, on any [`Machine`](zeroset_interval::Machine) and
-//! in any [domain of values](ValueDomain). A [`Query`] defines what a kernel reads and what its
+//! with any [kind of values](ValueKind). A [`Query`] defines what a kernel reads and what its
 //! result means; a [`Kernel`] answers it. [`Reference`] does so in software; other crates compile
 //! native code. All exist in `f32` and in `f64`, by a type parameter [`Real`] that defaults to
 //! `f32`. [`SurfaceKernels`] are the kernels of one function. This crate knows neither code
@@ -19,7 +19,7 @@ mod real;
 mod reference;
 mod surface;
 mod tape;
-mod value_domain;
+mod value_kind;
 
 pub use batch::{
     Batch, Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output,
@@ -30,10 +30,10 @@ pub use enclosure::{enclose, enclose_all};
 pub use lanes::{LANES, Lanes};
 pub use query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Query,
-    QueryResult, Sample, SampleGradient,
+    QueryResult, QueryValue, Sample, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;
 pub use surface::{KernelError, KernelFloat, KernelResult, Kernels, SurfaceKernels, ZeroTest};
 pub use tape::{Assumptions, Step, Tape};
-pub use value_domain::{Loader, ValueDomain};
+pub use value_kind::{Loader, ValueKind, Vector};

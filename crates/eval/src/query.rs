@@ -9,13 +9,14 @@ use crate::batch::{
     Segments, Tiles, Values, Zeros,
 };
 use crate::binding::Binding;
-use crate::differentiable::SmoothnessDomain;
-use crate::forms::{RayRange, SegmentPath, TilePath, evaluate_and_contract};
+use crate::differentiable::{Smooth, Smoothness, leaf};
+use crate::forms::{Path, RayRange, SegmentPath, TilePath, contract_path};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
-use crate::value_domain::{Bounds, Loader, Samples};
-use zeroset_interval::{Enclosure, Fact, Machine};
+use crate::value_kind::{Forms, Intervals, Loader, Numbers, ValueKind, Vector, coordinate_bounds};
+use zeroset_interval::{Enclosure, Fact, Form, Machine};
+use zeroset_ir::Axis;
 
 /// A query, represented by a type.
 pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
@@ -23,6 +24,10 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     const NAME: &'static str;
     /// Number of expressions that a tape must compute to answer the query.
     const OUTPUTS: usize;
+    /// The kind of values that a tape computes.
+    type Kind: ValueKind;
+    /// What the coordinates of a batch have in common, such as a range of t.
+    type Context<V: Vector>: Copy;
     /// The batch that a kernel reads.
     type Input<T: Real>: Input<T>;
     /// The batch that a kernel writes.
@@ -59,6 +64,27 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
         );
     }
 
+    /// Loads the context of a batch.
+    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> Self::Context<M::V>;
+
+    /// Loads or computes a coordinate.
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        context: Self::Context<M::V>,
+        axis: Axis,
+    ) -> QueryValue<Self, M>;
+
+    /// Computes the result from the values of the expressions. `is_bounded` states that the first
+    /// is finite in every sample.
+    fn result<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        context: Self::Context<M::V>,
+        values: &[QueryValue<Self, M>],
+        is_bounded: bool,
+    ) -> QueryResult<M::V>;
+
     /// Computes the result on `m`: its quantities and its masks.
     ///
     /// # Panics
@@ -68,8 +94,15 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V>;
+    ) -> QueryResult<M::V> {
+        let context = Self::context::<T, M>(m, loader);
+        let values = tape.evaluate::<Self, M>(m, loader, context);
+        Self::result::<T, M>(m, loader, context, &values, tape.is_bounded())
+    }
 }
+
+/// A value that a tape computes for query `Q` on machine `M`.
+pub type QueryValue<Q, M> = <<Q as Query>::Kind as ValueKind>::Value<<M as Machine>::V>;
 
 /// The result of a query as values of a machine.
 pub struct QueryResult<V> {
@@ -140,15 +173,30 @@ pub struct SampleGradient;
 impl Query for Enclose {
     const NAME: &'static str = "bounds";
     const OUTPUTS: usize = 1;
+    type Kind = Intervals;
+    type Context<V: Vector> = ();
     type Input<T: Real> = Boxes<T>;
     type Output<T: Real> = Enclosures<T>;
 
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
+        _: (),
+        axis: Axis,
+    ) -> Enclosure<M::V> {
+        coordinate_bounds(m, loader, axis)
+    }
+
+    fn result<T: Real, M: Machine>(
+        _: &mut M,
+        _: &mut impl Loader<M>,
+        _: (),
+        values: &[Enclosure<M::V>],
+        _: bool,
     ) -> QueryResult<M::V> {
-        let Enclosure { neg_lo, hi, facts } = tape.evaluate(m, &mut Bounds(loader))[0];
+        let Enclosure { neg_lo, hi, facts } = values[0];
         let masks = vec![facts.nowhere, facts.defined, facts.continuous];
         QueryResult { quantities: vec![neg_lo, hi], masks }
     }
@@ -157,45 +205,83 @@ impl Query for Enclose {
 impl Query for FindZeros {
     const NAME: &'static str = "zeros";
     const OUTPUTS: usize = 1;
+    type Kind = Intervals;
+    type Context<V: Vector> = ();
     type Input<T: Real> = Boxes<T>;
     type Output<T: Real> = Zeros;
+
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        _: (),
+        axis: Axis,
+    ) -> Enclosure<M::V> {
+        coordinate_bounds(m, loader, axis)
+    }
+
+    fn result<T: Real, M: Machine>(
+        m: &mut M,
+        _: &mut impl Loader<M>,
+        _: (),
+        values: &[Enclosure<M::V>],
+        is_bounded: bool,
+    ) -> QueryResult<M::V> {
+        let value = values[0];
+        let possible = may_vanish(m, T::FORMAT, &value);
+        let unbounded = if is_bounded {
+            Fact::False
+        } else {
+            let most = m.max(value.neg_lo, value.hi);
+            let largest = m.number(T::FORMAT, T::LARGEST.into());
+            Fact::Lanes(m.lt(largest, most))
+        };
+        let masks = vec![possible, unbounded, value.facts.continuous.not(m, T::FORMAT)];
+        QueryResult { quantities: Vec::new(), masks }
+    }
 
     fn answer<T: Real, M: Machine>(
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
-        let masks = if let Some(possible) = tape.vanishing_together(m, loader) {
+        if let Some(possible) = tape.vanishing_together(m, loader) {
             // Only the mask `possible` is computed; the other two claim nothing.
-            vec![possible, Fact::False, Fact::False]
-        } else {
-            let value = tape.evaluate(m, &mut Bounds(loader))[0];
-            let possible = may_vanish(m, T::FORMAT, &value);
-            let unbounded = if tape.is_bounded() {
-                Fact::False
-            } else {
-                let most = m.max(value.neg_lo, value.hi);
-                let largest = m.number(T::FORMAT, T::LARGEST.into());
-                Fact::Lanes(m.lt(largest, most))
-            };
-            vec![possible, unbounded, value.facts.continuous.not(m, T::FORMAT)]
-        };
-        QueryResult { quantities: Vec::new(), masks }
+            let masks = vec![possible, Fact::False, Fact::False];
+            return QueryResult { quantities: Vec::new(), masks };
+        }
+        let values = tape.evaluate::<Self, M>(m, loader, ());
+        Self::result::<T, M>(m, loader, (), &values, tape.is_bounded())
     }
 }
 
 impl Query for EncloseGradient {
     const NAME: &'static str = "gradient bounds";
     const OUTPUTS: usize = 4;
+    type Kind = Smoothness;
+    type Context<V: Vector> = ();
     type Input<T: Real> = Boxes<T>;
     type Output<T: Real> = GradientEnclosures<T>;
 
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
+        _: (),
+        axis: Axis,
+    ) -> Smooth<M::V> {
+        leaf(coordinate_bounds(m, loader, axis))
+    }
+
+    fn result<T: Real, M: Machine>(
+        m: &mut M,
+        _: &mut impl Loader<M>,
+        _: (),
+        values: &[Smooth<M::V>],
+        _: bool,
     ) -> QueryResult<M::V> {
-        let values = tape.evaluate(m, &mut SmoothnessDomain(Bounds(loader)));
         let (function, derivatives) = values.split_first().expect("a function");
         let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
         for derivative in derivatives {
@@ -215,15 +301,32 @@ impl Query for EncloseGradient {
 impl Query for ContractSegments {
     const NAME: &'static str = "segments";
     const OUTPUTS: usize = 1;
+    type Kind = Forms<1>;
+    type Context<V: Vector> = RayRange<V>;
     type Input<T: Real> = Segments<T>;
     type Output<T: Real> = Contractions<T>;
 
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
+    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> RayRange<M::V> {
+        RayRange::load::<SegmentPath, _, 1>(m, T::FORMAT, loader)
+    }
+
+    fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
+        depth: RayRange<M::V>,
+        axis: Axis,
+    ) -> Form<M::V, 1> {
+        SegmentPath::coordinate(m, loader, depth, axis)
+    }
+
+    fn result<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        depth: RayRange<M::V>,
+        forms: &[Form<M::V, 1>],
+        _: bool,
     ) -> QueryResult<M::V> {
-        let (_, new, _) = evaluate_and_contract::<SegmentPath, _, _, _, _>(tape, m, loader);
+        let new = contract_path::<SegmentPath, _, 1>(m, T::FORMAT, loader, depth, &forms[0]);
         QueryResult { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
     }
 }
@@ -231,16 +334,33 @@ impl Query for ContractSegments {
 impl Query for ContractTiles {
     const NAME: &'static str = "tiles";
     const OUTPUTS: usize = 1;
+    type Kind = Forms<3>;
+    type Context<V: Vector> = RayRange<V>;
     type Input<T: Real> = Tiles<T>;
     type Output<T: Real> = Planes<T>;
 
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
+    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> RayRange<M::V> {
+        RayRange::load::<TilePath, _, 3>(m, T::FORMAT, loader)
+    }
+
+    fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
+        depth: RayRange<M::V>,
+        axis: Axis,
+    ) -> Form<M::V, 3> {
+        TilePath::coordinate(m, loader, depth, axis)
+    }
+
+    fn result<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        depth: RayRange<M::V>,
+        forms: &[Form<M::V, 3>],
+        _: bool,
     ) -> QueryResult<M::V> {
-        let (form, new, RayRange { middle, half }) =
-            evaluate_and_contract::<TilePath, _, _, _, _>(tape, m, loader);
+        let (form, RayRange { middle, half }) = (&forms[0], depth);
+        let new = contract_path::<TilePath, _, 3>(m, T::FORMAT, loader, depth, form);
         let zero = m.number(T::FORMAT, 0.0);
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
         let error = form.error(m, T::FORMAT).unwrap_or(zero);
@@ -249,42 +369,63 @@ impl Query for ContractTiles {
     }
 }
 
-/// Samples all expressions that a tape computes.
-fn samples<T: Real, M: Machine>(
-    tape: &Tape<T>,
-    m: &mut M,
-    loader: &mut impl Loader<M>,
-) -> QueryResult<M::V> {
-    QueryResult { quantities: tape.evaluate(m, &mut Samples(loader)), masks: Vec::new() }
-}
-
 impl Query for Sample {
     const NAME: &'static str = "values";
     const OUTPUTS: usize = 1;
+    type Kind = Numbers;
+    type Context<V: Vector> = ();
     type Input<T: Real> = Points<T>;
     type Output<T: Real> = Values<T>;
 
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
+        _: (),
+        axis: Axis,
+    ) -> M::V {
+        loader.input(m, axis as usize)
+    }
+
+    fn result<T: Real, M: Machine>(
+        _: &mut M,
+        _: &mut impl Loader<M>,
+        _: (),
+        values: &[M::V],
+        _: bool,
     ) -> QueryResult<M::V> {
-        samples(tape, m, loader)
+        QueryResult { quantities: values.to_vec(), masks: Vec::new() }
     }
 }
 
 impl Query for SampleGradient {
     const NAME: &'static str = "gradients";
     const OUTPUTS: usize = 4;
+    type Kind = Numbers;
+    type Context<V: Vector> = ();
     type Input<T: Real> = Points<T>;
     type Output<T: Real> = Gradients<T>;
 
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
+        _: (),
+        axis: Axis,
+    ) -> M::V {
+        loader.input(m, axis as usize)
+    }
+
+    fn result<T: Real, M: Machine>(
+        _: &mut M,
+        _: &mut impl Loader<M>,
+        _: (),
+        values: &[M::V],
+        _: bool,
     ) -> QueryResult<M::V> {
-        samples(tape, m, loader)
+        QueryResult { quantities: values.to_vec(), masks: Vec::new() }
     }
 }
 

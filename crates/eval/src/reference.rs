@@ -5,7 +5,7 @@ use crate::binding::Binding;
 use crate::query::{Kernel, Query, QueryResult};
 use crate::real::Real;
 use crate::tape::Tape;
-use crate::value_domain::Loader;
+use crate::value_kind::Loader;
 use std::marker::PhantomData;
 use zeroset_interval::{Software, Vector128 as Vector};
 

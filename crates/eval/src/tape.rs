@@ -3,8 +3,9 @@
 
 use crate::branches::Branches;
 use crate::lanes::Lanes;
+use crate::query::{Query, QueryValue};
 use crate::real::{Real, outward};
-use crate::value_domain::{Bounds, Loader, ValueDomain};
+use crate::value_kind::{Loader, ValueKind};
 use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -54,7 +55,7 @@ pub enum Step {
 
 impl Step {
     /// The kind of exponent that the step's value is.
-    pub(crate) fn exponent(&self) -> Exponent {
+    pub fn exponent(&self) -> Exponent {
         match self {
             Self::Constant(_, exponent) => *exponent,
             Self::Coordinate(_) | Self::Parameter(_) | Self::Apply(..) => Exponent::Real,
@@ -72,6 +73,8 @@ pub struct Tape<T: Real = f32> {
     assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
     branches: Option<Arc<Branches>>,
+    /// Whether ranges were made [coarse](Tape::coarse).
+    is_coarse: bool,
 }
 
 impl<T: Real> Tape<T> {
@@ -89,6 +92,7 @@ impl<T: Real> Tape<T> {
             assumptions: Arc::new(assumptions.outward::<T>()),
             format: PhantomData,
             branches: None,
+            is_coarse: false,
         };
         let mut values: Vec<Operand<Vector>> = Vec::new();
         for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
@@ -112,6 +116,16 @@ impl<T: Real> Tape<T> {
         tape
     }
 
+    /// Returns the same steps with wider ranges, whose ends are among a few numbers. So few
+    /// different cases of a rule arise over all tapes, and each is compiled once for all. Bounds
+    /// stay rigorous, but may be wider.
+    #[must_use]
+    pub fn coarse(mut self) -> Self {
+        self.is_coarse = true;
+        self.ranges.iter_mut().for_each(|range| *range = coarse::<T>(*range));
+        self
+    }
+
     /// Lays out steps that find where `roots` may all be 0, branch by branch where they jump. They
     /// answer [`FindZeros`](crate::FindZeros) and nothing else.
     ///
@@ -126,18 +140,23 @@ impl<T: Real> Tape<T> {
         Some(Self { branches: Some(Arc::new(branches)), ..tape })
     }
 
+    /// Returns whether this tape only finds zeros, branch by branch ([`Tape::branches`]).
+    pub fn is_by_branches(&self) -> bool {
+        self.branches.is_some()
+    }
+
     /// The steps, operands before users.
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 
     /// Bounds of a step's value in every sample.
-    pub(crate) fn range(&self, index: usize) -> Interval {
+    pub fn range(&self, index: usize) -> Interval {
         self.ranges[index]
     }
 
     /// Indices of the steps that compute the expressions.
-    pub(crate) fn outputs_at(&self) -> &[usize] {
+    pub fn outputs_at(&self) -> &[usize] {
         &self.outputs
     }
 
@@ -171,39 +190,49 @@ impl<T: Real> Tape<T> {
     }
 
     /// Returns whether the bounds of the first output are finite in every sample.
-    pub(crate) fn is_bounded(&self) -> bool {
+    pub fn is_bounded(&self) -> bool {
         let (range, largest) = (self.ranges[self.outputs[0]], T::LARGEST.into());
         -largest <= range.lo && range.hi <= largest
     }
 
-    /// Computes all outputs on `m`, in a domain of values.
+    /// Computes all outputs on `m`, as the values that query `Q` needs.
     ///
     /// # Panics
     /// If the tape is one of [`Tape::branches`], which only find zeros.
-    pub fn evaluate<M: Machine, D: ValueDomain<T, M>>(
+    pub fn evaluate<Q: Query, M: Machine>(
         &self,
         m: &mut M,
-        domain: &mut D,
-    ) -> Vec<D::Value> {
+        loader: &mut impl Loader<M>,
+        context: Q::Context<M::V>,
+    ) -> Vec<QueryValue<Q, M>> {
         assert!(self.branches.is_none(), "branches only find zeros");
-        let mut terms: Vec<Term<D::Value>> = Vec::with_capacity(self.steps.len());
+        let mut terms: Vec<Term<QueryValue<Q, M>>> = Vec::with_capacity(self.steps.len());
         let mut twins = Twins(HashMap::new());
         for (step, &range) in self.steps.iter().zip(&self.ranges) {
             let value = match step {
-                Step::Coordinate(axis) => domain.coordinate(m, *axis),
-                Step::Parameter(number) => domain.parameter(m, *number as usize),
-                Step::Constant(bounds, _) => domain.constant(m, *bounds),
+                Step::Coordinate(axis) => Q::coordinate::<T, M>(m, loader, context, *axis),
+                Step::Parameter(number) => Q::Kind::parameter::<T, M>(m, loader, *number as usize),
+                Step::Constant(bounds, _) => Q::Kind::constant::<T, M>(m, *bounds),
                 Step::Apply(op, operands) => {
-                    let both = || domain.apply_twins(m, *op, &terms[operands[0]]);
+                    let both = || {
+                        let operand = &terms[operands[0]];
+                        if self.is_coarse {
+                            return None;
+                        }
+                        Q::Kind::apply_twins::<T, M>(m, *op, operand)
+                    };
                     if let Some(value) = twins.take(*op, operands[0], both) {
                         value
                     } else {
                         let operands: Vec<_> = operands.iter().map(|&i| terms[i]).collect();
-                        domain.apply(m, *op, &operands)
+                        Q::Kind::apply::<T, M>(m, *op, &operands)
                     }
                 }
             };
-            let value = domain.clamp_to(m, value, range);
+            let mut value = Q::Kind::clamp_to::<T, M>(m, value, range);
+            if self.is_coarse {
+                value = Q::Kind::settled::<T, M>(m, value);
+            }
             terms.push(Term { value, range, exponent: step.exponent() });
         }
         self.outputs.iter().map(|&output| terms[output].value).collect()
@@ -217,7 +246,7 @@ impl<T: Real> Tape<T> {
         loader: &mut impl Loader<M>,
     ) -> Option<Fact<M::V>> {
         let branches = self.branches.as_ref()?;
-        Some(self.possible_branches(m, branches, &mut Bounds(loader)))
+        Some(self.possible_branches(m, branches, loader))
     }
 }
 
@@ -294,6 +323,20 @@ fn range_of<T: Real>(
             bounds.with(Enclosure { neg_lo, hi, ..value })
         }
     }
+}
+
+/// Widens a range so that each end is among a few numbers.
+fn coarse<T: Real>(range: Interval) -> Interval {
+    let least = match T::FORMAT {
+        Format::F32 => f64::from(f32::from_bits(1)),
+        Format::F64 => f64::from_bits(1),
+    };
+    // Rules distinguish signs, whether a bound is finite, and a few magnitudes.
+    let magnitudes = [least, 1.0, 1_048_576.0, T::LARGEST.into(), f64::INFINITY];
+    let ends = magnitudes.iter().map(|end| -end).rev().chain([0.0]).chain(magnitudes);
+    let lo = ends.clone().filter(|end| *end <= range.lo).fold(f64::NEG_INFINITY, f64::max);
+    let hi = ends.filter(|end| *end >= range.hi).fold(f64::INFINITY, f64::min);
+    Interval { lo, hi }
 }
 
 fn first<T: Real>(vector: Vector) -> f64 {

@@ -20,6 +20,12 @@ impl<V: Copy> Enclosure<V> {
         Claims::TOTAL.with([neg_lo, hi])
     }
 
+    /// Replaces each vector, always in the same order.
+    #[must_use]
+    pub fn map<U: Copy>(&self, f: &mut impl FnMut(V) -> U) -> Enclosure<U> {
+        Enclosure { neg_lo: f(self.neg_lo), hi: f(self.hi), facts: self.facts.map(f) }
+    }
+
     /// Combines the facts with those of an operation's own domain.
     pub(crate) fn restricted<M: Machine<V = V>>(self, m: &mut M, own: &Claims<V>) -> Self {
         Self { facts: self.facts.and(m, own), ..self }
@@ -50,6 +56,22 @@ impl<V: Copy> Claims<V> {
 
     pub(crate) fn with(self, [neg_lo, hi]: [V; 2]) -> Enclosure<V> {
         Enclosure { neg_lo, hi, facts: self }
+    }
+
+    /// Replaces each vector, always in the same order.
+    #[must_use]
+    pub fn map<U: Copy>(&self, f: &mut impl FnMut(V) -> U) -> Claims<U> {
+        Claims {
+            nowhere: self.nowhere.map(f),
+            defined: self.defined.map(f),
+            continuous: self.continuous.map(f),
+        }
+    }
+
+    /// A code of three digits to base 3, one per fact: whether it is false, true, or a mask.
+    pub fn shape(&self) -> u128 {
+        let Self { nowhere, defined, continuous } = self;
+        [nowhere, defined, continuous].iter().fold(0, |code, fact| 3 * code + fact.shape())
     }
 
     pub(crate) fn and<M: Machine<V = V>>(self, m: &mut M, other: &Self) -> Self {
@@ -103,6 +125,25 @@ impl<V: Copy> Fact<V> {
                 let ones = m.bits(format, u64::MAX);
                 Self::Lanes(m.xor(mask, ones))
             }
+        }
+    }
+
+    /// Replaces the vector, if there is one.
+    #[must_use]
+    pub fn map<U>(self, f: &mut impl FnMut(V) -> U) -> Fact<U> {
+        match self {
+            Self::False => Fact::False,
+            Self::True => Fact::True,
+            Self::Lanes(mask) => Fact::Lanes(f(mask)),
+        }
+    }
+
+    /// 0 if false everywhere, 1 if true everywhere, 2 for a mask.
+    pub fn shape(&self) -> u128 {
+        match self {
+            Self::False => 0,
+            Self::True => 1,
+            Self::Lanes(_) => 2,
         }
     }
 

@@ -39,7 +39,7 @@ pub fn has_fma() -> bool {
 /// zeros. Vectors have 128 bits here; wider ones work as well, since every lane is treated alike.
 pub trait Machine {
     /// A vector.
-    type V: Copy;
+    type V: Copy + Send + Sync + 'static;
 
     /// Returns a vector with `value` in all lanes; it must be exact in `format`.
     fn number(&mut self, format: Format, value: f64) -> Self::V;

@@ -38,7 +38,7 @@ const FAST_TIER_FROM: usize = 1_200;
 
 /// The effort that code generation spends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Tier {
+pub enum Tier {
     /// Backtracking register allocation.
     Optimizing,
     /// Register allocation in a single pass.
@@ -47,7 +47,7 @@ enum Tier {
 
 /// The code that probes the stack before use, so that a large frame cannot skip the guard page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum StackProbe {
+pub enum StackProbe {
     /// The code that Cranelift generates.
     Code,
     /// Code that is added when Cranelift's code is widened.
@@ -56,7 +56,7 @@ enum StackProbe {
 }
 
 /// The code generation target for this processor, built once per setting.
-fn target(tier: Tier, probe: StackProbe) -> Result<OwnedTargetIsa, Error> {
+pub fn target(tier: Tier, probe: StackProbe) -> Result<OwnedTargetIsa, Error> {
     static TARGETS: [[OnceLock<Option<OwnedTargetIsa>>; 2]; 2] =
         [const { [const { OnceLock::new() }; 2] }; 2];
     TARGETS[tier as usize][probe as usize]
@@ -156,10 +156,29 @@ fn generate(
     place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)
 }
 
+/// Generates code for vectors of `width` bytes and no others.
+///
+/// # Errors
+/// If the code cannot use such vectors.
+pub fn generate_at(function: Function, width: usize) -> Result<Code, Error> {
+    check_processor()?;
+    if width == VECTOR {
+        let code = machine_code(function, None, StackProbe::Code)?;
+        return place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR);
+    }
+    #[cfg(target_arch = "x86_64")]
+    if let Some(wide) = Width::ALL.into_iter().find(|wide| wide.bytes() == width)
+        && let Some(code) = generate_wide(function, None, wide)?
+    {
+        return Ok(code);
+    }
+    Err(Error::Unsupported("vectors of this width for every operation"))
+}
+
 /// Generates code for vectors wider than Cranelift's. `None` if it would use too much of the stack,
 /// or cannot be widened.
 #[cfg(target_arch = "x86_64")]
-fn generate_wide(
+pub fn generate_wide(
     function: Function,
     tier: Option<Tier>,
     width: Width,
@@ -173,7 +192,7 @@ fn generate_wide(
     wider.map(|bytes| place(&bytes, width.bytes() as u64, width.bytes())).transpose()
 }
 
-fn machine_code(
+pub fn machine_code(
     function: Function,
     tier: Option<Tier>,
     probe: StackProbe,
@@ -194,7 +213,7 @@ fn machine_code(
 }
 
 /// Copies machine code to executable memory.
-fn place(bytes: &[u8], alignment: u64, width: usize) -> Result<Code, Error> {
+pub fn place(bytes: &[u8], alignment: u64, width: usize) -> Result<Code, Error> {
     let builder =
         JITBuilder::with_isa(target(Tier::Optimizing, StackProbe::Code)?, default_libcall_names());
     let mut memory = ExecutableMemory::new(JITModule::new(builder));
@@ -222,7 +241,12 @@ pub fn intermediate_code<Q: Query, T: Real>(tape: &Tape<T>) -> Result<String, Er
     Ok(build::<Q, T>(tape, VECTOR)?.display().to_string())
 }
 
-fn signature() -> Signature {
+pub fn signature() -> Signature {
+    signature_of(5)
+}
+
+/// The signature of a function with this number of integer arguments and no result.
+pub fn signature_of(arguments: usize) -> Signature {
     // The convention of the trampoline in assembly, whatever the system's own is.
     let convention = if cfg!(all(target_vendor = "apple", target_arch = "aarch64")) {
         CallConv::AppleAarch64
@@ -230,7 +254,7 @@ fn signature() -> Signature {
         CallConv::SystemV
     };
     let mut signature = Signature::new(convention);
-    signature.params.extend([AbiParam::new(I64); 5]);
+    signature.params.resize(arguments, AbiParam::new(I64));
     signature
 }
 
@@ -239,6 +263,13 @@ pub struct BatchPointers<T> {
     input: Value,
     parameters: Value,
     format: PhantomData<T>,
+}
+
+impl<T> BatchPointers<T> {
+    /// Creates pointers to the next lanes of a batch, and to the parameters.
+    pub fn new(input: Value, parameters: Value) -> Self {
+        Self { input, parameters, format: PhantomData }
+    }
 }
 
 impl<T: Real> Loader<Emitter<'_, '_>> for BatchPointers<T> {
@@ -261,7 +292,7 @@ impl Loader<Counter> for NullLoader {
 }
 
 /// Flags of memory accesses: all pointers of a kernel are valid and aligned to a vector.
-fn trusted() -> MemFlagsData {
+pub fn trusted() -> MemFlagsData {
     MemFlagsData::trusted()
 }
 
@@ -304,29 +335,10 @@ fn build_with<Q: Query, T: Real>(
     builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));
 
     builder.switch_to_block(body);
-    let mut cursor = BatchPointers::<T> { input, parameters, format: PhantomData };
+    let mut cursor = BatchPointers::<T>::new(input, parameters);
     let mut emitter = Emitter::new(&mut builder, width);
     let answer = write(&mut emitter, &mut cursor);
-    for (number, value) in answer.quantities.into_iter().enumerate() {
-        let value = emitter.value(value);
-        emitter.builder().ins().store(trusted(), value, output, offset::<T>(number));
-    }
-    let (mut known, mut found) = (0_u64, None);
-    for (mask, shift) in answer.masks.iter().zip((0..).step_by(LANES)) {
-        match mask {
-            Fact::False => {}
-            Fact::True => known |= u64::from(u16::MAX) << shift,
-            Fact::Lanes(mask) => {
-                let bits = emitter.sign_bits(*mask);
-                let builder = emitter.builder();
-                let mut bits = builder.ins().uextend(I64, bits);
-                if shift != 0 {
-                    bits = builder.ins().ishl_imm_u(bits, shift);
-                }
-                found = Some(found.map_or(bits, |found| builder.ins().bor(found, bits)));
-            }
-        }
-    }
+    let (known, found) = store_result::<T>(&mut emitter, answer, output);
     let mut all = masks;
     if let Some(found) = found {
         let found = builder.ins().ishl(found, lane);
@@ -352,17 +364,47 @@ fn build_with<Q: Query, T: Real>(
     Ok(function)
 }
 
-fn args(values: &[Value]) -> Vec<BlockArg> {
+/// Stores the quantities of a result in the output's next lanes. Returns the bits of masks that
+/// are set in all lanes, and those that are set in these lanes, the lowest for the first of them.
+pub fn store_result<T: Real>(
+    emitter: &mut Emitter<'_, '_>,
+    result: QueryResult<LaneVector>,
+    output: Value,
+) -> (u64, Option<Value>) {
+    for (number, value) in result.quantities.into_iter().enumerate() {
+        let value = emitter.value(value);
+        emitter.builder().ins().store(trusted(), value, output, offset::<T>(number));
+    }
+    let (mut known, mut found) = (0_u64, None);
+    for (mask, shift) in result.masks.iter().zip((0..).step_by(LANES)) {
+        match mask {
+            Fact::False => {}
+            Fact::True => known |= u64::from(u16::MAX) << shift,
+            Fact::Lanes(mask) => {
+                let bits = emitter.sign_bits(*mask);
+                let builder = emitter.builder();
+                let mut bits = builder.ins().uextend(I64, bits);
+                if shift != 0 {
+                    bits = builder.ins().ishl_imm_u(bits, shift);
+                }
+                found = Some(found.map_or(bits, |found| builder.ins().bor(found, bits)));
+            }
+        }
+    }
+    (known, found)
+}
+
+pub fn args(values: &[Value]) -> Vec<BlockArg> {
     values.iter().map(|&value| value.into()).collect()
 }
 
 /// Offset of a quantity in a batch, in bytes.
-fn offset<T: Real>(quantity: usize) -> i32 {
+pub fn offset<T: Real>(quantity: usize) -> i32 {
     (size_of::<Lanes<T>>() * quantity) as i32
 }
 
 /// Loads the next lanes of a quantity of the batch at `base`.
-fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, quantity: usize) -> LaneVector {
+pub fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, quantity: usize) -> LaneVector {
     let flags = trusted();
     LaneVector::Value(m.builder().ins().load(
         type_of(T::FORMAT),

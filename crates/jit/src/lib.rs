@@ -14,9 +14,13 @@ mod error;
 mod kernel;
 mod lanes;
 mod rounding;
+mod stencil;
+mod stencil_code;
+mod threaded;
 #[cfg(target_arch = "x86_64")]
 mod wide;
 
 pub use compiler::{intermediate_code, vector_widths};
 pub use error::Error;
 pub use kernel::{Compiled, Native};
+pub use threaded::Threaded;

@@ -8,7 +8,7 @@ use zeroset_eval::{
 };
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
-use zeroset_jit::{Compiled, vector_widths};
+use zeroset_jit::{Compiled, Threaded, vector_widths};
 use zeroset_ops::TABLE;
 
 /// A small random generator (splitmix64), so that these tests need no other crate.
@@ -138,8 +138,20 @@ where
     let compiled = Compiled::<Q, T>::new(tape.clone()).expect("compiles");
     assert_eq!(Some(compiled.vector_bytes()), vector_widths().next(), "{:?}", tape.steps());
     let found = compiled.bind(Binding::empty()).eval_all(inputs);
+    compare::<Q, T>(tape, inputs, &found);
+    let threaded = Threaded::<Q, T>::new(tape.clone(), &Binding::empty()).expect("stencils");
+    compare::<Q, T>(&tape.clone().coarse(), inputs, &threaded.eval_all(inputs));
+    found
+}
+
+/// Compares results with those of the reference.
+fn compare<Q: Query, T: Real>(tape: &Tape<T>, inputs: &[Q::Input<T>], found: &[Q::Output<T>])
+where
+    Q::Input<T>: Debug,
+    Q::Output<T>: Debug,
+{
     let expected = Reference::<Q, T>::new(tape.clone(), Binding::empty()).eval_all(inputs);
-    for ((input, e), f) in inputs.iter().zip(&expected).zip(&found) {
+    for ((input, e), f) in inputs.iter().zip(&expected).zip(found) {
         let lanes =
             |number| e.quantity(number).iter().zip(&**f.quantity(number)).take(input.count());
         let quantities =
@@ -148,5 +160,4 @@ where
         let masks = (0..Q::Output::<T>::MASKS).all(|n| used(e.mask(n)) == used(f.mask(n)));
         assert!(quantities && masks, "{:?}: {input:?}\n{e:?}\n{f:?}", tape.steps());
     }
-    found
 }

@@ -12,7 +12,7 @@ use zeroset_eval::{
     SampleGradient, Segments, Tape, Tiles,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
-use zeroset_jit::{Compiled, vector_widths};
+use zeroset_jit::{Compiled, Threaded, vector_widths};
 
 /// Number of nodes from which functions are skipped, since compilation is superlinear.
 const LONGEST: usize = 400;
@@ -196,18 +196,28 @@ fn same<T: Real, B: Output<T>>(a: &B, b: &B, count: usize) -> bool {
     quantities && (0..B::MASKS).all(|number| used(a, number) == used(b, number))
 }
 
-/// Returns the results of native code, for vectors of `width` bytes, and of the reference.
-fn both<Q: Query, T: Real>(
+/// The results of a kernel, for vectors of some width, and of the reference.
+type Pair<Q, T> = [Vec<<Q as Query>::Output<T>>; 2];
+
+/// Returns the results of compiled code and of stencils, each beside the reference.
+fn pairs<Q: Query, T: Real>(
     tape: Tape<T>,
     case: &Case,
     inputs: &[Q::Input<T>],
     width: usize,
-) -> [Vec<Q::Output<T>>; 2] {
+) -> Vec<Pair<Q, T>> {
     let binding = Binding::new(&case.parameters);
     let compiled = Compiled::<Q, T>::narrow(tape.clone(), width).expect("compiles");
     assert_eq!(compiled.vector_bytes(), width, "{:?}", tape.steps());
     let native = compiled.bind(binding.clone());
-    [native.eval_all(inputs), Reference::<Q, T>::new(tape, binding).eval_all(inputs)]
+    let reference = |tape| Reference::<Q, T>::new(tape, binding.clone()).eval_all(inputs);
+    let compiled = [native.eval_all(inputs), reference(tape.clone())];
+    if tape.is_by_branches() {
+        return vec![compiled];
+    }
+    let threaded =
+        Threaded::<Q, T>::narrow(tape.clone(), &binding, width).expect("stencils are compiled");
+    vec![compiled, [threaded.eval_all(inputs), reference(tape.coarse())]]
 }
 
 fn compare<Q: Query, T: Real>(
@@ -222,22 +232,23 @@ where
 {
     /// Returns the first input on which the two evaluators differ.
     fn differing<Q: Query, T: Real>(
-        answers: &[Vec<Q::Output<T>>; 2],
+        answers: &[Pair<Q, T>],
         inputs: &[Q::Input<T>],
     ) -> Option<usize> {
-        let [native, reference] = answers;
-        let mut pairs = native.iter().zip(reference).zip(inputs);
-        pairs.position(|((a, b), input)| !same::<T, _>(a, b, input.count()))
+        answers.iter().find_map(|[kernel, reference]| {
+            let mut pairs = kernel.iter().zip(reference).zip(inputs);
+            pairs.position(|((a, b), input)| !same::<T, _>(a, b, input.count()))
+        })
     }
     let Some(steps) = tape(case) else { return Ok(Tally::default()) };
     let compared = inputs.iter().map(|input| input.count() as u64).sum();
-    let Some(at) = differing::<Q, T>(&both::<Q, T>(steps, case, inputs, width), inputs) else {
+    let Some(at) = differing::<Q, T>(&pairs::<Q, T>(steps, case, inputs, width), inputs) else {
         return Ok(Tally { compared, defined: compared });
     };
     let input = &inputs[at..=at];
-    let answers = |case: &Case| Some(both::<Q, T>(tape(case)?, case, input, width));
+    let answers = |case: &Case| Some(pairs::<Q, T>(tape(case)?, case, input, width));
     let mut differs =
-        |case: &Case| answers(case).is_some_and(|both| differing::<Q, T>(&both, input).is_some());
+        |case: &Case| answers(case).is_some_and(|pairs| differing::<Q, T>(&pairs, input).is_some());
     let least = minimise(case, &mut differs);
     let answers = answers(&least);
     let case = least.describe::<T>(&Place::At([0.0; 3]));

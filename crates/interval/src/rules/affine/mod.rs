@@ -73,6 +73,40 @@ impl<V: Copy, const N: usize> Form<V, N> {
         Self { bounds, ..self }
     }
 
+    /// The form with delayed rounding included in its error.
+    #[must_use]
+    pub fn settled<M: Machine<V = V>>(self, m: &mut M, format: Format) -> Self {
+        Rule { m, format }.including_rounding(&FormOperand::new(self)).value
+    }
+
+    /// Replaces each vector, always in the same order.
+    #[must_use]
+    pub fn map<U: Copy>(&self, f: &mut impl FnMut(V) -> U) -> Form<U, N> {
+        Form {
+            centre: f(self.centre),
+            slopes: self.slopes.map(|slopes| slopes.map(&mut *f)),
+            error: self.error.map(&mut *f),
+            magnitude: self.magnitude.map(&mut *f),
+            units: self.units,
+            bounds: self.bounds.map(|bounds| bounds.map(&mut *f)),
+            facts: self.facts.map(f),
+        }
+    }
+
+    /// A code of what is known when code is compiled: which vectors there are, which facts hold,
+    /// and the number of units.
+    pub fn shape(&self) -> u128 {
+        let has = [
+            self.slopes.is_some(),
+            self.error.is_some(),
+            self.magnitude.is_some(),
+            self.bounds.is_some(),
+        ];
+        let vectors = has.into_iter().fold(0, |code, has| 2 * code + u128::from(has));
+        let units = u128::from(self.units.to_bits());
+        units << 64 | vectors << 32 | self.facts.shape()
+    }
+
     /// The form of a coordinate: defined everywhere, and linear up to `error`, which bounds the
     /// rounding of its center and slopes.
     pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {

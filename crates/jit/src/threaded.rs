@@ -1,0 +1,321 @@
+//! Kernels without compilation: a tape is run by calling its stencils one after another.
+
+use crate::compiler::vector_widths;
+use crate::error::Error;
+use crate::rounding::call_rounding_up;
+use crate::stencil::{Shape, Stencil, StencilFinder, StencilOperand, StencilStep, parts};
+use crate::stencil_code::{Run, StencilCall, call_loop};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+use zeroset_eval::{
+    Binding, Input, Kernel, Loader, Output, Query, QueryValue, Real, Step, Tape, ValueKind,
+};
+use zeroset_interval::{Software, Vector128};
+
+/// Bytes to which vectors are aligned, whatever their width.
+const ALIGNMENT: usize = 64;
+
+/// Memory for vectors.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Block([u8; ALIGNMENT]);
+
+thread_local! {
+    /// The frame of a thread, which all its tapes use in turn.
+    static FRAME: RefCell<Vec<Block>> = const { RefCell::new(Vec::new()) };
+}
+
+/// A tape as calls of stencils, with its parameters bound. It answers a query like
+/// [`Native`](crate::Native), for formulas of any size, and takes microseconds to create once its
+/// stencils exist.
+///
+/// Results have the bits of the reference evaluator for the [coarse](Tape::coarse) tape.
+pub struct Threaded<Q: Query, T: Real = f32> {
+    tape: Arc<Tape<T>>,
+    calls: Vec<StencilCall>,
+    constants: Vec<Block>,
+    /// Size of the frame in blocks.
+    frame: usize,
+    width: usize,
+    /// Keeps the code alive.
+    stencils: Vec<Arc<Stencil<Q>>>,
+}
+
+// SAFETY: the addresses in `calls` are those of finished code, which is read-only and shared.
+unsafe impl<Q: Query, T: Real> Send for Threaded<Q, T> {}
+// SAFETY: as above. Evaluation writes only to the output and to the frame of its thread.
+unsafe impl<Q: Query, T: Real> Sync for Threaded<Q, T> {}
+
+/// Where the value of a step is.
+struct Place<Q: Query> {
+    shape: Shape<Q>,
+    is_constant: bool,
+    /// Offset in bytes.
+    at: u32,
+}
+
+/// Offsets in a frame, of which those that are free again are used first.
+#[derive(Default)]
+struct Slots {
+    /// Free offsets, by number of vectors.
+    free: HashMap<usize, Vec<u32>>,
+    end: usize,
+}
+
+impl Slots {
+    fn take(&mut self, parts: usize, width: usize) -> u32 {
+        if let Some(at) = self.free.get_mut(&parts).and_then(Vec::pop) {
+            return at;
+        }
+        let at = self.end as u32;
+        self.end += parts * width;
+        at
+    }
+
+    fn give(&mut self, at: u32, parts: usize) {
+        self.free.entry(parts).or_default().push(at);
+    }
+}
+
+/// Constants and parameters, computed in software and repeated in all lanes.
+#[derive(Default)]
+struct Constants {
+    bytes: Vec<u8>,
+}
+
+impl Constants {
+    fn add<Q: Query>(&mut self, value: &QueryValue<Q, Software>, width: usize) -> Place<Q> {
+        let at = self.bytes.len() as u32;
+        let shape = Q::Kind::map(value, &mut |vector: Vector128| {
+            for _ in 0..width / 16 {
+                match vector {
+                    Vector128::F32(lanes) => {
+                        lanes.iter().for_each(|lane| self.bytes.extend(lane.to_ne_bytes()));
+                    }
+                    Vector128::F64(lanes) => {
+                        lanes.iter().for_each(|lane| self.bytes.extend(lane.to_ne_bytes()));
+                    }
+                }
+            }
+        });
+        Place { shape, is_constant: true, at }
+    }
+}
+
+/// A loader of parameters only.
+struct Parameters<'a, T: Real>(&'a Binding<T>);
+
+impl<T: Real> Loader<Software> for Parameters<'_, T> {
+    fn input(&mut self, _: &mut Software, _: usize) -> Vector128 {
+        unreachable!("parameters depend on no input")
+    }
+
+    fn parameter(&mut self, _: &mut Software, quantity: usize) -> Vector128 {
+        T::load(&self.0.quantities()[quantity], 0)
+    }
+}
+
+impl<Q: Query, T: Real> Threaded<Q, T> {
+    /// Lays out the calls for `tape`, and compiles the stencils that this process has not needed
+    /// before.
+    ///
+    /// # Errors
+    /// If the processor is not supported, or the tape needs more than 4 GiB.
+    ///
+    /// # Panics
+    /// If the tape computes another number of expressions than the query needs, or if its number
+    /// of parameters is not that of the binding. In debug builds also if a value is outside its
+    /// range.
+    pub fn new(tape: Tape<T>, binding: &Binding<T>) -> Result<Self, Error> {
+        Q::check(&tape, binding);
+        let tape = Arc::new(tape.coarse());
+        let mut result = Err(Error::Unsupported("vectors"));
+        for width in vector_widths() {
+            result = Self::of_width(&tape, binding, width);
+            if result.is_ok() {
+                break;
+            }
+        }
+        result
+    }
+
+    /// Like [`Threaded::new`], but with vectors of `width` bytes, to compare with processors that
+    /// have no wider ones.
+    ///
+    /// # Errors
+    /// As for [`Threaded::new`].
+    ///
+    /// # Panics
+    /// As for [`Threaded::new`].
+    #[cfg(feature = "comparison")]
+    pub fn narrow(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
+        Q::check(&tape, binding);
+        Self::of_width(&Arc::new(tape.coarse()), binding, width)
+    }
+
+    fn of_width(tape: &Arc<Tape<T>>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
+        call_loop::<T>(width)?;
+        let finder = StencilFinder::<Q, T>::new(width);
+        let last_use = last_uses(tape);
+        let (mut slots, mut constants) = (Slots::default(), Constants::default());
+        let mut places: Vec<Place<Q>> = Vec::with_capacity(tape.steps().len());
+        let mut kernel = Self {
+            tape: Arc::clone(tape),
+            calls: Vec::new(),
+            constants: Vec::new(),
+            frame: 0,
+            width,
+            stencils: Vec::new(),
+        };
+        let operand = |places: &[Place<Q>], index: usize| StencilOperand {
+            shape: places[index].shape,
+            range: tape.range(index),
+            exponent: tape.steps()[index].exponent(),
+            is_constant: places[index].is_constant,
+        };
+        let mut operands: Vec<StencilOperand<Q>> = Vec::new();
+        for (index, step) in tape.steps().iter().enumerate() {
+            let place = match step {
+                Step::Parameter(number) => {
+                    let m = &mut Software::new();
+                    let mut loader = Parameters(binding);
+                    let value = Q::Kind::parameter::<T, _>(m, &mut loader, *number as usize);
+                    let value = Q::Kind::settled::<T, _>(m, value);
+                    constants.add::<Q>(&value, width)
+                }
+                Step::Constant(bounds, _) => {
+                    let m = &mut Software::new();
+                    let value = Q::Kind::constant::<T, _>(m, *bounds);
+                    let value = Q::Kind::settled::<T, _>(m, value);
+                    constants.add::<Q>(&value, width)
+                }
+                Step::Coordinate(axis) => {
+                    let stencil = finder.find(&StencilStep::Coordinate(*axis))?;
+                    kernel.add_step(stencil, &mut slots, &[])
+                }
+                Step::Apply(op, used) => {
+                    operands.clear();
+                    operands.extend(used.iter().map(|&used| operand(&places, used)));
+                    let stencil = finder.find(&StencilStep::Apply(*op, &operands))?;
+                    let at: Vec<u32> = used.iter().map(|&used| places[used].at).collect();
+                    let place = kernel.add_step(stencil, &mut slots, &at);
+                    // Operands stay until the value is stored: a stencil may store one vector of
+                    // its value before it has loaded the last of its operands.
+                    for (k, &step) in used.iter().enumerate() {
+                        let is_first = !used[..k].contains(&step);
+                        if is_first && last_use[step] == index && !places[step].is_constant {
+                            slots.give(places[step].at, parts::<Q>(&places[step].shape));
+                        }
+                    }
+                    place
+                }
+            };
+            places.push(place);
+        }
+        let outputs = tape.outputs_at();
+        operands.clear();
+        operands.extend(outputs.iter().map(|&output| operand(&places, output)));
+        let result = finder.find(&StencilStep::Result(&operands, tape.is_bounded()))?;
+        let at: Vec<u32> = outputs.iter().map(|&output| places[output].at).collect();
+        kernel.add_call(result, 0, &at);
+        kernel.frame = slots.end.div_ceil(ALIGNMENT);
+        if slots.end.max(constants.bytes.len()) > u32::MAX as usize {
+            return Err(Error::Unsupported("frames of more than 4 GiB"));
+        }
+        kernel.constants = blocks(&constants.bytes);
+        kernel.stencils.sort_by_key(Arc::as_ptr);
+        kernel.stencils.dedup_by_key(|stencil| Arc::as_ptr(stencil));
+        Ok(kernel)
+    }
+
+    /// Adds the call for a step. Returns the place of the step's value.
+    fn add_step(
+        &mut self,
+        stencil: Arc<Stencil<Q>>,
+        slots: &mut Slots,
+        operands: &[u32],
+    ) -> Place<Q> {
+        let shape = stencil.shape.expect("a step has a value");
+        let at = slots.take(parts::<Q>(&shape), self.width);
+        self.add_call(stencil, at, operands);
+        Place { shape, is_constant: false, at }
+    }
+
+    fn add_call(&mut self, stencil: Arc<Stencil<Q>>, at: u32, operands: &[u32]) {
+        let mut call = StencilCall { entry: stencil.code.entry(), places: Default::default() };
+        call.places[0] = at;
+        call.places[1..=operands.len()].copy_from_slice(operands);
+        self.calls.push(call);
+        self.stencils.push(stencil);
+    }
+
+    /// Size in bytes of the calls and constants.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.calls[..]) + size_of_val(&self.constants[..])
+    }
+}
+
+impl<Q: Query, T: Real> fmt::Debug for Threaded<Q, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} calls of stencils for {}", self.calls.len(), Q::NAME)
+    }
+}
+
+impl<Q: Query, T: Real> Kernel<Q, T> for Threaded<Q, T> {
+    fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+        Q::check_input(&self.tape, input);
+        let call_loop = call_loop::<T>(self.width).expect("it was compiled with the tape");
+        (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
+        FRAME.with_borrow_mut(|frame| {
+            if frame.len() < self.frame {
+                frame.resize(self.frame, Block([0; ALIGNMENT]));
+            }
+            let calls = self.calls.as_ptr_range();
+            let run = Run {
+                first: calls.start,
+                end: calls.end,
+                frame: frame.as_mut_ptr().cast(),
+                constants: self.constants.as_ptr().cast(),
+                input: (&raw const *input).cast(),
+            };
+            // SAFETY: the loop calls the stencils of this tape, which were compiled for its query,
+            // format and width. There is at least one call, that of the result. Stencils read
+            // operands that earlier calls have stored in the frame, which is large enough for all
+            // of them, or constants. They access batches as kernels do. Stencils do not unwind,
+            // and `self` keeps their code alive.
+            unsafe {
+                call_rounding_up(
+                    call_loop.entry(),
+                    (&raw const run).cast(),
+                    (&raw mut *output).cast(),
+                    input.count(),
+                    std::ptr::null(),
+                );
+            }
+        });
+    }
+}
+
+/// Per step of a tape, the last step that uses its value; the largest number for outputs.
+fn last_uses<T: Real>(tape: &Tape<T>) -> Vec<usize> {
+    let mut last = vec![0; tape.steps().len()];
+    for (index, step) in tape.steps().iter().enumerate() {
+        if let Step::Apply(_, operands) = step {
+            operands.iter().for_each(|&operand| last[operand] = index);
+        }
+    }
+    tape.outputs_at().iter().for_each(|&output| last[output] = usize::MAX);
+    last
+}
+
+/// Copies bytes to aligned memory.
+fn blocks(bytes: &[u8]) -> Vec<Block> {
+    let copy = |chunk: &[u8]| {
+        let mut block = Block([0; ALIGNMENT]);
+        block.0[..chunk.len()].copy_from_slice(chunk);
+        block
+    };
+    bytes.chunks(ALIGNMENT).map(copy).collect()
+}
