@@ -34,3 +34,10 @@ pub enum Error {
     #[error("code generation failed: {0}")]
     Codegen(String),
 }
+
+impl Error {
+    /// Returns whether the formula is too large for a kernel.
+    pub fn is_of_size(&self) -> bool {
+        matches!(self, Self::TooLarge { .. } | Self::TooLong { .. } | Self::TooDeep { .. })
+    }
+}

@@ -14,7 +14,7 @@ use zeroset_eval::{
     SurfaceKernels, Tape, ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
-use zeroset_jit::Compiled;
+use zeroset_jit::{Compiled, Threaded};
 
 /// Limit of machine code for all kernels of a document, in bytes. This much takes about a second to
 /// compile. The largest single surface that kernels can hold needs half of it.
@@ -131,6 +131,8 @@ struct UnboundKernel<Q: Query, T: Real> {
 
 enum Steps<Q: Query, T: Real> {
     Native(Compiled<Q, T>),
+    /// A formula that is too large to compile is run by stencils.
+    Stencils(Tape<T>),
     Reference(Tape<T>),
 }
 
@@ -193,9 +195,17 @@ impl CodeStore {
             CompiledKernel { surface, question, form, format, bytes: 0, vector_bytes: 0 };
         let steps = match self.evaluator {
             Evaluator::Native => {
-                let compiled = Compiled::new(tape)?;
-                (made.bytes, made.vector_bytes) = (compiled.code_bytes(), compiled.vector_bytes());
-                Steps::Native(compiled)
+                match Compiled::new(tape.clone()) {
+                    Ok(compiled) => {
+                        made.bytes = compiled.code_bytes();
+                        made.vector_bytes = compiled.vector_bytes();
+                        Steps::Native(compiled)
+                    }
+                    // A test branch by branch is only an addition to the test of the function.
+                    Err(error) if error.is_of_size() && tape.is_by_branches() => return Ok(None),
+                    Err(error) if error.is_of_size() => Steps::Stencils(tape),
+                    Err(error) => return Err(error.into()),
+                }
             }
             Evaluator::Reference => Steps::Reference(tape),
         };
@@ -295,6 +305,10 @@ impl<T: Real> Bindings<T> {
             let binding = Binding::new(&values);
             return Ok(Some(match &code.steps {
                 Steps::Native(compiled) => Box::new(compiled.bind(binding)),
+                Steps::Stencils(tape) => {
+                    let threaded = Threaded::new(tape.clone(), &binding);
+                    Box::new(threaded.map_err(|error| Arc::new(error) as KernelError)?)
+                }
                 Steps::Reference(tape) => Box::new(Reference::new(tape.clone(), binding)),
             }));
         }
