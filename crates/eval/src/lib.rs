@@ -17,6 +17,7 @@ mod lanes;
 mod query;
 mod real;
 mod reference;
+mod shorten;
 mod surface;
 mod tape;
 mod value_kind;
@@ -34,6 +35,7 @@ pub use query::{
 };
 pub use real::Real;
 pub use reference::Reference;
+pub use shorten::{Selection, StepBounds};
 pub use surface::{KernelError, KernelFloat, KernelResult, Kernels, SurfaceKernels, ZeroTest};
 pub use tape::{Assumptions, Step, Tape};
 pub use value_kind::{Loader, ValueKind, Vector};

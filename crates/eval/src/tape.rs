@@ -238,6 +238,42 @@ impl<T: Real> Tape<T> {
         self.outputs.iter().map(|&output| terms[output].value).collect()
     }
 
+    /// Returns a tape of other steps under the same assumptions.
+    pub(crate) fn with_steps(
+        &self,
+        steps: Vec<Step>,
+        ranges: Vec<Interval>,
+        output: usize,
+    ) -> Self {
+        Self {
+            steps,
+            ranges,
+            outputs: vec![output],
+            assumptions: Arc::clone(&self.assumptions),
+            format: PhantomData,
+            branches: None,
+            is_coarse: self.is_coarse,
+        }
+    }
+
+    /// Computes the range of a step from those of the steps before it.
+    pub(crate) fn range_among(&self, step: &Step, steps: &[Step], ranges: &[Interval]) -> Interval {
+        let Step::Apply(op, operands) = step else {
+            return Interval::ENTIRE;
+        };
+        let lanes = |end: f64| T::load(&Lanes::splat(T::nearest(end)), 0);
+        let values: Vec<_> = operands
+            .iter()
+            .map(|&operand| {
+                let range = ranges[operand];
+                let value = Enclosure::total(lanes(-range.lo), lanes(range.hi));
+                Operand { value, range, exponent: steps[operand].exponent() }
+            })
+            .collect();
+        let inner = Step::Apply(*op, (0..values.len()).collect());
+        range_of::<T>(&inner, &values, &self.assumptions).range
+    }
+
     /// Computes in which lanes all outputs may be 0 together, branch by branch; `None` if this tape
     /// is not one of [`Tape::branches`].
     pub(crate) fn vanishing_together<M: Machine>(
