@@ -71,6 +71,13 @@ impl ValueKind for Smoothness {
         Smooth { value: bounds, ..value }
     }
 
+    fn bounds<T: Real, M: Machine>(
+        _: &mut M,
+        value: &Term<Smooth<M::V>>,
+    ) -> Option<Enclosure<M::V>> {
+        Some(value.value.value)
+    }
+
     fn map<V: Vector, U: Vector>(value: &Smooth<V>, f: &mut impl FnMut(V) -> U) -> Smooth<U> {
         Smooth {
             value: value.value.map(f),

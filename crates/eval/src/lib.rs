@@ -36,6 +36,8 @@ pub use query::{
 pub use real::Real;
 pub use reference::Reference;
 pub use shorten::{Selection, StepBounds};
-pub use surface::{KernelError, KernelFloat, KernelResult, Kernels, SurfaceKernels, ZeroTest};
-pub use tape::{Assumptions, Step, Tape};
+pub use surface::{
+    KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SurfaceKernels, ZeroTest,
+};
+pub use tape::{Assumptions, Operands, Step, Tape};
 pub use value_kind::{Loader, ValueKind, Vector};

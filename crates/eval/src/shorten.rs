@@ -10,8 +10,8 @@
 mod thresholds;
 
 use crate::real::Real;
-use crate::tape::{Step, Tape};
-use std::collections::HashMap;
+use crate::tape::{Operands, Step, Tape};
+use smallvec::SmallVec;
 use thresholds::Needs;
 use zeroset_interval::Interval;
 use zeroset_ops::Op;
@@ -31,7 +31,7 @@ pub struct Selection {
     /// Index of each step in the tape.
     steps: Vec<u32>,
     /// Operands of each step, as positions in this selection.
-    operands: Vec<Vec<u32>>,
+    operands: Vec<SmallVec<[u32; 3]>>,
     /// Position of the step that computes the function.
     output: u32,
 }
@@ -73,12 +73,12 @@ impl<T: Real> Tape<T> {
         (0..deciding.len()).filter(|&step| deciding[step]).filter(is_open).collect()
     }
 
-    /// Selects the steps that matter in a part of space, for a tape of one function. `bounds` has,
-    /// for each of the [`Tape::deciding_steps`], what holds in that part.
+    /// Selects the steps that matter in a part of space, for a tape of one function. `bounds` tells
+    /// what holds in that part for the [`Tape::deciding_steps`], in the same order.
     ///
     /// The selected function has the same zeros and signs there, and the same domain of definition.
     /// `None` if all steps matter.
-    pub fn shortened(&self, bounds: &HashMap<usize, StepBounds>) -> Option<Selection> {
+    pub fn shortened(&self, bounds: &[StepBounds]) -> Option<Selection> {
         let needs = Needs::of(self, bounds);
         let steps = self.steps();
         let mut place = vec![u32::MAX; steps.len()];
@@ -95,7 +95,7 @@ impl<T: Real> Tape<T> {
                 Step::Apply(_, operands) => {
                     operands.iter().map(|&operand| place[operand]).collect()
                 }
-                Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => Vec::new(),
+                Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => SmallVec::new(),
             };
             place[index] = selection.steps.len() as u32;
             selection.steps.push(index as u32);
@@ -105,7 +105,7 @@ impl<T: Real> Tape<T> {
         (selection.len() < steps.len()).then_some(selection)
     }
 
-    /// Returns the tape of some of the steps. It is [coarse](Tape::coarse).
+    /// Returns the tape of some of the steps.
     ///
     /// # Panics
     /// If the selection is from a tape with other steps.
@@ -120,7 +120,7 @@ impl<T: Real> Tape<T> {
             let mut range = self.range(index);
             let step = match &self.steps()[index] {
                 Step::Apply(op, operands) => {
-                    let chosen: Vec<usize> = chosen.iter().map(|&place| place as usize).collect();
+                    let chosen: Operands = chosen.iter().map(|&place| place as usize).collect();
                     changed[position] = chosen.iter().zip(operands).any(|(&place, &operand)| {
                         changed[place] || selection.steps[place] as usize != operand
                     });
@@ -136,6 +136,6 @@ impl<T: Real> Tape<T> {
             steps.push(step);
             ranges.push(range);
         }
-        self.with_steps(steps, ranges, selection.output as usize).coarse()
+        self.with_steps(steps, ranges, selection.output as usize)
     }
 }

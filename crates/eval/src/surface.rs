@@ -1,6 +1,6 @@
 //! The kernels of one function, as methods use them.
 
-use crate::batch::{Boxes, Zeros};
+use crate::batch::{Boxes, Tiles, Zeros};
 use crate::query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Sample,
     SampleGradient,
@@ -20,7 +20,7 @@ pub type KernelResult<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
 ///
 /// A kernel is compiled when it is first requested, so request only what a picture needs. Kernels
 /// that an implementation leaves out are not available.
-pub trait SurfaceKernels: Sync {
+pub trait SurfaceKernels: Send + Sync {
     /// Returns the kernels that compute in `f32`.
     fn single(&self) -> &dyn Kernels<f32> {
         &NoKernel
@@ -69,6 +69,22 @@ pub trait Kernels<T: Real>: Sync {
     fn gradients(&self) -> KernelResult<'_, SampleGradient, T> {
         Err(Arc::new(NoKernel))
     }
+    /// For each tile, the surface as far as the tile is concerned. An empty list stands for
+    /// [`PartSurface::Same`] in each.
+    fn in_tiles(&self, _: &Tiles<T>) -> Vec<PartSurface> {
+        Vec::new()
+    }
+}
+
+/// A surface as far as a part of space is concerned.
+pub enum PartSurface {
+    /// There is no zero in the part.
+    Empty,
+    /// Kernels of the part take as much time as those of the whole.
+    Same,
+    /// A surface with the same zeros and signs in the part, and the same domain of definition,
+    /// whose kernels take less time. It has those kernels that find zeros along rays.
+    Short(Box<dyn SurfaceKernels>),
 }
 
 /// A float type that selects the kernels of a surface.

@@ -6,6 +6,7 @@ use crate::lanes::Lanes;
 use crate::query::{Query, QueryValue};
 use crate::real::{Real, outward};
 use crate::value_kind::{Loader, ValueKind};
+use smallvec::SmallVec;
 use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -40,6 +41,9 @@ impl Assumptions {
     }
 }
 
+/// Indices of a step's operands.
+pub type Operands = SmallVec<[usize; 3]>;
+
 /// One step of a [`Tape`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
@@ -50,7 +54,7 @@ pub enum Step {
     /// A constant: its bounds, and its kind of exponent.
     Constant(Interval, Exponent),
     /// An operation on earlier steps.
-    Apply(Op, Vec<usize>),
+    Apply(Op, Operands),
 }
 
 impl Step {
@@ -121,6 +125,9 @@ impl<T: Real> Tape<T> {
     /// stay rigorous, but may be wider.
     #[must_use]
     pub fn coarse(mut self) -> Self {
+        if self.is_coarse {
+            return self;
+        }
         self.is_coarse = true;
         self.ranges.iter_mut().for_each(|range| *range = coarse::<T>(*range));
         self
@@ -271,7 +278,8 @@ impl<T: Real> Tape<T> {
             })
             .collect();
         let inner = Step::Apply(*op, (0..values.len()).collect());
-        range_of::<T>(&inner, &values, &self.assumptions).range
+        let range = range_of::<T>(&inner, &values, &self.assumptions).range;
+        if self.is_coarse { coarse::<T>(range) } else { range }
     }
 
     /// Computes in which lanes all outputs may be 0 together, branch by branch; `None` if this tape

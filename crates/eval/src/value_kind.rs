@@ -5,7 +5,7 @@
 use crate::real::{Real, middle};
 use zeroset_interval::{
     Enclosure, Exponent, Form, Interval, Machine, Term, enclose, enclose_sincos, evaluate,
-    evaluate_sincos, linearise, linearise_sincos,
+    evaluate_sincos, form_bounds, linearise, linearise_sincos,
 };
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
@@ -48,6 +48,11 @@ pub trait ValueKind: Copy + Send + Sync + 'static {
     fn settled<T: Real, M: Machine>(_m: &mut M, value: Self::Value<M::V>) -> Self::Value<M::V> {
         value
     }
+    /// Returns proven bounds of a value; `None` for a kind without proofs.
+    fn bounds<T: Real, M: Machine>(
+        m: &mut M,
+        value: &Term<Self::Value<M::V>>,
+    ) -> Option<Enclosure<M::V>>;
     /// Replaces each vector of a value, always in the same order. What is known when code is
     /// compiled stays.
     fn map<V: Vector, U: Vector>(
@@ -151,6 +156,13 @@ impl ValueKind for Intervals {
         Enclosure { neg_lo, hi, ..value }
     }
 
+    fn bounds<T: Real, M: Machine>(
+        _: &mut M,
+        value: &Term<Enclosure<M::V>>,
+    ) -> Option<Enclosure<M::V>> {
+        Some(value.value)
+    }
+
     fn map<V: Vector, U: Vector>(value: &Enclosure<V>, f: &mut impl FnMut(V) -> U) -> Enclosure<U> {
         value.map(f)
     }
@@ -187,6 +199,10 @@ impl ValueKind for Numbers {
         operand: &Term<M::V>,
     ) -> Option<[M::V; 2]> {
         evaluate_sincos(m, T::FORMAT, op, operand.value, operand.range)
+    }
+
+    fn bounds<T: Real, M: Machine>(_: &mut M, _: &Term<M::V>) -> Option<Enclosure<M::V>> {
+        None
     }
 
     fn map<V: Vector, U: Vector>(value: &V, f: &mut impl FnMut(V) -> U) -> U {
@@ -240,6 +256,13 @@ impl<const N: usize> ValueKind for Forms<N> {
 
     fn settled<T: Real, M: Machine>(m: &mut M, value: Form<M::V, N>) -> Form<M::V, N> {
         value.settled(m, T::FORMAT)
+    }
+
+    fn bounds<T: Real, M: Machine>(
+        m: &mut M,
+        value: &Term<Form<M::V, N>>,
+    ) -> Option<Enclosure<M::V>> {
+        Some(form_bounds(m, T::FORMAT, value))
     }
 
     fn map<V: Vector, U: Vector>(value: &Form<V, N>, f: &mut impl FnMut(V) -> U) -> Form<U, N> {

@@ -172,7 +172,7 @@ pub struct Term<W> {
 pub type Operand<V> = Term<Enclosure<V>>;
 
 /// The kind of an operand as an exponent, on which the domain of a power depends.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Exponent {
     /// Not a constant integer: bases below 0 are outside the domain of the power.
     #[default]

@@ -25,6 +25,8 @@ pub use facts::Facts;
 pub use fold::{Decorated, fold};
 pub use machine::{Format, Machine, has_fma};
 pub use point::{evaluate, evaluate_sincos};
-pub use rules::affine::{Contraction, Form, FormOperand, contract, linearise, linearise_sincos};
+pub use rules::affine::{
+    Contraction, Form, FormOperand, contract, form_bounds, linearise, linearise_sincos,
+};
 pub use rules::{enclose, enclose_branch, enclose_sincos};
 pub use software::{Software, Vector128};

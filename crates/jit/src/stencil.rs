@@ -9,9 +9,11 @@ use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, LaneVector};
 use crate::stencil_code::{Frame, StencilPointers, compile_stencil};
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError, RwLock};
 use zeroset_eval::{Query, QueryValue, Real, ValueKind};
 use zeroset_interval::{Exponent, Interval, Term};
 use zeroset_ir::Axis;
@@ -38,6 +40,8 @@ pub enum StencilStep<'a, Q: Query> {
     Coordinate(Axis),
     /// Applies an operation.
     Apply(Op, &'a [StencilOperand<Q>]),
+    /// Stores the bounds of a value in the trace.
+    Trace(&'a StencilOperand<Q>),
     /// Computes the result of the query; `true` if the first value is finite in every sample.
     Result(&'a [StencilOperand<Q>], bool),
 }
@@ -57,61 +61,79 @@ pub fn parts<Q: Query>(shape: &Shape<Q>) -> usize {
     parts
 }
 
-/// The key of a stencil: bits that distinguish it from all others of its query, format and width.
-type Key = Vec<u64>;
-
-fn key<Q: Query>(step: &StencilStep<'_, Q>, width: usize) -> Key {
-    let mut key = vec![width as u64];
-    let operands = match step {
-        StencilStep::Coordinate(axis) => {
-            key.extend([0, *axis as u64]);
-            return key;
-        }
-        StencilStep::Apply(op, operands) => {
-            key.extend([1, *op as u64]);
-            operands
-        }
-        StencilStep::Result(operands, is_bounded) => {
-            key.extend([2, u64::from(*is_bounded)]);
-            operands
-        }
-    };
-    for operand in *operands {
-        let shape = Q::Kind::shape(&operand.shape);
-        let exponent = match operand.exponent {
-            Exponent::Real => 0,
-            Exponent::Integer(n) => 1 << 32 | u64::from(n as u32),
-            Exponent::LargeInteger { odd } => 2 << 32 | u64::from(odd),
-        };
-        key.extend([
-            shape as u64,
-            (shape >> 64) as u64,
-            operand.range.lo.to_bits(),
-            operand.range.hi.to_bits(),
-            exponent,
-            u64::from(operand.is_constant),
-        ]);
-    }
-    key
-}
+/// Key of an operand: the code of its shape, its range, its kind of exponent, and whether it is a
+/// constant.
+type OperandKey = (u128, [u64; 2], Exponent, bool);
+/// Number of an operand among all that this process has seen.
+type OperandNumber = u32;
+/// Key of a stencil: width of vectors, kind of step, its operation, axis or flag, and its operands.
+type StencilKey = (u8, u8, u8, SmallVec<[OperandNumber; 4]>);
 
 /// All stencils of one query in one format.
-type Cache<Q> = Mutex<HashMap<Key, Arc<Stencil<Q>>>>;
+struct Cache<Q: Query> {
+    operands: FxHashMap<OperandKey, OperandNumber>,
+    /// Stencils are never freed, so that calls need not keep them alive.
+    stencils: FxHashMap<StencilKey, &'static Stencil<Q>>,
+}
+
+impl<Q: Query> Default for Cache<Q> {
+    fn default() -> Self {
+        Self { operands: FxHashMap::default(), stencils: FxHashMap::default() }
+    }
+}
+
+impl<Q: Query> Cache<Q> {
+    /// Returns the key of a step; `None` if an operand has no number yet.
+    fn key(&self, step: &StencilStep<'_, Q>, width: usize) -> Option<StencilKey> {
+        let (kind, detail, operands) = match step {
+            StencilStep::Coordinate(axis) => (0, *axis as u8, &[][..]),
+            StencilStep::Apply(op, operands) => (1, *op as u8, *operands),
+            StencilStep::Trace(operand) => (2, 0, std::slice::from_ref(*operand)),
+            StencilStep::Result(operands, is_bounded) => (3, u8::from(*is_bounded), *operands),
+        };
+        let number = |operand| self.operands.get(&operand_key(operand)).copied();
+        let numbers = operands.iter().map(number).collect::<Option<_>>()?;
+        Some((width as u8, kind, detail, numbers))
+    }
+
+    /// Numbers the operands of a step.
+    fn number(&mut self, step: &StencilStep<'_, Q>) {
+        let operands = match step {
+            StencilStep::Coordinate(_) => &[],
+            StencilStep::Apply(_, operands) | StencilStep::Result(operands, _) => *operands,
+            StencilStep::Trace(operand) => std::slice::from_ref(*operand),
+        };
+        for operand in operands {
+            let next = self.operands.len() as OperandNumber;
+            self.operands.entry(operand_key(operand)).or_insert(next);
+        }
+    }
+}
+
+fn operand_key<Q: Query>(operand: &StencilOperand<Q>) -> OperandKey {
+    let Interval { lo, hi } = operand.range;
+    let ends = [lo, hi].map(f64::to_bits);
+    (Q::Kind::shape(&operand.shape), ends, operand.exponent, operand.is_constant)
+}
+
+/// A cache that all threads share.
+type SharedCache<Q> = RwLock<Cache<Q>>;
 
 /// The caches of this process, by query and format.
 static CACHES: LazyLock<Mutex<HashMap<TypeId, Arc<dyn Any + Send + Sync>>>> =
     LazyLock::new(Mutex::default);
 
-fn cache<Q: Query, T: Real>() -> Arc<Cache<Q>> {
+fn cache<Q: Query, T: Real>() -> Arc<SharedCache<Q>> {
     let mut caches = CACHES.lock().unwrap_or_else(PoisonError::into_inner);
-    let cache =
-        caches.entry(TypeId::of::<(Q, T)>()).or_insert_with(|| Arc::new(Cache::<Q>::default()));
+    let cache = caches
+        .entry(TypeId::of::<(Q, T)>())
+        .or_insert_with(|| Arc::new(SharedCache::<Q>::default()));
     Arc::clone(cache).downcast().expect("the type is the key")
 }
 
 /// Finds stencils, and compiles those that this process has not needed before.
 pub struct StencilFinder<Q: Query, T: Real> {
-    cache: Arc<Cache<Q>>,
+    cache: Arc<SharedCache<Q>>,
     width: usize,
     format: std::marker::PhantomData<T>,
 }
@@ -123,15 +145,19 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
     }
 
     /// Returns the stencil for a step.
-    pub fn find(&self, step: &StencilStep<'_, Q>) -> Result<Arc<Stencil<Q>>, Error> {
-        let key = key(step, self.width);
-        let known = self.cache.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
-        if let Some(stencil) = known {
-            return Ok(stencil);
+    pub fn find(&self, step: &StencilStep<'_, Q>) -> Result<&'static Stencil<Q>, Error> {
+        {
+            let cache = self.cache.read().unwrap_or_else(PoisonError::into_inner);
+            let key = cache.key(step, self.width);
+            if let Some(stencil) = key.and_then(|key| cache.stencils.get(&key)) {
+                return Ok(stencil);
+            }
         }
-        let stencil = Arc::new(make::<Q, T>(step, self.width)?);
-        let mut cache = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
-        Ok(Arc::clone(cache.entry(key).or_insert(stencil)))
+        let stencil = make::<Q, T>(step, self.width)?;
+        let mut cache = self.cache.write().unwrap_or_else(PoisonError::into_inner);
+        cache.number(step);
+        let key = cache.key(step, self.width).expect("its operands have numbers");
+        Ok(cache.stencils.entry(key).or_insert_with(|| Box::leak(Box::new(stencil))))
     }
 }
 
@@ -168,6 +194,12 @@ fn make<Q: Query, T: Real>(step: &StencilStep<'_, Q>, width: usize) -> Result<St
             StencilStep::Apply(op, operands) => {
                 let operands = load::<Q, T>(emitter, frame, operands);
                 Q::Kind::apply::<T, _>(emitter, *op, &operands)
+            }
+            StencilStep::Trace(operand) => {
+                let values = load::<Q, T>(emitter, frame, std::slice::from_ref(*operand));
+                let bounds = Q::Kind::bounds::<T, _>(emitter, &values[0]);
+                frame.trace(emitter, *lane, &bounds.expect("a kind with proofs"));
+                return;
             }
             StencilStep::Result(operands, is_bounded) => {
                 let values: Vec<_> = load::<Q, T>(emitter, frame, operands)

@@ -15,6 +15,7 @@ use std::marker::PhantomData;
 use std::mem::offset_of;
 use std::sync::OnceLock;
 use zeroset_eval::{Batch, Output, Query, QueryResult, Real};
+use zeroset_interval::Enclosure;
 
 /// Largest number of operands of a step.
 const OPERANDS: usize = 4;
@@ -79,6 +80,19 @@ impl<T: Real> Frame<T> {
     pub fn load(&self, m: &mut Emitter<'_, '_>, base: Value, part: usize) -> LaneVector {
         let at = (self.width * part) as i32;
         LaneVector::Value(m.builder().ins().load(type_of(T::FORMAT), trusted(), base, at))
+    }
+
+    /// Stores bounds in the lanes of a batch, the first of which is `lane`: −lo, hi, and a mask of
+    /// the lanes in which the value is defined throughout.
+    pub fn trace(&self, m: &mut Emitter<'_, '_>, lane: Value, bounds: &Enclosure<LaneVector>) {
+        let base = self.address(m, 0, false);
+        let before = m.builder().ins().ishl_imm_u(lane, i64::from(size_of::<T>().trailing_zeros()));
+        let base = m.builder().ins().iadd(base, before);
+        let defined = bounds.facts.defined.mask(m, T::FORMAT);
+        for (number, vector) in [bounds.neg_lo, bounds.hi, defined].into_iter().enumerate() {
+            let value = m.value(vector);
+            m.builder().ins().store(trusted(), value, base, offset::<T>(number));
+        }
     }
 
     /// Stores a vector of the value at `base`.

@@ -6,16 +6,20 @@ use crate::rounding::call_rounding_up;
 use crate::stencil::{Shape, Stencil, StencilFinder, StencilOperand, StencilStep, parts};
 use crate::stencil_code::{Run, StencilCall, call_loop};
 use std::cell::RefCell;
-use std::collections::HashMap;
 use std::fmt;
+use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{
-    Binding, Input, Kernel, Loader, Output, Query, QueryValue, Real, Step, Tape, ValueKind,
+    Binding, Input, Kernel, Lanes, Loader, Output, Query, QueryValue, Real, Step, StepBounds, Tape,
+    ValueKind,
 };
-use zeroset_interval::{Software, Vector128};
+use zeroset_interval::{Interval, Software, Vector128};
 
 /// Bytes to which vectors are aligned, whatever their width.
 const ALIGNMENT: usize = 64;
+
+/// Number of [`Lanes`] in the trace of a step: −lo, hi, and a mask.
+const TRACE_LANES: usize = 3;
 
 /// Memory for vectors.
 #[derive(Clone, Copy)]
@@ -39,14 +43,35 @@ pub struct Threaded<Q: Query, T: Real = f32> {
     /// Size of the frame in blocks.
     frame: usize,
     width: usize,
-    /// Keeps the code alive.
-    stencils: Vec<Arc<Stencil<Q>>>,
+    /// Steps whose bounds are traced. The trace is the first part of the frame.
+    traced: Vec<usize>,
+    query: PhantomData<Q>,
 }
 
-// SAFETY: the addresses in `calls` are those of finished code, which is read-only and shared.
+// SAFETY: the addresses in `calls` are those of finished code, which is read-only, shared and never
+// freed.
 unsafe impl<Q: Query, T: Real> Send for Threaded<Q, T> {}
 // SAFETY: as above. Evaluation writes only to the output and to the frame of its thread.
 unsafe impl<Q: Query, T: Real> Sync for Threaded<Q, T> {}
+
+/// Bounds of some steps of a tape, per lane.
+pub struct Trace<'a, T: Real> {
+    /// For each step: −lo, hi, and a mask of the lanes in which the value is defined throughout.
+    lanes: &'a [Lanes<T>],
+}
+
+impl<T: Real> Trace<'_, T> {
+    /// Returns the bounds of the steps in one lane, in order.
+    pub fn lane(&self, lane: usize) -> Vec<StepBounds> {
+        let bounds = |[neg_lo, hi, defined]: &[Lanes<T>; TRACE_LANES]| StepBounds {
+            values: Interval { lo: -neg_lo[lane].into(), hi: hi[lane].into() },
+            // The lanes of a mask have all bits or none.
+            is_defined: !(defined[lane].into() == 0.0),
+        };
+        let (each, _) = self.lanes.as_chunks();
+        each.iter().map(bounds).collect()
+    }
+}
 
 /// Where the value of a step is.
 struct Place<Q: Query> {
@@ -60,13 +85,13 @@ struct Place<Q: Query> {
 #[derive(Default)]
 struct Slots {
     /// Free offsets, by number of vectors.
-    free: HashMap<usize, Vec<u32>>,
+    free: Vec<Vec<u32>>,
     end: usize,
 }
 
 impl Slots {
     fn take(&mut self, parts: usize, width: usize) -> u32 {
-        if let Some(at) = self.free.get_mut(&parts).and_then(Vec::pop) {
+        if let Some(at) = self.free.get_mut(parts).and_then(Vec::pop) {
             return at;
         }
         let at = self.end as u32;
@@ -75,7 +100,10 @@ impl Slots {
     }
 
     fn give(&mut self, at: u32, parts: usize) {
-        self.free.entry(parts).or_default().push(at);
+        if self.free.len() <= parts {
+            self.free.resize(parts + 1, Vec::new());
+        }
+        self.free[parts].push(at);
     }
 }
 
@@ -89,16 +117,13 @@ impl Constants {
     fn add<Q: Query>(&mut self, value: &QueryValue<Q, Software>, width: usize) -> Place<Q> {
         let at = self.bytes.len() as u32;
         let shape = Q::Kind::map(value, &mut |vector: Vector128| {
-            for _ in 0..width / 16 {
-                match vector {
-                    Vector128::F32(lanes) => {
-                        lanes.iter().for_each(|lane| self.bytes.extend(lane.to_ne_bytes()));
-                    }
-                    Vector128::F64(lanes) => {
-                        lanes.iter().for_each(|lane| self.bytes.extend(lane.to_ne_bytes()));
-                    }
-                }
-            }
+            // All lanes are equal.
+            let bytes = match vector {
+                Vector128::F32([lane, ..]) => u64::from(lane) << 32 | u64::from(lane),
+                Vector128::F64([lane, _]) => lane,
+            };
+            let bytes = [bytes.to_ne_bytes(); ALIGNMENT / 8];
+            self.bytes.extend_from_slice(&bytes.as_flattened()[..width]);
         });
         Place { shape, is_constant: true, at }
     }
@@ -129,11 +154,22 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     /// of parameters is not that of the binding. In debug builds also if a value is outside its
     /// range.
     pub fn new(tape: Tape<T>, binding: &Binding<T>) -> Result<Self, Error> {
+        Self::traced(tape, binding, &[])
+    }
+
+    /// Like [`Threaded::new`], but also traces the bounds of some steps, which are in order.
+    ///
+    /// # Errors
+    /// As for [`Threaded::new`].
+    ///
+    /// # Panics
+    /// As for [`Threaded::new`], and if the query has no proven bounds.
+    pub fn traced(tape: Tape<T>, binding: &Binding<T>, steps: &[usize]) -> Result<Self, Error> {
         Q::check(&tape, binding);
         let tape = Arc::new(tape.coarse());
         let mut result = Err(Error::Unsupported("vectors"));
         for width in vector_widths() {
-            result = Self::of_width(&tape, binding, width);
+            result = Self::of_width(&tape, binding, width, steps);
             if result.is_ok() {
                 break;
             }
@@ -152,14 +188,21 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     #[cfg(feature = "comparison")]
     pub fn narrow(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
         Q::check(&tape, binding);
-        Self::of_width(&Arc::new(tape.coarse()), binding, width)
+        Self::of_width(&Arc::new(tape.coarse()), binding, width, &[])
     }
 
-    fn of_width(tape: &Arc<Tape<T>>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
+    fn of_width(
+        tape: &Arc<Tape<T>>,
+        binding: &Binding<T>,
+        width: usize,
+        traced: &[usize],
+    ) -> Result<Self, Error> {
         call_loop::<T>(width)?;
         let finder = StencilFinder::<Q, T>::new(width);
         let last_use = last_uses(tape);
-        let (mut slots, mut constants) = (Slots::default(), Constants::default());
+        let trace = traced.len() * TRACE_LANES * size_of::<Lanes<T>>();
+        let mut slots = Slots { end: trace, ..Slots::default() };
+        let mut constants = Constants::default();
         let mut places: Vec<Place<Q>> = Vec::with_capacity(tape.steps().len());
         let mut kernel = Self {
             tape: Arc::clone(tape),
@@ -167,7 +210,8 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             constants: Vec::new(),
             frame: 0,
             width,
-            stencils: Vec::new(),
+            traced: Vec::new(),
+            query: PhantomData,
         };
         let operand = |places: &[Place<Q>], index: usize| StencilOperand {
             shape: places[index].shape,
@@ -213,6 +257,12 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                 }
             };
             places.push(place);
+            if traced.get(kernel.traced.len()) == Some(&index) {
+                let stencil = finder.find(&StencilStep::Trace(&operand(&places, index)))?;
+                let at = (kernel.traced.len() * TRACE_LANES * size_of::<Lanes<T>>()) as u32;
+                kernel.traced.push(index);
+                kernel.add_call(stencil, at, &[places[index].at]);
+            }
         }
         let outputs = tape.outputs_at();
         operands.clear();
@@ -225,46 +275,31 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             return Err(Error::Unsupported("frames of more than 4 GiB"));
         }
         kernel.constants = blocks(&constants.bytes);
-        kernel.stencils.sort_by_key(Arc::as_ptr);
-        kernel.stencils.dedup_by_key(|stencil| Arc::as_ptr(stencil));
         Ok(kernel)
     }
 
     /// Adds the call for a step. Returns the place of the step's value.
-    fn add_step(
-        &mut self,
-        stencil: Arc<Stencil<Q>>,
-        slots: &mut Slots,
-        operands: &[u32],
-    ) -> Place<Q> {
+    fn add_step(&mut self, stencil: &Stencil<Q>, slots: &mut Slots, operands: &[u32]) -> Place<Q> {
         let shape = stencil.shape.expect("a step has a value");
         let at = slots.take(parts::<Q>(&shape), self.width);
         self.add_call(stencil, at, operands);
         Place { shape, is_constant: false, at }
     }
 
-    fn add_call(&mut self, stencil: Arc<Stencil<Q>>, at: u32, operands: &[u32]) {
+    fn add_call(&mut self, stencil: &Stencil<Q>, at: u32, operands: &[u32]) {
         let mut call = StencilCall { entry: stencil.code.entry(), places: Default::default() };
         call.places[0] = at;
         call.places[1..=operands.len()].copy_from_slice(operands);
         self.calls.push(call);
-        self.stencils.push(stencil);
     }
 
-    /// Size in bytes of the calls and constants.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.calls[..]) + size_of_val(&self.constants[..])
-    }
-}
-
-impl<Q: Query, T: Real> fmt::Debug for Threaded<Q, T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} calls of stencils for {}", self.calls.len(), Q::NAME)
-    }
-}
-
-impl<Q: Query, T: Real> Kernel<Q, T> for Threaded<Q, T> {
-    fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+    /// Evaluates the lanes in use, then passes the frame on.
+    fn run<R>(
+        &self,
+        input: &Q::Input<T>,
+        output: &mut Q::Output<T>,
+        then: impl FnOnce(&[Block]) -> R,
+    ) -> R {
         Q::check_input(&self.tape, input);
         let call_loop = call_loop::<T>(self.width).expect("it was compiled with the tape");
         (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
@@ -284,7 +319,7 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Threaded<Q, T> {
             // format and width. There is at least one call, that of the result. Stencils read
             // operands that earlier calls have stored in the frame, which is large enough for all
             // of them, or constants. They access batches as kernels do. Stencils do not unwind,
-            // and `self` keeps their code alive.
+            // and their code is never freed.
             unsafe {
                 call_rounding_up(
                     call_loop.entry(),
@@ -294,7 +329,45 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Threaded<Q, T> {
                     std::ptr::null(),
                 );
             }
-        });
+            then(frame)
+        })
+    }
+
+    /// Evaluates the lanes in use, then passes the trace on.
+    pub fn eval_traced<R>(
+        &self,
+        input: &Q::Input<T>,
+        output: &mut Q::Output<T>,
+        then: impl FnOnce(&Trace<'_, T>) -> R,
+    ) -> R {
+        self.run(input, output, |frame| {
+            // SAFETY: the frame begins with the trace, which the calls have written: all lanes of
+            // the vectors in use. The rest was initialized when the frame was created.
+            let lanes = unsafe {
+                std::slice::from_raw_parts(
+                    frame.as_ptr().cast::<Lanes<T>>(),
+                    TRACE_LANES * self.traced.len(),
+                )
+            };
+            then(&Trace { lanes })
+        })
+    }
+
+    /// Size in bytes of the calls and constants.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.calls[..]) + size_of_val(&self.constants[..])
+    }
+}
+
+impl<Q: Query, T: Real> fmt::Debug for Threaded<Q, T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} calls of stencils for {}", self.calls.len(), Q::NAME)
+    }
+}
+
+impl<Q: Query, T: Real> Kernel<Q, T> for Threaded<Q, T> {
+    fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+        self.run(input, output, |_| ());
     }
 }
 

@@ -4,14 +4,15 @@
 //! Simplification and parameter values come from other modules. This module does not depend on what
 //! kernels compute.
 
+use crate::shortened::{ShortSurface, WholeFloat, WholeFunction};
 use crate::simplified::{KernelSource, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use zeroset_eval::{
     Binding, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel,
-    KernelError, KernelResult, Kernels, Query, Real, Reference, Sample, SampleGradient,
-    SurfaceKernels, Tape, ZeroTest,
+    KernelError, KernelFloat, KernelResult, Kernels, PartSurface, Query, Real, Reference, Sample,
+    SampleGradient, SurfaceKernels, Tape, Tiles, ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::{Compiled, Threaded};
@@ -241,6 +242,9 @@ struct Bindings<T: Real> {
     values: Arc<[Interval]>,
     codes: Arc<SurfaceCode<T>>,
     bound: BoundKernels<T>,
+    /// All steps of the function, for parts of space that can do with fewer of them; `None` if
+    /// none can.
+    short: Arc<OnceLock<Option<ShortSurface>>>,
 }
 
 /// A surface with its parameters bound to their present values.
@@ -252,9 +256,10 @@ pub(crate) struct BoundSurface {
 impl BoundSurface {
     pub fn new(store: &Arc<CodeStore>, surface: usize, values: &Arc<[Interval]>) -> Self {
         let SurfaceCodes { single, double } = &store.codes[surface];
+        let short = Arc::default();
         Self {
-            single: Bindings::new(store, surface, values, single),
-            double: Bindings::new(store, surface, values, double),
+            single: Bindings::new(store, surface, values, single, &short),
+            double: Bindings::new(store, surface, values, double, &short),
         }
     }
 }
@@ -275,9 +280,32 @@ impl<T: Real> Bindings<T> {
         surface: usize,
         values: &Arc<[Interval]>,
         codes: &Arc<SurfaceCode<T>>,
+        short: &Arc<OnceLock<Option<ShortSurface>>>,
     ) -> Self {
         let (store, values, codes) = (Arc::clone(store), Arc::clone(values), Arc::clone(codes));
-        Self { store, surface, values, codes, bound: BoundKernels::default() }
+        let short = Arc::clone(short);
+        Self { store, surface, values, codes, bound: BoundKernels::default(), short }
+    }
+
+    /// The steps of the function in both precisions. `None` if it has few choices, if it jumps, or
+    /// if zeros are those of a numerator.
+    fn find_short(&self) -> Option<ShortSurface> {
+        let (surface, simplified) = (self.surface, &self.store.simplified);
+        let (single, uniforms) = simplified.steps(surface, KernelSource::Function, true).ok()??;
+        if self.store.evaluator == Evaluator::Reference
+            || !WholeFunction::is_worth_shortening(&single)
+            || self.without_poles().ok()? != KernelSource::Function
+            || simplified.steps::<T>(surface, KernelSource::Branches, true).ok()?.is_some()
+        {
+            return None;
+        }
+        let values = uniforms.values(&self.values)?;
+        let (double, _) = simplified.steps(surface, KernelSource::Function, true).ok()??;
+        let whole = WholeFunction {
+            single: (single.coarse(), Binding::new(&values)),
+            double: (double.coarse(), Binding::new(&values)),
+        };
+        Some(ShortSurface::new(&Arc::new(whole), None))
     }
 
     /// The code of a form, bound to the present values. `None` if the surface has no such form.
@@ -370,7 +398,12 @@ fn known<Q, T>(bound: &Result<Bound<Q, T>, KernelError>) -> KernelResult<'_, Q, 
     bound.as_deref().map_err(Arc::clone)
 }
 
-impl<T: Real> Kernels<T> for Bindings<T> {
+impl<T: WholeFloat + KernelFloat> Kernels<T> for Bindings<T> {
+    fn in_tiles(&self, tiles: &Tiles<T>) -> Vec<PartSurface> {
+        let short = self.short.get_or_init(|| self.find_short());
+        short.as_ref().map_or_else(Vec::new, |short| T::kernels(short).in_tiles(tiles))
+    }
+
     fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
         known(self.bound.zeros.get_or_init(|| self.zero_test()))
     }

@@ -11,6 +11,7 @@ pub mod domain;
 pub mod gallery;
 pub mod kernels;
 pub mod program;
-pub mod simplified;
+pub mod shortened;
+mod simplified;
 pub mod uniforms;
 pub mod view;

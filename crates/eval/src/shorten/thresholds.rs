@@ -6,14 +6,15 @@
 use super::StepBounds;
 use crate::real::Real;
 use crate::tape::{Step, Tape};
-use std::collections::HashMap;
 use zeroset_interval::Interval;
 use zeroset_ops::Op;
 
 /// What each step of a tape is needed for.
 pub struct Needs<'a, T: Real> {
     tape: &'a Tape<T>,
-    bounds: &'a HashMap<usize, StepBounds>,
+    bounds: &'a [StepBounds],
+    /// Per step, its place among `bounds`; the largest number if it has none.
+    known: Vec<u32>,
     /// Per step, its thresholds as an interval; `None` if no step needs it.
     thresholds: Vec<Option<Interval>>,
     /// Per step, the operand that replaces it, if any.
@@ -41,7 +42,7 @@ struct Blend {
 
 impl<'a, T: Real> Needs<'a, T> {
     /// Finds the thresholds of all steps of a tape of one function.
-    pub fn of(tape: &'a Tape<T>, bounds: &'a HashMap<usize, StepBounds>) -> Self {
+    pub fn of(tape: &'a Tape<T>, bounds: &'a [StepBounds]) -> Self {
         let count = tape.steps().len();
         let mut users = vec![0; count];
         for step in tape.steps() {
@@ -49,9 +50,14 @@ impl<'a, T: Real> Needs<'a, T> {
                 operands.iter().for_each(|&operand| users[operand] += 1);
             }
         }
+        let mut known = vec![u32::MAX; count];
+        for (place, step) in tape.deciding_steps().into_iter().enumerate() {
+            known[step] = place as u32;
+        }
         let mut needs = Self {
             tape,
             bounds,
+            known,
             thresholds: vec![None; count],
             substitutes: vec![None; count],
             users,
@@ -95,7 +101,7 @@ impl<'a, T: Real> Needs<'a, T> {
         let nothing = StepBounds { values: Interval::ENTIRE, is_defined: false };
         match &self.tape.steps()[index] {
             Step::Constant(values, _) => StepBounds { values: *values, is_defined: true },
-            _ => self.bounds.get(&index).copied().unwrap_or(nothing),
+            _ => self.bounds.get(self.known[index] as usize).copied().unwrap_or(nothing),
         }
     }
 

@@ -21,6 +21,7 @@ mod exact;
 mod frame;
 mod level;
 mod narrow;
+mod parts;
 mod pixels;
 mod plane;
 mod pool;
@@ -44,7 +45,7 @@ use frame::RayFrame;
 use narrow::Scratch;
 use rays::Follower;
 use std::sync::OnceLock;
-use tiles::BandBuffers;
+use tiles::{BandBuffers, BandState};
 use zeroset_eval::{ContractTiles, Kernel, KernelError};
 
 pub(crate) const METHOD: Method = Method {
@@ -137,10 +138,23 @@ impl<'a, T: Scalar> Affine<'a, T> {
             // They are usually compiled already: a second thread would cost more time.
             (kernels.tiles(), follower())
         };
+        Self::with_kernels(task, tiles?, follower?)
+    }
+
+    /// The method for a part of space, whose kernels take little time to create.
+    fn for_part(task: Task<'a>) -> Result<Self, KernelError> {
+        Self::with_kernels(task, T::kernels(task.surface).tiles()?, Follower::new(task)?)
+    }
+
+    fn with_kernels(
+        task: Task<'a>,
+        tiles: &'a dyn Kernel<ContractTiles, T>,
+        follower: Follower<'a, T>,
+    ) -> Result<Self, KernelError> {
         Ok(Self {
-            tiles: tiles?,
-            follower: follower?,
-            cleared: kernels.cleared()?.is_some(),
+            tiles,
+            follower,
+            cleared: T::kernels(task.surface).cleared()?.is_some(),
             task,
             longest: task.options.longest(),
             buffers: BufferPool::new(usize::MAX),
@@ -206,6 +220,10 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
         {
             return double.band(rays, band, work);
         }
-        tiles::trace(self, frame, rays, band, work);
+        let mut state = BandState::new(self, frame, rays, band);
+        let whole = state.whole(rays, band);
+        if !parts::trace(self, &mut state, rays, band, &whole, work) {
+            state.finish(self);
+        }
     }
 }

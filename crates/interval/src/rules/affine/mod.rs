@@ -150,6 +150,15 @@ impl<V: Copy, const N: usize> Form<V, N> {
     }
 }
 
+/// Returns bounds of a value from its form, its stored bounds and its range, with its facts.
+pub fn form_bounds<M: Machine, const N: usize>(
+    m: &mut M,
+    format: Format,
+    value: &FormOperand<M::V, N>,
+) -> Enclosure<M::V> {
+    Rule { m, format }.operand(value).value
+}
+
 /// Returns the form of `op` over lanes of operands, all in `format`.
 ///
 /// # Panics

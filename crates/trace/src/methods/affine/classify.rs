@@ -8,6 +8,7 @@ use fearless_simd::prelude::*;
 use zeroset_eval::{Contractions, Lanes, Segments};
 
 /// Lengths of segments that separate the classes. They are the same for all rays.
+#[derive(Clone, Copy)]
 pub(super) struct LengthLimits<T> {
     /// Length of the shortest segments.
     pub grain: T,

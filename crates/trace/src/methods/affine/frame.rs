@@ -17,6 +17,7 @@ use zeroset_space::Region;
 pub(super) const FORM_BLUR: f64 = 4.0;
 
 /// The quantities that all rays of a picture share.
+#[derive(Clone, Copy)]
 pub(super) struct RayFrame {
     /// t where s is 0.
     pub start: f64,
@@ -134,6 +135,18 @@ impl RayFrame {
         T::narrow(centre, &mut tiles.centre[axis]);
         let reach = T::PATH_ERROR * self.reach[axis];
         T::narrow([half[0] + reach, half[1] + reach], &mut tiles.half[axis]);
+    }
+
+    /// Like [`Self::place_tiles`], for one tile.
+    pub fn place_tile<T: Scalar>(
+        &self,
+        axis: usize,
+        [centre, half]: [f64; 2],
+        lane: usize,
+        tiles: &mut Tiles<T>,
+    ) {
+        tiles.centre[axis][lane] = T::nearest(centre);
+        tiles.half[axis][lane] = T::nearest(half + T::PATH_ERROR * self.reach[axis]);
     }
 
     /// Returns the origin (s = 0) and direction of the ray at these screen coordinates.

@@ -15,8 +15,11 @@ use crate::painted::ones;
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
+use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Tiles};
 
+/// Pixels on the side of the largest tiles.
+pub(super) const WIDTH: usize = SIDES[0];
 /// For each level: a tile is split once its segment is no longer than this many times its width.
 const SLENDER: [f64; 2] = [3.0, 4.0];
 /// The ratio for patches. It is larger: surfaces at outlines are deep, patches are narrow, and the
@@ -40,85 +43,138 @@ pub(super) struct BandBuffers<T: Scalar> {
     screens: [Vec<[f64; 4]>; 2],
 }
 
-/// Traces a band.
-pub(super) fn trace<T: Scalar>(
-    method: &Affine<'_, T>,
-    frame: RayFrame,
-    rays: &RayGrid,
-    band: &mut Band<'_>,
-    work: &mut KernelStats,
-) {
-    dispatch!(Vectors::new(), simd => trace_with(simd, method, frame, rays, band, work));
+/// The state of a band between the parts in which it is traced.
+pub(super) struct BandState<T: Scalar> {
+    pub frame: RayFrame,
+    /// As [`BandTracer::open`].
+    open: Vec<u16>,
+    across: usize,
+    size: f64,
+    limits: LengthLimits<T>,
+    buffers: Box<BandBuffers<T>>,
 }
 
-/// Like [`trace`], compiled for these vectors.
+/// A part of a band: some columns of 16×16 tiles, or some patches, over a segment of their rays.
+#[derive(Clone, Debug)]
+pub(super) struct BandPart {
+    pub places: Range<usize>,
+    /// Values of s, which are floats of the tracer's precision.
+    pub span: [f64; 2],
+}
+
+impl<T: Scalar> BandState<T> {
+    pub fn new(method: &Affine<'_, T>, frame: RayFrame, rays: &RayGrid, band: &Band<'_>) -> Self {
+        let is_patched = rays.is_patched();
+        let across = if is_patched { 1 } else { band.width.div_ceil(4) };
+        assert!(across.max(band.height) < 1 << 16, "places of tiles fit in the halves of a number");
+        let mut open = if is_patched {
+            vec![u16::MAX; band.height]
+        } else {
+            open_pixels(band.width, band.height)
+        };
+        close_unasked(&mut open, band, across, is_patched);
+        let mut buffers = method.buffers.take().unwrap_or_default();
+        let BandBuffers { levels, memory, screens } = &mut *buffers;
+        for level in levels.iter_mut() {
+            level.batch = frame.tiles();
+        }
+        memory.set_error(frame.segments_error());
+        if !is_patched {
+            let parts = [[0, across], [band.top, open.len() / across]];
+            for (axis, ([first, count], screens)) in
+                parts.into_iter().zip(&mut *screens).enumerate()
+            {
+                screens.resize(count, [0.0; 4]);
+                for (four, screens) in screens.iter_mut().enumerate() {
+                    *screens = rays.screens(axis, 2 * (first + 4 * four), 2);
+                }
+            }
+        }
+        let size = frame.size();
+        let blur = MIN_BLUR_SHARE * frame.error_in::<T>(size).max_element();
+        let coarse = (STALL_LENGTH * T::GRAIN * size).max(blur);
+        let limits =
+            LengthLimits { grain: T::nearest(T::GRAIN * size), coarse: T::nearest(coarse) };
+        Self { frame, open, across, size, limits, buffers }
+    }
+
+    /// Returns the whole band, over the whole length of its rays.
+    pub fn whole(&self, rays: &RayGrid, band: &Band<'_>) -> BandPart {
+        let count = if rays.is_patched() { band.height } else { band.width.div_ceil(SIDES[0]) };
+        // The ends are rounded outward here. All later ends are floats of `T` already.
+        let [near, far] = self.frame.span;
+        BandPart { places: 0..count, span: [-T::above(-near).into(), T::above(far).into()] }
+    }
+
+    /// Returns whether some places have pixels that are not finished.
+    pub fn is_open(&self, rays: &RayGrid, places: &Range<usize>) -> bool {
+        if rays.is_patched() {
+            return self.open[places.clone()].iter().any(|open| *open != 0);
+        }
+        let finer = SIDES[0] / SIDES[LAST];
+        let columns = finer * places.start..(finer * places.end).min(self.across);
+        self.open.chunks(self.across).any(|row| row[columns.clone()].iter().any(|open| *open != 0))
+    }
+
+    /// Traces a part of the band. Returns whether the rest is no longer wanted.
+    pub fn trace(
+        &mut self,
+        method: &Affine<'_, T>,
+        rays: &RayGrid,
+        band: &mut Band<'_>,
+        part: &BandPart,
+        work: &mut KernelStats,
+    ) -> bool {
+        dispatch!(Vectors::new(), simd => trace_with(simd, self, method, rays, band, part, work))
+    }
+
+    /// Keeps the buffers for another band.
+    pub fn finish(self, method: &Affine<'_, T>) {
+        method.buffers.hand_back(self.buffers);
+    }
+}
+
+/// Like [`BandState::trace`], compiled for these vectors.
 #[inline(always)]
 fn trace_with<T: Scalar, S: Simd>(
     simd: S,
+    state: &mut BandState<T>,
     method: &Affine<'_, T>,
-    frame: RayFrame,
     rays: &RayGrid,
     band: &mut Band<'_>,
+    part: &BandPart,
     work: &mut KernelStats,
-) {
+) -> bool {
     let is_patched = rays.is_patched();
-    let across = if is_patched { 1 } else { band.width.div_ceil(4) };
-    assert!(across.max(band.height) < 1 << 16, "places of tiles fit in the halves of a number");
-    let mut open =
-        if is_patched { vec![u16::MAX; band.height] } else { open_pixels(band.width, band.height) };
-    close_unasked(&mut open, band, across, is_patched);
-    let mut buffers = method.buffers.take().unwrap_or_default();
-    let BandBuffers { levels, memory, screens } = &mut *buffers;
-    for level in levels.iter_mut() {
-        level.batch = frame.tiles();
-    }
-    memory.set_error(frame.segments_error());
-    if !is_patched {
-        let parts = [[0, across], [band.top, open.len() / across]];
-        for (axis, ([first, count], screens)) in parts.into_iter().zip(&mut *screens).enumerate() {
-            screens.resize(count, [0.0; 4]);
-            for (four, screens) in screens.iter_mut().enumerate() {
-                *screens = rays.screens(axis, 2 * (first + 4 * four), 2);
-            }
-        }
-    }
-    let size = frame.size();
-    let blur = MIN_BLUR_SHARE * frame.error_in::<T>(size).max_element();
-    let coarse = (STALL_LENGTH * T::GRAIN * size).max(blur);
+    let BandBuffers { levels, memory, screens } = &mut *state.buffers;
     let mut tracer = BandTracer {
         method,
         rays,
         band,
-        open,
-        across,
+        open: std::mem::take(&mut state.open),
+        across: state.across,
         screens,
-        size,
-        limits: LengthLimits { grain: T::nearest(T::GRAIN * size), coarse: T::nearest(coarse) },
+        size: state.size,
+        limits: state.limits,
         memory,
-        frame,
+        frame: state.frame,
         work,
         over: false,
         calls_at_check: 0,
         simd,
     };
-    // The ends are rounded outward here. All later ends are floats of `T` already.
-    let [near, far] = tracer.frame.span;
-    let span = [-T::above(-near).into(), T::above(far).into()];
-    let (first, count) = if is_patched {
-        (LAST, tracer.band.height)
-    } else {
-        (0, tracer.band.width.div_ceil(SIDES[0]))
-    };
-    let mut unreached = 0;
-    for start in (0..count).step_by(LANES) {
+    let wanted = &part.places;
+    let first = if is_patched { LAST } else { 0 };
+    let mut unreached = wanted.start;
+    for start in wanted.clone().step_by(LANES) {
         if tracer.over || !tracer.band.is_wanted() {
             tracer.over = true;
             break;
         }
         unreached = start;
-        let some = start..count.min(start + LANES);
+        let some = start..wanted.end.min(start + LANES);
         let places = if is_patched { [0..1, some] } else { [some, 0..1] };
-        levels[first].start(&tracer, places, first, span, None, false);
+        levels[first].start(&tracer, places, first, part.span, None, false);
         if is_patched {
             tracer.run::<LAST>(&mut levels[LAST..]);
         } else {
@@ -129,9 +185,10 @@ fn trace_with<T: Scalar, S: Simd>(
     if tracer.over {
         tracer.give_up_pool();
         tracer.band.give_up(if is_patched { 0 } else { SIDES[0] * unreached });
-    } else {
-        method.buffers.hand_back(buffers);
+        return true;
     }
+    state.open = tracer.open;
+    false
 }
 
 /// Returns a bit for each pixel of each 4×4 tile, row by row. Bits outside the picture are clear.
