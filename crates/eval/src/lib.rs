@@ -11,6 +11,7 @@ mod batch;
 mod binding;
 mod branches;
 mod differentiable;
+mod duals;
 mod enclosure;
 mod forms;
 mod lanes;
@@ -31,7 +32,7 @@ pub use enclosure::{enclose, enclose_all};
 pub use lanes::{LANES, Lanes};
 pub use query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Query,
-    QueryResult, QueryValue, Sample, SampleGradient,
+    QueryResult, QueryValue, Sample, SampleForward, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;

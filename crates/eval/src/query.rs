@@ -10,6 +10,7 @@ use crate::batch::{
 };
 use crate::binding::Binding;
 use crate::differentiable::{Smooth, Smoothness, leaf};
+use crate::duals::{Dual, Duals};
 use crate::forms::{Path, RayRange, SegmentPath, TilePath, contract_path};
 use crate::lanes::LANES;
 use crate::real::Real;
@@ -169,6 +170,11 @@ pub struct Sample;
 /// its three partial derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleGradient;
+
+/// Like [`SampleGradient`], but the tape computes the function alone. Its gradient is propagated
+/// forward.
+#[derive(Clone, Copy, Debug)]
+pub struct SampleForward;
 
 impl Query for Enclose {
     const NAME: &'static str = "bounds";
@@ -429,6 +435,39 @@ impl Query for SampleGradient {
     }
 }
 
+impl Query for SampleForward {
+    const NAME: &'static str = "gradients";
+    const OUTPUTS: usize = 1;
+    type Kind = Duals;
+    type Context<V: Vector> = ();
+    type Input<T: Real> = Points<T>;
+    type Output<T: Real> = Gradients<T>;
+
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        (): (),
+        axis: Axis,
+    ) -> Dual<M::V> {
+        let value = loader.input(m, axis as usize);
+        Dual::coordinate::<T, M>(m, value, axis)
+    }
+
+    fn result<T: Real, M: Machine>(
+        m: &mut M,
+        _: &mut impl Loader<M>,
+        (): (),
+        values: &[Dual<M::V>],
+        _: bool,
+    ) -> QueryResult<M::V> {
+        let Dual { value, slopes } = values[0];
+        let slopes = slopes.unwrap_or_else(|| [m.number(T::FORMAT, 0.0); 3]);
+        QueryResult { quantities: [&[value], &slopes[..]].concat(), masks: Vec::new() }
+    }
+}
+
 mod sealed {
     pub trait Sealed {}
     impl Sealed for super::Enclose {}
@@ -438,4 +477,5 @@ mod sealed {
     impl Sealed for super::ContractTiles {}
     impl Sealed for super::Sample {}
     impl Sealed for super::SampleGradient {}
+    impl Sealed for super::SampleForward {}
 }

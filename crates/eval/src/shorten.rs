@@ -16,6 +16,9 @@ use thresholds::Needs;
 use zeroset_interval::Interval;
 use zeroset_ops::Op;
 
+/// Stands in a [`Selection`] for a step that negates its operand and is none of the tape's.
+const NEGATION: u32 = u32::MAX;
+
 /// What is known about a step's value over a part of space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepBounds {
@@ -50,7 +53,9 @@ impl Selection {
     /// Returns the same selection as one from the tape from which `outer` was selected.
     #[must_use]
     pub fn from_outer(mut self, outer: &Self) -> Self {
-        self.steps.iter_mut().for_each(|step| *step = outer.steps[*step as usize]);
+        for step in self.steps.iter_mut().filter(|step| **step != NEGATION) {
+            *step = outer.steps[*step as usize];
+        }
         self
     }
 }
@@ -88,7 +93,13 @@ impl<T: Real> Tape<T> {
                 continue;
             }
             if let Some(substitute) = needs.substitute(index) {
-                place[index] = place[substitute];
+                place[index] = place[substitute.step];
+                if substitute.is_negated {
+                    let negated = SmallVec::from_slice(&[place[index]]);
+                    place[index] = selection.steps.len() as u32;
+                    selection.steps.push(NEGATION);
+                    selection.operands.push(negated);
+                }
                 continue;
             }
             let operands = match step {
@@ -116,6 +127,14 @@ impl<T: Real> Tape<T> {
         for (position, (&index, chosen)) in
             selection.steps.iter().zip(&selection.operands).enumerate()
         {
+            if index == NEGATION {
+                let step =
+                    Step::Apply(Op::Neg, chosen.iter().map(|&place| place as usize).collect());
+                ranges.push(self.range_among(&step, &steps, &ranges));
+                steps.push(step);
+                changed[position] = true;
+                continue;
+            }
             let index = index as usize;
             let mut range = self.range(index);
             let step = match &self.steps()[index] {

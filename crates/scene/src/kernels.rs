@@ -4,6 +4,7 @@
 //! Simplification and parameter values come from other modules. This module does not depend on what
 //! kernels compute.
 
+use crate::box_tree::BoxTree;
 use crate::shortened::{ShortSurface, WholeFloat, WholeFunction};
 use crate::simplified::{KernelSource, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
@@ -236,7 +237,7 @@ struct BoundKernels<T: Real> {
 }
 
 /// The kernels of one surface in one precision, and what is needed to bind them.
-struct Bindings<T: Real> {
+struct Bindings<T: WholeFloat> {
     store: Arc<CodeStore>,
     surface: usize,
     values: Arc<[Interval]>,
@@ -244,7 +245,15 @@ struct Bindings<T: Real> {
     bound: BoundKernels<T>,
     /// All steps of the function, for parts of space that can do with fewer of them; `None` if
     /// none can.
-    short: Arc<OnceLock<Option<ShortSurface>>>,
+    short: Arc<OnceLock<Option<Short>>>,
+    /// The gradient by parts of space.
+    tree: Once<BoxTree<T>>,
+}
+
+/// All steps of a function, and its surface.
+struct Short {
+    whole: Arc<WholeFunction>,
+    surface: ShortSurface,
 }
 
 /// A surface with its parameters bound to their present values.
@@ -274,22 +283,34 @@ impl SurfaceKernels for BoundSurface {
     }
 }
 
-impl<T: Real> Bindings<T> {
+impl<T: WholeFloat> Bindings<T> {
     fn new(
         store: &Arc<CodeStore>,
         surface: usize,
         values: &Arc<[Interval]>,
         codes: &Arc<SurfaceCode<T>>,
-        short: &Arc<OnceLock<Option<ShortSurface>>>,
+        short: &Arc<OnceLock<Option<Short>>>,
     ) -> Self {
         let (store, values, codes) = (Arc::clone(store), Arc::clone(values), Arc::clone(codes));
         let short = Arc::clone(short);
-        Self { store, surface, values, codes, bound: BoundKernels::default(), short }
+        Self {
+            store,
+            surface,
+            values,
+            codes,
+            bound: BoundKernels::default(),
+            short,
+            tree: OnceLock::new(),
+        }
+    }
+
+    fn short(&self) -> Option<&Short> {
+        self.short.get_or_init(|| self.find_short()).as_ref()
     }
 
     /// The steps of the function in both precisions. `None` if it has few choices, if it jumps, or
     /// if zeros are those of a numerator.
-    fn find_short(&self) -> Option<ShortSurface> {
+    fn find_short(&self) -> Option<Short> {
         let (surface, simplified) = (self.surface, &self.store.simplified);
         let (single, uniforms) = simplified.steps(surface, KernelSource::Function, true).ok()??;
         if self.store.evaluator == Evaluator::Reference
@@ -301,11 +322,12 @@ impl<T: Real> Bindings<T> {
         }
         let values = uniforms.values(&self.values)?;
         let (double, _) = simplified.steps(surface, KernelSource::Function, true).ok()??;
-        let whole = WholeFunction {
+        let whole = Arc::new(WholeFunction {
             single: (single.coarse(), Binding::new(&values)),
             double: (double.coarse(), Binding::new(&values)),
-        };
-        Some(ShortSurface::new(&Arc::new(whole), None))
+        });
+        let surface = ShortSurface::new(&whole, None);
+        Some(Short { whole, surface })
     }
 
     /// The code of a form, bound to the present values. `None` if the surface has no such form.
@@ -400,8 +422,7 @@ fn known<Q, T>(bound: &Result<Bound<Q, T>, KernelError>) -> KernelResult<'_, Q, 
 
 impl<T: WholeFloat + KernelFloat> Kernels<T> for Bindings<T> {
     fn in_tiles(&self, tiles: &Tiles<T>) -> Vec<PartSurface> {
-        let short = self.short.get_or_init(|| self.find_short());
-        short.as_ref().map_or_else(Vec::new, |short| T::kernels(short).in_tiles(tiles))
+        self.short().map_or_else(Vec::new, |short| T::kernels(&short.surface).in_tiles(tiles))
     }
 
     fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
@@ -444,6 +465,12 @@ impl<T: WholeFloat + KernelFloat> Kernels<T> for Bindings<T> {
     }
 
     fn gradients(&self) -> KernelResult<'_, SampleGradient, T> {
+        if let Some(short) = self.short() {
+            return match self.tree.get_or_init(|| BoxTree::new(&short.whole)) {
+                Ok(tree) => Ok(tree),
+                Err(error) => Err(Arc::clone(error)),
+            };
+        }
         self.kernel(&self.bound.gradients, &self.codes.gradients, KernelSource::Gradient)
     }
 }

@@ -6,6 +6,7 @@
 //! caller's choices. Nothing here knows pixels, files or terminals.
 
 pub mod blank;
+mod box_tree;
 pub mod coordinate;
 pub mod domain;
 pub mod gallery;

@@ -2,15 +2,17 @@
 
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{
-    Binding, ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError,
-    KernelResult, Kernels, LANES, PartSurface, Planes, Query, Real, Sample, Selection,
-    SurfaceKernels, Tape, Tiles,
+    Binding, Boxes, ContractSegments, ContractTiles, Enclose, FindZeros, Input, Kernel,
+    KernelError, KernelResult, Kernels, PartSurface, Planes, Query, Real, Sample, SampleForward,
+    Selection, SurfaceKernels, Tape, Tiles,
 };
 use zeroset_jit::Threaded;
 
 /// Least number of steps whose bounds decide what can be dropped. A formula with fewer has a kernel
 /// of its own that is faster than stencils.
-const LEAST_DECIDING: usize = 24;
+const LEAST_DECIDING: usize = 16;
+/// Least number of steps of a function whose parts get kernels of their own.
+const LEAST_STEPS: usize = 256;
 /// A selection is used if it has at most this share of the steps.
 const WORTHWHILE: f64 = 0.8;
 
@@ -25,7 +27,7 @@ impl WholeFunction {
     /// Returns whether the function has so many choices that parts of space can do with far fewer
     /// steps.
     pub fn is_worth_shortening(tape: &Tape<f32>) -> bool {
-        tape.deciding_steps().len() >= LEAST_DECIDING
+        tape.steps().len() >= LEAST_STEPS && tape.deciding_steps().len() >= LEAST_DECIDING
     }
 }
 
@@ -86,12 +88,16 @@ pub(crate) struct ShortKernels<T: WholeFloat> {
     segments: Once<ContractSegments, T>,
     tiles: Once<ContractTiles, T>,
     values: Once<Sample, T>,
-    /// The kernel that also traces bounds.
-    traced: Once<ContractTiles, T>,
+    forward: Once<SampleForward, T>,
+    /// The steps whose bounds are traced.
+    deciding: OnceLock<Vec<usize>>,
+    /// Kernels that also trace bounds.
+    traced_tiles: Once<ContractTiles, T>,
+    traced_boxes: Once<Enclose, T>,
 }
 
 impl<T: WholeFloat> ShortKernels<T> {
-    fn new(whole: &Arc<WholeFunction>, selection: &Arc<Option<Selection>>) -> Self {
+    pub fn new(whole: &Arc<WholeFunction>, selection: &Arc<Option<Selection>>) -> Self {
         Self {
             whole: Arc::clone(whole),
             selection: Arc::clone(selection),
@@ -101,7 +107,10 @@ impl<T: WholeFloat> ShortKernels<T> {
             segments: OnceLock::new(),
             tiles: OnceLock::new(),
             values: OnceLock::new(),
-            traced: OnceLock::new(),
+            forward: OnceLock::new(),
+            deciding: OnceLock::new(),
+            traced_tiles: OnceLock::new(),
+            traced_boxes: OnceLock::new(),
         }
     }
 
@@ -126,18 +135,46 @@ impl<T: WholeFloat> ShortKernels<T> {
         }
     }
 
-    /// The surface in the part of space of each tile.
-    fn parts(&self, tiles: &Tiles<T>) -> Option<Vec<PartSurface>> {
+    /// The kernel that samples the function and propagates its gradient forward.
+    pub fn forward(&self) -> KernelResult<'_, SampleForward, T> {
+        self.kernel(&self.forward)
+    }
+
+    /// The function of which steps are selected.
+    pub fn whole(&self) -> &Arc<WholeFunction> {
+        &self.whole
+    }
+
+    /// The steps that matter in each tile, with the result of the kernel.
+    fn selections_in_tiles(&self, tiles: &Tiles<T>) -> Option<(Vec<Option<Selection>>, Planes<T>)> {
+        self.selections(&self.traced_tiles, tiles)
+    }
+
+    /// The steps that matter in each box; `None` for a box in which nearly all do.
+    pub fn selections_in_boxes(&self, boxes: &Boxes<T>) -> Option<Vec<Option<Selection>>> {
+        Some(self.selections(&self.traced_boxes, boxes)?.0)
+    }
+
+    /// The steps that matter in each lane of a batch; `None` for a lane in which nearly all do.
+    fn selections<Q: Query>(
+        &self,
+        once: &Once<Q, T>,
+        input: &Q::Input<T>,
+    ) -> Option<(Vec<Option<Selection>>, Q::Output<T>)> {
         let tape = self.tape();
+        let deciding = self.deciding.get_or_init(|| tape.deciding_steps());
+        if deciding.len() < LEAST_DECIDING {
+            return None;
+        }
         let make = || {
             let (_, binding) = T::whole(&self.whole);
-            Threaded::traced(tape.clone(), binding, &tape.deciding_steps())
+            Threaded::traced(tape.clone(), binding, deciding)
                 .map_err(|error| Arc::new(error) as KernelError)
         };
-        let traced = self.traced.get_or_init(make).as_ref().ok()?;
+        let traced = once.get_or_init(make).as_ref().ok()?;
         let most = (tape.steps().len() as f64 * WORTHWHILE) as usize;
-        let mut planes = Planes::default();
-        let parts = traced.eval_traced(tiles, &mut planes, |trace| {
+        let mut output = Q::Output::default();
+        let selections = traced.eval_traced(input, &mut output, |trace| {
             let part = |lane: usize| {
                 let short = tape.shortened(&trace.lane(lane)).filter(|short| short.len() <= most);
                 short.map(|short| match &*self.selection {
@@ -145,18 +182,9 @@ impl<T: WholeFloat> ShortKernels<T> {
                     None => short,
                 })
             };
-            (0..(tiles.count as usize).min(LANES)).map(part).collect::<Vec<_>>()
+            (0..input.count()).map(part).collect()
         });
-        let surface = |(lane, selection): (usize, Option<Selection>)| match selection {
-            _ if std::env::var("NOEMPTY").is_err() && planes.possible >> lane & 1 == 0 => {
-                PartSurface::Empty
-            }
-            Some(short) if std::env::var("NOSHORT").is_err() => {
-                PartSurface::Short(Box::new(ShortSurface::new(&self.whole, Some(short))))
-            }
-            _ => PartSurface::Same,
-        };
-        Some(parts.into_iter().enumerate().map(surface).collect())
+        Some((selections, output))
     }
 }
 
@@ -186,9 +214,16 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
     }
 
     fn in_tiles(&self, tiles: &Tiles<T>) -> Vec<PartSurface> {
-        if self.tape().deciding_steps().len() < LEAST_DECIDING {
+        let Some((selections, planes)) = self.selections_in_tiles(tiles) else {
             return Vec::new();
-        }
-        self.parts(tiles).unwrap_or_default()
+        };
+        let surface = |(lane, selection): (usize, Option<Selection>)| match selection {
+            _ if planes.possible >> lane & 1 == 0 => PartSurface::Empty,
+            Some(short) => {
+                PartSurface::Short(Box::new(ShortSurface::new(&self.whole, Some(short))))
+            }
+            None => PartSurface::Same,
+        };
+        selections.into_iter().enumerate().map(surface).collect()
     }
 }

@@ -17,12 +17,20 @@ pub struct Needs<'a, T: Real> {
     known: Vec<u32>,
     /// Per step, its thresholds as an interval; `None` if no step needs it.
     thresholds: Vec<Option<Interval>>,
-    /// Per step, the operand that replaces it, if any.
-    substitutes: Vec<Option<usize>>,
+    /// Per step, what replaces it, if anything.
+    substitutes: Vec<Option<Substitute>>,
     /// Per step, the number of steps that use it.
     users: Vec<u32>,
     /// Steps inside of a blend, whose operands got their thresholds from the blend.
     within_blend: Vec<bool>,
+}
+
+/// An earlier step that replaces a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Substitute {
+    pub step: usize,
+    /// Whether the value is replaced by the negative of that step's.
+    pub is_negated: bool,
 }
 
 /// A quadratic blend of two values: min(a, b) − c·max(k − |a − b|, 0)².
@@ -31,6 +39,8 @@ pub struct Needs<'a, T: Real> {
 struct Blend {
     operands: [usize; 2],
     is_max: bool,
+    /// Whether the step computes the negative of the blend.
+    is_negated: bool,
     /// At least k.
     width: f64,
     /// At least k + c·k².
@@ -80,8 +90,8 @@ impl<'a, T: Real> Needs<'a, T> {
         self.thresholds[index].is_some()
     }
 
-    /// Returns the operand that replaces a step.
-    pub fn substitute(&self, index: usize) -> Option<usize> {
+    /// Returns what replaces a step.
+    pub fn substitute(&self, index: usize) -> Option<Substitute> {
         self.substitutes[index]
     }
 
@@ -92,7 +102,7 @@ impl<'a, T: Real> Needs<'a, T> {
     }
 
     fn replace(&mut self, index: usize, by: usize, thresholds: Interval) {
-        self.substitutes[index] = Some(by);
+        self.substitutes[index] = Some(Substitute { step: by, is_negated: false });
         self.need(by, thresholds);
     }
 
@@ -211,7 +221,8 @@ impl<'a, T: Real> Needs<'a, T> {
     }
 
     fn pass_on_blend(&mut self, index: usize, blend: &Blend, thresholds: Interval) {
-        let Blend { operands, is_max, width, reach, .. } = *blend;
+        let Blend { operands, is_max, is_negated, width, reach, .. } = *blend;
+        let thresholds = if is_negated { thresholds.negated() } else { thresholds };
         let by = |reach: f64| {
             let all = Interval { lo: -reach, hi: reach }.plus(thresholds);
             if is_max {
@@ -229,10 +240,11 @@ impl<'a, T: Real> Needs<'a, T> {
                     known.values.lo > farthest.hi
                 }
         };
-        if is_beyond(self.known(operands[1])) {
-            self.replace(index, operands[0], thresholds);
-        } else if is_beyond(self.known(operands[0])) {
-            self.replace(index, operands[1], thresholds);
+        let beyond = operands.map(|operand| is_beyond(self.known(operand)));
+        if beyond.contains(&true) {
+            let step = if beyond[1] { operands[0] } else { operands[1] };
+            self.substitutes[index] = Some(Substitute { step, is_negated });
+            self.need(step, thresholds);
         } else {
             for inner in blend.within {
                 self.need(inner, Interval::ENTIRE);
@@ -266,9 +278,10 @@ impl<'a, T: Real> Needs<'a, T> {
     fn blend(&self, index: usize) -> Option<Blend> {
         let Step::Apply(op, operands) = &self.tape.steps()[index] else { return None };
         let &[first, second] = &operands[..] else { return None };
+        let is_negated = *op == Op::Sub && self.only(second, Op::Min).is_some();
         let (extremum, square, is_max) = match op {
+            Op::Sub if is_negated => (second, first, false),
             Op::Sub if self.only(first, Op::Min).is_some() => (first, second, false),
-            Op::Sub if self.only(second, Op::Min).is_some() => return None,
             Op::Add if self.only(first, Op::Max).is_some() => (first, second, true),
             Op::Add if self.only(second, Op::Max).is_some() => (second, first, true),
             _ => return None,
@@ -292,6 +305,7 @@ impl<'a, T: Real> Needs<'a, T> {
             Blend {
                 operands: [a, b],
                 is_max,
+                is_negated,
                 width: widths.hi,
                 reach: reach.hi,
                 within: [extremum, square, squared, part, rest, magnitude, difference],

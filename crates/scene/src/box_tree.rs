@@ -1,0 +1,124 @@
+//! Boxes within boxes, each with the steps of a function that matter in it. Points are evaluated by
+//! the kernel of the smallest box around them.
+
+use crate::shortened::{ShortKernels, WholeFloat, WholeFunction};
+use std::sync::{Arc, OnceLock};
+use zeroset_eval::{
+    Boxes, Gradients, Kernel, KernelError, LANES, Points, SampleGradient, Selection,
+};
+use zeroset_interval::Interval;
+
+/// A box is divided into this many parts along its longest axis, and in two along the others: one
+/// for each lane of a batch.
+const ALONG: usize = 4;
+
+/// Gradients of a function over its domain.
+pub(crate) struct BoxTree<T: WholeFloat>(Node<T>);
+
+/// A box, and the function in it.
+struct Node<T: WholeFloat> {
+    bounds: [Interval; 3],
+    kernels: ShortKernels<T>,
+    /// The parts of the box, created when a point in it is first evaluated. Empty if they need
+    /// nearly as many steps.
+    parts: OnceLock<Vec<Self>>,
+}
+
+impl<T: WholeFloat> BoxTree<T> {
+    /// Creates the tree of a function.
+    ///
+    /// # Errors
+    /// If the function has no kernel for gradients.
+    pub fn new(whole: &Arc<WholeFunction>) -> Result<Self, KernelError> {
+        let domain = T::whole(whole).0.assumptions().domain;
+        let root = Node::new(whole, None, domain);
+        root.kernels.forward().map(|_| ())?;
+        Ok(Self(root))
+    }
+}
+
+impl<T: WholeFloat> Node<T> {
+    fn new(
+        whole: &Arc<WholeFunction>,
+        selection: Option<Selection>,
+        bounds: [Interval; 3],
+    ) -> Self {
+        let kernels = ShortKernels::new(whole, &Arc::new(selection));
+        Self { bounds, kernels, parts: OnceLock::new() }
+    }
+
+    fn contains(&self, point: [f64; 3]) -> bool {
+        self.bounds.iter().zip(point).all(|(bounds, at)| bounds.contains(at))
+    }
+
+    /// Returns the smallest box around a point of this box.
+    fn around(&self, point: [f64; 3]) -> &Self {
+        let mut node = self;
+        while let Some(part) =
+            node.parts.get_or_init(|| node.divided()).iter().find(|part| part.contains(point))
+        {
+            node = part;
+        }
+        node
+    }
+
+    /// Divides the box. A part that needs nearly all steps is left out.
+    fn divided(&self) -> Vec<Self> {
+        let longest = (0..3)
+            .max_by(|&a, &b| self.bounds[a].width().total_cmp(&self.bounds[b].width()))
+            .unwrap_or_default();
+        let mut parts = vec![self.bounds];
+        for axis in 0..3 {
+            let count = if axis == longest { ALONG } else { 2 };
+            let Interval { lo, hi } = self.bounds[axis];
+            let end = |k: usize| match k {
+                0 => lo,
+                _ if k == count => hi,
+                _ => T::nearest(lo + (hi - lo) * k as f64 / count as f64).into().clamp(lo, hi),
+            };
+            let split = |part: &[Interval; 3]| {
+                let mut part = *part;
+                (0..count)
+                    .map(|k| {
+                        part[axis] = Interval { lo: end(k), hi: end(k + 1) };
+                        part
+                    })
+                    .collect::<Vec<_>>()
+            };
+            parts = parts.iter().flat_map(split).collect();
+        }
+        debug_assert!(parts.len() == LANES, "a part for each lane");
+        let Some(selections) = self.kernels.selections_in_boxes(&Boxes::around(&parts)[0]) else {
+            return Vec::new();
+        };
+        let node = |(bounds, selection): ([Interval; 3], Option<Selection>)| {
+            Some(Self::new(self.kernels.whole(), Some(selection?), bounds))
+        };
+        parts.into_iter().zip(selections).filter_map(node).collect()
+    }
+}
+
+impl<T: WholeFloat> Kernel<SampleGradient, T> for BoxTree<T> {
+    fn eval(&self, points: &Points<T>, out: &mut Gradients<T>) {
+        let mut rest: Vec<usize> = (0..points.count as usize).collect();
+        let mut some = Gradients::default();
+        let at = |lane: usize| points.at.each_ref().map(|axis| axis[lane].into());
+        while let Some(&first) = rest.first() {
+            let point = at(first);
+            let node = if self.0.contains(point) { self.0.around(point) } else { &self.0 };
+            if let Ok(kernel) = node.kernels.forward() {
+                kernel.eval(points, &mut some);
+            }
+            rest.retain(|&lane| {
+                let is_other = lane != first && !node.contains(at(lane));
+                if !is_other {
+                    out.value[lane] = some.value[lane];
+                    for axis in 0..3 {
+                        out.gradient[axis][lane] = some.gradient[axis][lane];
+                    }
+                }
+                is_other
+            });
+        }
+    }
+}
