@@ -60,32 +60,61 @@ impl Selection {
     }
 }
 
-impl<T: Real> Tape<T> {
+/// Finds which steps of a tape of one function matter in parts of space.
+#[derive(Clone, Debug)]
+pub struct Shortener {
     /// Steps whose bounds decide which other steps can be dropped, in order.
-    pub fn deciding_steps(&self) -> Vec<usize> {
-        let mut deciding = vec![false; self.steps().len()];
-        for step in self.steps() {
-            match step {
-                Step::Apply(Op::Min | Op::Max, operands) => {
-                    operands.iter().for_each(|&operand| deciding[operand] = true);
+    deciding: Vec<usize>,
+    /// Per step, its place among them; the largest number if it has none.
+    places: Vec<u32>,
+    /// Per step, the number of steps that use it.
+    users: Vec<u32>,
+}
+
+impl Shortener {
+    /// Examines the steps of a tape.
+    pub fn new<T: Real>(tape: &Tape<T>) -> Self {
+        let steps = tape.steps();
+        let (mut is_deciding, mut users) = (vec![false; steps.len()], vec![0; steps.len()]);
+        for step in steps {
+            let Step::Apply(op, operands) = step else { continue };
+            operands.iter().for_each(|&operand| users[operand] += 1);
+            match op {
+                Op::Min | Op::Max => {
+                    operands.iter().for_each(|&operand| is_deciding[operand] = true);
                 }
-                Step::Apply(Op::Abs | Op::SelectNegative, operands) => deciding[operands[0]] = true,
+                Op::Abs | Op::SelectNegative => is_deciding[operands[0]] = true,
                 _ => {}
             }
         }
-        let is_open =
-            |step: &usize| matches!(self.steps()[*step], Step::Apply(..) | Step::Coordinate(_));
-        (0..deciding.len()).filter(|&step| deciding[step]).filter(is_open).collect()
+        let mut shortener =
+            Self { deciding: Vec::new(), places: vec![u32::MAX; steps.len()], users };
+        for (index, step) in steps.iter().enumerate() {
+            let is_open = matches!(step, Step::Apply(..) | Step::Coordinate(_));
+            if is_deciding[index] && is_open {
+                shortener.places[index] = shortener.deciding.len() as u32;
+                shortener.deciding.push(index);
+            }
+        }
+        shortener
     }
 
-    /// Selects the steps that matter in a part of space, for a tape of one function. `bounds` tells
-    /// what holds in that part for the [`Tape::deciding_steps`], in the same order.
+    /// The steps whose bounds decide which other steps can be dropped, in order.
+    pub fn deciding(&self) -> &[usize] {
+        &self.deciding
+    }
+
+    /// Selects the steps that matter in a part of space. `bounds` tells what holds in that part for
+    /// the [deciding](Self::deciding) steps, in the same order.
     ///
     /// The selected function has the same zeros and signs there, and the same domain of definition.
     /// `None` if all steps matter.
-    pub fn shortened(&self, bounds: &[StepBounds]) -> Option<Selection> {
-        let needs = Needs::of(self, bounds);
-        let steps = self.steps();
+    ///
+    /// # Panics
+    /// If this is not the tape that was examined.
+    pub fn select<T: Real>(&self, tape: &Tape<T>, bounds: &[StepBounds]) -> Option<Selection> {
+        let needs = Needs::of(tape, self, bounds);
+        let steps = tape.steps();
         let mut place = vec![u32::MAX; steps.len()];
         let mut selection = Selection { steps: Vec::new(), operands: Vec::new(), output: 0 };
         for (index, step) in steps.iter().enumerate() {
@@ -112,10 +141,12 @@ impl<T: Real> Tape<T> {
             selection.steps.push(index as u32);
             selection.operands.push(operands);
         }
-        selection.output = place[self.outputs_at()[0]];
+        selection.output = place[tape.outputs_at()[0]];
         (selection.len() < steps.len()).then_some(selection)
     }
+}
 
+impl<T: Real> Tape<T> {
     /// Returns the tape of some of the steps.
     ///
     /// # Panics

@@ -23,6 +23,7 @@ use zeroset_ops::Op;
 pub type Shape<Q> = QueryValue<Q, Counter>;
 
 /// An operand as far as it is known when code is compiled.
+#[derive(Clone, Copy)]
 pub struct StencilOperand<Q: Query> {
     /// The vectors that the operand's value has.
     pub shape: Shape<Q>,
@@ -34,16 +35,16 @@ pub struct StencilOperand<Q: Query> {
     pub is_constant: bool,
 }
 
-/// A step of a tape, or the result that follows the last step.
-pub enum StencilStep<'a, Q: Query> {
+/// A step of a tape, or the result that follows the last step. Operands are given by number.
+pub enum StencilStep<'a> {
     /// Loads a coordinate.
     Coordinate(Axis),
     /// Applies an operation.
-    Apply(Op, &'a [StencilOperand<Q>]),
+    Apply(Op, &'a [OperandNumber]),
     /// Stores the bounds of a value in the trace.
-    Trace(&'a StencilOperand<Q>),
+    Trace(OperandNumber),
     /// Computes the result of the query; `true` if the first value is finite in every sample.
-    Result(&'a [StencilOperand<Q>], bool),
+    Result(&'a [OperandNumber], bool),
 }
 
 /// Code for one step.
@@ -64,50 +65,35 @@ pub fn parts<Q: Query>(shape: &Shape<Q>) -> usize {
 /// Key of an operand: the code of its shape, its range, its kind of exponent, and whether it is a
 /// constant.
 type OperandKey = (u128, [u64; 2], Exponent, bool);
-/// Number of an operand among all that this process has seen.
-type OperandNumber = u32;
+/// Number of an operand among all of its query that this process has seen.
+pub type OperandNumber = u32;
 /// Key of a stencil: width of vectors, kind of step, its operation, axis or flag, and its operands.
 type StencilKey = (u8, u8, u8, SmallVec<[OperandNumber; 4]>);
 
 /// All stencils of one query in one format.
 struct Cache<Q: Query> {
-    operands: FxHashMap<OperandKey, OperandNumber>,
+    numbers: FxHashMap<OperandKey, OperandNumber>,
+    /// The operands by number.
+    operands: Vec<StencilOperand<Q>>,
     /// Stencils are never freed, so that calls need not keep them alive.
     stencils: FxHashMap<StencilKey, &'static Stencil<Q>>,
 }
 
 impl<Q: Query> Default for Cache<Q> {
     fn default() -> Self {
-        Self { operands: FxHashMap::default(), stencils: FxHashMap::default() }
+        Self { numbers: FxHashMap::default(), operands: Vec::new(), stencils: FxHashMap::default() }
     }
 }
 
-impl<Q: Query> Cache<Q> {
-    /// Returns the key of a step; `None` if an operand has no number yet.
-    fn key(&self, step: &StencilStep<'_, Q>, width: usize) -> Option<StencilKey> {
-        let (kind, detail, operands) = match step {
-            StencilStep::Coordinate(axis) => (0, *axis as u8, &[][..]),
-            StencilStep::Apply(op, operands) => (1, *op as u8, *operands),
-            StencilStep::Trace(operand) => (2, 0, std::slice::from_ref(*operand)),
-            StencilStep::Result(operands, is_bounded) => (3, u8::from(*is_bounded), *operands),
-        };
-        let number = |operand| self.operands.get(&operand_key(operand)).copied();
-        let numbers = operands.iter().map(number).collect::<Option<_>>()?;
-        Some((width as u8, kind, detail, numbers))
-    }
-
-    /// Numbers the operands of a step.
-    fn number(&mut self, step: &StencilStep<'_, Q>) {
-        let operands = match step {
-            StencilStep::Coordinate(_) => &[],
-            StencilStep::Apply(_, operands) | StencilStep::Result(operands, _) => *operands,
-            StencilStep::Trace(operand) => std::slice::from_ref(*operand),
-        };
-        for operand in operands {
-            let next = self.operands.len() as OperandNumber;
-            self.operands.entry(operand_key(operand)).or_insert(next);
-        }
-    }
+/// Returns the key of a step.
+fn key(step: &StencilStep<'_>, width: usize) -> StencilKey {
+    let (kind, detail, operands) = match step {
+        StencilStep::Coordinate(axis) => (0, *axis as u8, &[][..]),
+        StencilStep::Apply(op, operands) => (1, *op as u8, *operands),
+        StencilStep::Trace(operand) => (2, 0, std::slice::from_ref(operand)),
+        StencilStep::Result(operands, is_bounded) => (3, u8::from(*is_bounded), *operands),
+    };
+    (width as u8, kind, detail, SmallVec::from_slice(operands))
 }
 
 fn operand_key<Q: Query>(operand: &StencilOperand<Q>) -> OperandKey {
@@ -144,19 +130,35 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
         Self { cache: cache::<Q, T>(), width, format: std::marker::PhantomData }
     }
 
-    /// Returns the stencil for a step.
-    pub fn find(&self, step: &StencilStep<'_, Q>) -> Result<&'static Stencil<Q>, Error> {
+    /// Returns the number of an operand.
+    pub fn number(&self, operand: &StencilOperand<Q>) -> OperandNumber {
+        let key = operand_key(operand);
         {
             let cache = self.cache.read().unwrap_or_else(PoisonError::into_inner);
-            let key = cache.key(step, self.width);
-            if let Some(stencil) = key.and_then(|key| cache.stencils.get(&key)) {
-                return Ok(stencil);
+            if let Some(number) = cache.numbers.get(&key) {
+                return *number;
             }
         }
-        let stencil = make::<Q, T>(step, self.width)?;
         let mut cache = self.cache.write().unwrap_or_else(PoisonError::into_inner);
-        cache.number(step);
-        let key = cache.key(step, self.width).expect("its operands have numbers");
+        let Cache { numbers, operands, .. } = &mut *cache;
+        *numbers.entry(key).or_insert_with(|| {
+            operands.push(*operand);
+            operands.len() as OperandNumber - 1
+        })
+    }
+
+    /// Returns the stencil for a step.
+    pub fn find(&self, step: &StencilStep<'_>) -> Result<&'static Stencil<Q>, Error> {
+        let key = key(step, self.width);
+        let operands: Vec<StencilOperand<Q>> = {
+            let cache = self.cache.read().unwrap_or_else(PoisonError::into_inner);
+            if let Some(stencil) = cache.stencils.get(&key) {
+                return Ok(stencil);
+            }
+            key.3.iter().map(|&number| cache.operands[number as usize]).collect()
+        };
+        let stencil = make::<Q, T>(step, &operands, self.width)?;
+        let mut cache = self.cache.write().unwrap_or_else(PoisonError::into_inner);
         Ok(cache.stencils.entry(key).or_insert_with(|| Box::leak(Box::new(stencil))))
     }
 }
@@ -182,7 +184,11 @@ fn load<Q: Query, T: Real>(
 }
 
 /// Compiles a stencil.
-fn make<Q: Query, T: Real>(step: &StencilStep<'_, Q>, width: usize) -> Result<Stencil<Q>, Error> {
+fn make<Q: Query, T: Real>(
+    step: &StencilStep<'_>,
+    operands: &[StencilOperand<Q>],
+    width: usize,
+) -> Result<Stencil<Q>, Error> {
     let mut shape = None;
     let code = compile_stencil::<T>(width, |emitter, pointers| {
         let StencilPointers { frame, input, output, lane } = pointers;
@@ -191,17 +197,17 @@ fn make<Q: Query, T: Real>(step: &StencilStep<'_, Q>, width: usize) -> Result<St
                 let context = Q::context::<T, _>(emitter, input);
                 Q::coordinate::<T, _>(emitter, input, context, *axis)
             }
-            StencilStep::Apply(op, operands) => {
+            StencilStep::Apply(op, _) => {
                 let operands = load::<Q, T>(emitter, frame, operands);
                 Q::Kind::apply::<T, _>(emitter, *op, &operands)
             }
-            StencilStep::Trace(operand) => {
-                let values = load::<Q, T>(emitter, frame, std::slice::from_ref(*operand));
+            StencilStep::Trace(_) => {
+                let values = load::<Q, T>(emitter, frame, operands);
                 let bounds = Q::Kind::bounds::<T, _>(emitter, &values[0]);
                 frame.trace(emitter, *lane, &bounds.expect("a kind with proofs"));
                 return;
             }
-            StencilStep::Result(operands, is_bounded) => {
+            StencilStep::Result(_, is_bounded) => {
                 let values: Vec<_> = load::<Q, T>(emitter, frame, operands)
                     .into_iter()
                     .map(|operand| operand.value)

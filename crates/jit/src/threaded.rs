@@ -3,7 +3,9 @@
 use crate::compiler::vector_widths;
 use crate::error::Error;
 use crate::rounding::call_rounding_up;
-use crate::stencil::{Shape, Stencil, StencilFinder, StencilOperand, StencilStep, parts};
+use crate::stencil::{
+    OperandNumber, Shape, Stencil, StencilFinder, StencilOperand, StencilStep, parts,
+};
 use crate::stencil_code::{Run, StencilCall, call_loop};
 use std::cell::RefCell;
 use std::fmt;
@@ -213,13 +215,8 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             traced: Vec::new(),
             query: PhantomData,
         };
-        let operand = |places: &[Place<Q>], index: usize| StencilOperand {
-            shape: places[index].shape,
-            range: tape.range(index),
-            exponent: tape.steps()[index].exponent(),
-            is_constant: places[index].is_constant,
-        };
-        let mut operands: Vec<StencilOperand<Q>> = Vec::new();
+        let mut numbers: Vec<OperandNumber> = Vec::with_capacity(tape.steps().len());
+        let mut operands: Vec<OperandNumber> = Vec::new();
         for (index, step) in tape.steps().iter().enumerate() {
             let place = match step {
                 Step::Parameter(number) => {
@@ -241,7 +238,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                 }
                 Step::Apply(op, used) => {
                     operands.clear();
-                    operands.extend(used.iter().map(|&used| operand(&places, used)));
+                    operands.extend(used.iter().map(|&used| numbers[used]));
                     let stencil = finder.find(&StencilStep::Apply(*op, &operands))?;
                     let at: Vec<u32> = used.iter().map(|&used| places[used].at).collect();
                     let place = kernel.add_step(stencil, &mut slots, &at);
@@ -256,9 +253,15 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                     place
                 }
             };
+            numbers.push(finder.number(&StencilOperand {
+                shape: place.shape,
+                range: tape.range(index),
+                exponent: step.exponent(),
+                is_constant: place.is_constant,
+            }));
             places.push(place);
             if traced.get(kernel.traced.len()) == Some(&index) {
-                let stencil = finder.find(&StencilStep::Trace(&operand(&places, index)))?;
+                let stencil = finder.find(&StencilStep::Trace(numbers[index]))?;
                 let at = (kernel.traced.len() * TRACE_LANES * size_of::<Lanes<T>>()) as u32;
                 kernel.traced.push(index);
                 kernel.add_call(stencil, at, &[places[index].at]);
@@ -266,7 +269,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         }
         let outputs = tape.outputs_at();
         operands.clear();
-        operands.extend(outputs.iter().map(|&output| operand(&places, output)));
+        operands.extend(outputs.iter().map(|&output| numbers[output]));
         let result = finder.find(&StencilStep::Result(&operands, tape.is_bounded()))?;
         let at: Vec<u32> = outputs.iter().map(|&output| places[output].at).collect();
         kernel.add_call(result, 0, &at);

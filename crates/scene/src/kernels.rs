@@ -426,6 +426,9 @@ impl<T: WholeFloat + KernelFloat> Kernels<T> for Bindings<T> {
     }
 
     fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
+        if let Some(short) = self.short() {
+            return T::kernels(&short.surface).zeros();
+        }
         known(self.bound.zeros.get_or_init(|| self.zero_test()))
     }
 
@@ -445,10 +448,16 @@ impl<T: WholeFloat + KernelFloat> Kernels<T> for Bindings<T> {
     }
 
     fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
+        if let Some(short) = self.short() {
+            return T::kernels(&short.surface).segments();
+        }
         self.kernel(&self.bound.segments, &self.codes.segments, self.without_poles()?)
     }
 
     fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
+        if let Some(short) = self.short() {
+            return T::kernels(&short.surface).tiles();
+        }
         self.kernel(&self.bound.tiles, &self.codes.tiles, self.without_poles()?)
     }
 

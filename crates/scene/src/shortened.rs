@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{
     Binding, Boxes, ContractSegments, ContractTiles, Enclose, FindZeros, Input, Kernel,
     KernelError, KernelResult, Kernels, PartSurface, Planes, Query, Real, Sample, SampleForward,
-    Selection, SurfaceKernels, Tape, Tiles,
+    Selection, Shortener, SurfaceKernels, Tape, Tiles,
 };
 use zeroset_jit::Threaded;
 
@@ -27,7 +27,7 @@ impl WholeFunction {
     /// Returns whether the function has so many choices that parts of space can do with far fewer
     /// steps.
     pub fn is_worth_shortening(tape: &Tape<f32>) -> bool {
-        tape.steps().len() >= LEAST_STEPS && tape.deciding_steps().len() >= LEAST_DECIDING
+        tape.steps().len() >= LEAST_STEPS && Shortener::new(tape).deciding().len() >= LEAST_DECIDING
     }
 }
 
@@ -89,8 +89,7 @@ pub(crate) struct ShortKernels<T: WholeFloat> {
     tiles: Once<ContractTiles, T>,
     values: Once<Sample, T>,
     forward: Once<SampleForward, T>,
-    /// The steps whose bounds are traced.
-    deciding: OnceLock<Vec<usize>>,
+    shortener: OnceLock<Shortener>,
     /// Kernels that also trace bounds.
     traced_tiles: Once<ContractTiles, T>,
     traced_boxes: Once<Enclose, T>,
@@ -108,7 +107,7 @@ impl<T: WholeFloat> ShortKernels<T> {
             tiles: OnceLock::new(),
             values: OnceLock::new(),
             forward: OnceLock::new(),
-            deciding: OnceLock::new(),
+            shortener: OnceLock::new(),
             traced_tiles: OnceLock::new(),
             traced_boxes: OnceLock::new(),
         }
@@ -162,13 +161,13 @@ impl<T: WholeFloat> ShortKernels<T> {
         input: &Q::Input<T>,
     ) -> Option<(Vec<Option<Selection>>, Q::Output<T>)> {
         let tape = self.tape();
-        let deciding = self.deciding.get_or_init(|| tape.deciding_steps());
-        if deciding.len() < LEAST_DECIDING {
+        let shortener = self.shortener.get_or_init(|| Shortener::new(tape));
+        if shortener.deciding().len() < LEAST_DECIDING {
             return None;
         }
         let make = || {
             let (_, binding) = T::whole(&self.whole);
-            Threaded::traced(tape.clone(), binding, deciding)
+            Threaded::traced(tape.clone(), binding, shortener.deciding())
                 .map_err(|error| Arc::new(error) as KernelError)
         };
         let traced = once.get_or_init(make).as_ref().ok()?;
@@ -176,7 +175,8 @@ impl<T: WholeFloat> ShortKernels<T> {
         let mut output = Q::Output::default();
         let selections = traced.eval_traced(input, &mut output, |trace| {
             let part = |lane: usize| {
-                let short = tape.shortened(&trace.lane(lane)).filter(|short| short.len() <= most);
+                let short = shortener.select(tape, &trace.lane(lane));
+                let short = short.filter(|short| short.len() <= most);
                 short.map(|short| match &*self.selection {
                     Some(outer) => short.from_outer(outer),
                     None => short,
@@ -206,6 +206,10 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
     }
 
     fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
+        // A kernel that also traces takes a little longer than another to create.
+        if let Some(Ok(traced)) = self.traced_tiles.get() {
+            return Ok(traced);
+        }
         self.kernel(&self.tiles)
     }
 

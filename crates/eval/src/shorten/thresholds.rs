@@ -3,7 +3,7 @@
 //! A rule names, for a step with given thresholds, those of its operands. It may also replace the
 //! step by one of its operands. `docs/correctness.md` has the proofs.
 
-use super::StepBounds;
+use super::{Shortener, StepBounds};
 use crate::real::Real;
 use crate::tape::{Step, Tape};
 use zeroset_interval::Interval;
@@ -12,15 +12,12 @@ use zeroset_ops::Op;
 /// What each step of a tape is needed for.
 pub struct Needs<'a, T: Real> {
     tape: &'a Tape<T>,
+    shortener: &'a Shortener,
     bounds: &'a [StepBounds],
-    /// Per step, its place among `bounds`; the largest number if it has none.
-    known: Vec<u32>,
     /// Per step, its thresholds as an interval; `None` if no step needs it.
     thresholds: Vec<Option<Interval>>,
     /// Per step, what replaces it, if anything.
     substitutes: Vec<Option<Substitute>>,
-    /// Per step, the number of steps that use it.
-    users: Vec<u32>,
     /// Steps inside of a blend, whose operands got their thresholds from the blend.
     within_blend: Vec<bool>,
 }
@@ -52,25 +49,14 @@ struct Blend {
 
 impl<'a, T: Real> Needs<'a, T> {
     /// Finds the thresholds of all steps of a tape of one function.
-    pub fn of(tape: &'a Tape<T>, bounds: &'a [StepBounds]) -> Self {
+    pub fn of(tape: &'a Tape<T>, shortener: &'a Shortener, bounds: &'a [StepBounds]) -> Self {
         let count = tape.steps().len();
-        let mut users = vec![0; count];
-        for step in tape.steps() {
-            if let Step::Apply(_, operands) = step {
-                operands.iter().for_each(|&operand| users[operand] += 1);
-            }
-        }
-        let mut known = vec![u32::MAX; count];
-        for (place, step) in tape.deciding_steps().into_iter().enumerate() {
-            known[step] = place as u32;
-        }
         let mut needs = Self {
             tape,
+            shortener,
             bounds,
-            known,
             thresholds: vec![None; count],
             substitutes: vec![None; count],
-            users,
             within_blend: vec![false; count],
         };
         needs.need(tape.outputs_at()[0], Interval::ZERO);
@@ -111,7 +97,10 @@ impl<'a, T: Real> Needs<'a, T> {
         let nothing = StepBounds { values: Interval::ENTIRE, is_defined: false };
         match &self.tape.steps()[index] {
             Step::Constant(values, _) => StepBounds { values: *values, is_defined: true },
-            _ => self.bounds.get(self.known[index] as usize).copied().unwrap_or(nothing),
+            _ => {
+                let place = self.shortener.places[index] as usize;
+                self.bounds.get(place).copied().unwrap_or(nothing)
+            }
         }
     }
 
@@ -258,7 +247,7 @@ impl<'a, T: Real> Needs<'a, T> {
     /// Returns the operands of a step if it is this operation and has one user.
     fn only(&self, index: usize, op: Op) -> Option<&'a [usize]> {
         match &self.tape.steps()[index] {
-            Step::Apply(other, operands) if *other == op && self.users[index] == 1 => {
+            Step::Apply(other, operands) if *other == op && self.shortener.users[index] == 1 => {
                 Some(operands)
             }
             _ => None,
