@@ -50,6 +50,16 @@ impl Selection {
         self.steps.is_empty()
     }
 
+    /// Index in the tape of the selected step in this position.
+    ///
+    /// # Panics
+    /// If there is no such position, or if the step is none of the tape's.
+    pub fn origin(&self, position: usize) -> usize {
+        let step = self.steps[position];
+        assert_ne!(step, NEGATION, "a step of the tape");
+        step as usize
+    }
+
     /// Returns the same selection as one from the tape from which `outer` was selected.
     #[must_use]
     pub fn from_outer(mut self, outer: &Self) -> Self {

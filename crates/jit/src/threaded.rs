@@ -12,7 +12,7 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{
-    Binding, Input, Kernel, Lanes, Loader, Output, Query, QueryValue, Real, Step, StepBounds, Tape,
+    Binding, Input, Kernel, Lanes, Loader, Output, Query, Real, Selection, Step, StepBounds, Tape,
     ValueKind,
 };
 use zeroset_interval::{Interval, Software, Vector128};
@@ -22,6 +22,9 @@ const ALIGNMENT: usize = 64;
 
 /// Number of [`Lanes`] in the trace of a step: −lo, hi, and a mask.
 const TRACE_LANES: usize = 3;
+
+/// Offsets have 32 bits.
+const TOO_LARGE: Error = Error::Unsupported("frames of more than 4 GiB");
 
 /// Memory for vectors.
 #[derive(Clone, Copy)]
@@ -41,7 +44,7 @@ thread_local! {
 pub struct Threaded<Q: Query, T: Real = f32> {
     tape: Arc<Tape<T>>,
     calls: Vec<StencilCall>,
-    constants: Vec<Block>,
+    constants: Arc<ConstantPool<Q, T>>,
     /// Size of the frame in blocks.
     frame: usize,
     width: usize,
@@ -76,6 +79,7 @@ impl<T: Real> Trace<'_, T> {
 }
 
 /// Where the value of a step is.
+#[derive(Clone, Copy)]
 struct Place<Q: Query> {
     shape: Shape<Q>,
     is_constant: bool,
@@ -109,25 +113,69 @@ impl Slots {
     }
 }
 
-/// Constants and parameters, computed in software and repeated in all lanes.
-#[derive(Default)]
-struct Constants {
-    bytes: Vec<u8>,
+/// Constants and parameters of a tape, computed in software and repeated in all lanes. Tapes of
+/// [selected](Selection) steps share those of the whole tape.
+pub struct ConstantPool<Q: Query, T: Real = f32> {
+    blocks: Vec<Block>,
+    /// Per step of the whole tape, the place of its value if it is a constant or a parameter.
+    places: Vec<Option<(Place<Q>, OperandNumber)>>,
+    width: usize,
+    format: PhantomData<T>,
 }
 
-impl Constants {
-    fn add<Q: Query>(&mut self, value: &QueryValue<Q, Software>, width: usize) -> Place<Q> {
-        let at = self.bytes.len() as u32;
-        let shape = Q::Kind::map(value, &mut |vector: Vector128| {
-            // All lanes are equal.
-            let bytes = match vector {
-                Vector128::F32([lane, ..]) => u64::from(lane) << 32 | u64::from(lane),
-                Vector128::F64([lane, _]) => lane,
+impl<Q: Query, T: Real> ConstantPool<Q, T> {
+    /// Computes the constants of a [coarse](Tape::coarse) tape with bound parameters.
+    ///
+    /// # Errors
+    /// If the processor is not supported, or the constants need more than 4 GiB.
+    pub fn new(tape: &Tape<T>, binding: &Binding<T>) -> Result<Self, Error> {
+        let width = vector_widths().next().ok_or(Error::Unsupported("vectors"))?;
+        Self::of_width(tape, binding, width)
+    }
+
+    fn of_width(tape: &Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
+        let finder = StencilFinder::<Q, T>::new(width);
+        let (mut bytes, mut places) = (Vec::new(), Vec::with_capacity(tape.steps().len()));
+        for (index, step) in tape.steps().iter().enumerate() {
+            let m = &mut Software::new();
+            let value = match step {
+                Step::Parameter(number) => {
+                    let mut loader = Parameters(binding);
+                    Q::Kind::parameter::<T, _>(m, &mut loader, *number as usize)
+                }
+                Step::Constant(bounds, _) => Q::Kind::constant::<T, _>(m, *bounds),
+                Step::Coordinate(_) | Step::Apply(..) => {
+                    places.push(None);
+                    continue;
+                }
             };
-            let bytes = [bytes.to_ne_bytes(); ALIGNMENT / 8];
-            self.bytes.extend_from_slice(&bytes.as_flattened()[..width]);
-        });
-        Place { shape, is_constant: true, at }
+            let at = u32::try_from(bytes.len()).map_err(|_| TOO_LARGE)?;
+            let value = Q::Kind::settled::<T, _>(m, value);
+            let shape = Q::Kind::map(&value, &mut |vector: Vector128| {
+                let lane = match vector {
+                    Vector128::F32([lane, ..]) => u64::from(lane) << 32 | u64::from(lane),
+                    Vector128::F64([lane, _]) => lane,
+                };
+                let lanes = [lane.to_ne_bytes(); ALIGNMENT / 8];
+                bytes.extend_from_slice(&lanes.as_flattened()[..width]);
+            });
+            let place = Place { shape, is_constant: true, at };
+            let number = finder.number(&place.operand(tape, index));
+            places.push(Some((place, number)));
+        }
+        Ok(Self { blocks: blocks(&bytes), places, width, format: PhantomData })
+    }
+}
+
+impl<Q: Query> Place<Q> {
+    /// The value of this step as an operand.
+    fn operand<T: Real>(&self, tape: &Tape<T>, index: usize) -> StencilOperand<Q> {
+        StencilOperand {
+            shape: self.shape,
+            range: tape.range(index),
+            exponent: tape.steps()[index].exponent(),
+            is_constant: self.is_constant,
+        }
     }
 }
 
@@ -171,12 +219,31 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         let tape = Arc::new(tape.coarse());
         let mut result = Err(Error::Unsupported("vectors"));
         for width in vector_widths() {
-            result = Self::of_width(&tape, binding, width, steps);
+            let constants = Arc::new(ConstantPool::of_width(&tape, binding, width)?);
+            result = Self::with_constants(&tape, &constants, None, steps);
             if result.is_ok() {
                 break;
             }
         }
         result
+    }
+
+    /// Lays out the calls for some steps of a tape, with the constants of the whole tape. Also
+    /// traces the bounds of some of the selected steps, which are in order.
+    ///
+    /// # Errors
+    /// As for [`Threaded::new`].
+    ///
+    /// # Panics
+    /// If `tape` is not that of the selection, and as for [`Threaded::traced`].
+    pub fn selected(
+        tape: Tape<T>,
+        selection: &Selection,
+        constants: &Arc<ConstantPool<Q, T>>,
+        traced: &[usize],
+    ) -> Result<Self, Error> {
+        assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
+        Self::with_constants(&Arc::new(tape.coarse()), constants, Some(selection), traced)
     }
 
     /// Like [`Threaded::new`], but with vectors of `width` bytes, to compare with processors that
@@ -190,26 +257,28 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     #[cfg(feature = "comparison")]
     pub fn narrow(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
         Q::check(&tape, binding);
-        Self::of_width(&Arc::new(tape.coarse()), binding, width, &[])
+        let tape = Arc::new(tape.coarse());
+        let constants = Arc::new(ConstantPool::of_width(&tape, binding, width)?);
+        Self::with_constants(&tape, &constants, None, &[])
     }
 
-    fn of_width(
+    fn with_constants(
         tape: &Arc<Tape<T>>,
-        binding: &Binding<T>,
-        width: usize,
+        constants: &Arc<ConstantPool<Q, T>>,
+        selection: Option<&Selection>,
         traced: &[usize],
     ) -> Result<Self, Error> {
+        let width = constants.width;
         call_loop::<T>(width)?;
         let finder = StencilFinder::<Q, T>::new(width);
         let last_use = last_uses(tape);
         let trace = traced.len() * TRACE_LANES * size_of::<Lanes<T>>();
         let mut slots = Slots { end: trace, ..Slots::default() };
-        let mut constants = Constants::default();
         let mut places: Vec<Place<Q>> = Vec::with_capacity(tape.steps().len());
         let mut kernel = Self {
             tape: Arc::clone(tape),
             calls: Vec::new(),
-            constants: Vec::new(),
+            constants: Arc::clone(constants),
             frame: 0,
             width,
             traced: Vec::new(),
@@ -219,18 +288,12 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         let mut operands: Vec<OperandNumber> = Vec::new();
         for (index, step) in tape.steps().iter().enumerate() {
             let place = match step {
-                Step::Parameter(number) => {
-                    let m = &mut Software::new();
-                    let mut loader = Parameters(binding);
-                    let value = Q::Kind::parameter::<T, _>(m, &mut loader, *number as usize);
-                    let value = Q::Kind::settled::<T, _>(m, value);
-                    constants.add::<Q>(&value, width)
-                }
-                Step::Constant(bounds, _) => {
-                    let m = &mut Software::new();
-                    let value = Q::Kind::constant::<T, _>(m, *bounds);
-                    let value = Q::Kind::settled::<T, _>(m, value);
-                    constants.add::<Q>(&value, width)
+                Step::Parameter(_) | Step::Constant(..) => {
+                    let origin = selection.map_or(index, |selection| selection.origin(index));
+                    let (place, number) = constants.places[origin].expect("a constant");
+                    numbers.push(number);
+                    places.push(place);
+                    continue;
                 }
                 Step::Coordinate(axis) => {
                     let stencil = finder.find(&StencilStep::Coordinate(*axis))?;
@@ -253,12 +316,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                     place
                 }
             };
-            numbers.push(finder.number(&StencilOperand {
-                shape: place.shape,
-                range: tape.range(index),
-                exponent: step.exponent(),
-                is_constant: place.is_constant,
-            }));
+            numbers.push(finder.number(&place.operand(tape, index)));
             places.push(place);
             if traced.get(kernel.traced.len()) == Some(&index) {
                 let stencil = finder.find(&StencilStep::Trace(numbers[index]))?;
@@ -274,10 +332,9 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         let at: Vec<u32> = outputs.iter().map(|&output| places[output].at).collect();
         kernel.add_call(result, 0, &at);
         kernel.frame = slots.end.div_ceil(ALIGNMENT);
-        if slots.end.max(constants.bytes.len()) > u32::MAX as usize {
-            return Err(Error::Unsupported("frames of more than 4 GiB"));
+        if slots.end > u32::MAX as usize {
+            return Err(TOO_LARGE);
         }
-        kernel.constants = blocks(&constants.bytes);
         Ok(kernel)
     }
 
@@ -315,7 +372,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                 first: calls.start,
                 end: calls.end,
                 frame: frame.as_mut_ptr().cast(),
-                constants: self.constants.as_ptr().cast(),
+                constants: self.constants.blocks.as_ptr().cast(),
                 input: (&raw const *input).cast(),
             };
             // SAFETY: the loop calls the stencils of this tape, which were compiled for its query,
@@ -358,7 +415,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
 
     /// Size in bytes of the calls and constants.
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.calls[..]) + size_of_val(&self.constants[..])
+        size_of_val(&self.calls[..]) + size_of_val(&self.constants.blocks[..])
     }
 }
 

@@ -30,7 +30,7 @@ impl<T: WholeFloat> BoxTree<T> {
     /// # Errors
     /// If the function has no kernel for gradients.
     pub fn new(whole: &Arc<WholeFunction>) -> Result<Self, KernelError> {
-        let domain = T::whole(whole).0.assumptions().domain;
+        let domain = T::whole(whole).tape.assumptions().domain;
         let root = Node::new(whole, None, domain);
         root.kernels.forward().map(|_| ())?;
         Ok(Self(root))

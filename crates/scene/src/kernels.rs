@@ -322,10 +322,7 @@ impl<T: WholeFloat> Bindings<T> {
         }
         let values = uniforms.values(&self.values)?;
         let (double, _) = simplified.steps(surface, KernelSource::Function, true).ok()??;
-        let whole = Arc::new(WholeFunction {
-            single: (single.coarse(), Binding::new(&values)),
-            double: (double.coarse(), Binding::new(&values)),
-        });
+        let whole = Arc::new(WholeFunction::new(single, double, &values));
         let surface = ShortSurface::new(&whole, None);
         Some(Short { whole, surface })
     }

@@ -6,7 +6,8 @@ use zeroset_eval::{
     KernelError, KernelResult, Kernels, PartSurface, Planes, Query, Real, Sample, SampleForward,
     Selection, Shortener, SurfaceKernels, Tape, Tiles,
 };
-use zeroset_jit::Threaded;
+use zeroset_interval::Interval;
+use zeroset_jit::{ConstantPool, Threaded};
 
 /// Least number of steps whose bounds decide what can be dropped. A formula with fewer has a kernel
 /// of its own that is faster than stencils.
@@ -19,11 +20,29 @@ const WORTHWHILE: f64 = 0.8;
 /// The steps of a function in both precisions, with bound parameters. Both tapes have the same
 /// steps.
 pub(crate) struct WholeFunction {
-    pub single: (Tape<f32>, Binding<f32>),
-    pub double: (Tape<f64>, Binding<f64>),
+    single: WholeTape<f32>,
+    double: WholeTape<f64>,
+}
+
+/// The steps of a function in one precision, with bound parameters.
+pub(crate) struct WholeTape<T: Real> {
+    pub tape: Tape<T>,
+    binding: Binding<T>,
+    pools: Pools<T>,
+}
+
+impl<T: Real> WholeTape<T> {
+    fn new(tape: Tape<T>, values: &[Interval]) -> Self {
+        let binding = Binding::new(values);
+        Self { tape: tape.coarse(), binding, pools: Pools::default() }
+    }
 }
 
 impl WholeFunction {
+    pub fn new(single: Tape<f32>, double: Tape<f64>, values: &[Interval]) -> Self {
+        Self { single: WholeTape::new(single, values), double: WholeTape::new(double, values) }
+    }
+
     /// Returns whether the function has so many choices that parts of space can do with far fewer
     /// steps.
     pub fn is_worth_shortening(tape: &Tape<f32>) -> bool {
@@ -33,23 +52,37 @@ impl WholeFunction {
 
 /// A float type with a tape of a [`WholeFunction`].
 pub(crate) trait WholeFloat: Real {
-    fn whole(function: &WholeFunction) -> &(Tape<Self>, Binding<Self>);
+    fn whole(function: &WholeFunction) -> &WholeTape<Self>;
 }
 
 impl WholeFloat for f32 {
-    fn whole(function: &WholeFunction) -> &(Tape<Self>, Binding<Self>) {
+    fn whole(function: &WholeFunction) -> &WholeTape<Self> {
         &function.single
     }
 }
 
 impl WholeFloat for f64 {
-    fn whole(function: &WholeFunction) -> &(Tape<Self>, Binding<Self>) {
+    fn whole(function: &WholeFunction) -> &WholeTape<Self> {
         &function.double
     }
 }
 
 /// A kernel that is created when it is first requested.
 type Once<Q, T> = OnceLock<Result<Threaded<Q, T>, KernelError>>;
+
+/// The constants of a whole function for one query.
+type OncePool<Q, T> = OnceLock<Result<Arc<ConstantPool<Q, T>>, KernelError>>;
+
+/// The constants of a whole function, for each query that needs them.
+#[derive(Default)]
+struct Pools<T: Real> {
+    zeros: OncePool<FindZeros, T>,
+    bounds: OncePool<Enclose, T>,
+    segments: OncePool<ContractSegments, T>,
+    tiles: OncePool<ContractTiles, T>,
+    values: OncePool<Sample, T>,
+    forward: OncePool<SampleForward, T>,
+}
 
 /// The surface in a part of space.
 pub(crate) struct ShortSurface {
@@ -114,21 +147,39 @@ impl<T: WholeFloat> ShortKernels<T> {
     }
 
     fn tape(&self) -> &Tape<T> {
-        self.tape.get_or_init(|| {
-            let (tape, _) = T::whole(&self.whole);
-            match &*self.selection {
-                Some(selection) => tape.select(selection),
-                None => tape.clone(),
-            }
-        })
+        let whole = T::whole(&self.whole);
+        match &*self.selection {
+            Some(selection) => self.tape.get_or_init(|| whole.tape.select(selection)),
+            None => &whole.tape,
+        }
     }
 
-    fn kernel<'a, Q: Query>(&self, once: &'a Once<Q, T>) -> KernelResult<'a, Q, T> {
-        let make = || {
-            let (_, binding) = T::whole(&self.whole);
-            Threaded::new(self.tape().clone(), binding).map_err(|error| Arc::new(error) as _)
+    /// Creates a kernel that also traces the bounds of some steps.
+    fn create<Q: Query>(
+        &self,
+        pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
+        traced: &[usize],
+    ) -> Result<Threaded<Q, T>, KernelError> {
+        let WholeTape { tape, binding, pools } = T::whole(&self.whole);
+        let Some(selection) = &*self.selection else {
+            let kernel = Threaded::traced(tape.clone(), binding, traced);
+            return kernel.map_err(|error| Arc::new(error) as _);
         };
-        match once.get_or_init(make) {
+        let make = || {
+            let pool = ConstantPool::new(tape, binding).map(Arc::new);
+            pool.map_err(|error| Arc::new(error) as _)
+        };
+        let constants = pool(pools).get_or_init(make).as_ref().map_err(Arc::clone)?;
+        Threaded::selected(self.tape().clone(), selection, constants, traced)
+            .map_err(|error| Arc::new(error) as _)
+    }
+
+    fn kernel<'a, Q: Query>(
+        &self,
+        once: &'a Once<Q, T>,
+        pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
+    ) -> KernelResult<'a, Q, T> {
+        match once.get_or_init(|| self.create(pool, &[])) {
             Ok(kernel) => Ok(kernel),
             Err(error) => Err(Arc::clone(error)),
         }
@@ -136,7 +187,7 @@ impl<T: WholeFloat> ShortKernels<T> {
 
     /// The kernel that samples the function and propagates its gradient forward.
     pub fn forward(&self) -> KernelResult<'_, SampleForward, T> {
-        self.kernel(&self.forward)
+        self.kernel(&self.forward, |pools| &pools.forward)
     }
 
     /// The function of which steps are selected.
@@ -146,18 +197,19 @@ impl<T: WholeFloat> ShortKernels<T> {
 
     /// The steps that matter in each tile, with the result of the kernel.
     fn selections_in_tiles(&self, tiles: &Tiles<T>) -> Option<(Vec<Option<Selection>>, Planes<T>)> {
-        self.selections(&self.traced_tiles, tiles)
+        self.selections(&self.traced_tiles, |pools| &pools.tiles, tiles)
     }
 
     /// The steps that matter in each box; `None` for a box in which nearly all do.
     pub fn selections_in_boxes(&self, boxes: &Boxes<T>) -> Option<Vec<Option<Selection>>> {
-        Some(self.selections(&self.traced_boxes, boxes)?.0)
+        Some(self.selections(&self.traced_boxes, |pools| &pools.bounds, boxes)?.0)
     }
 
     /// The steps that matter in each lane of a batch; `None` for a lane in which nearly all do.
     fn selections<Q: Query>(
         &self,
         once: &Once<Q, T>,
+        pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
         input: &Q::Input<T>,
     ) -> Option<(Vec<Option<Selection>>, Q::Output<T>)> {
         let tape = self.tape();
@@ -165,12 +217,8 @@ impl<T: WholeFloat> ShortKernels<T> {
         if shortener.deciding().len() < LEAST_DECIDING {
             return None;
         }
-        let make = || {
-            let (_, binding) = T::whole(&self.whole);
-            Threaded::traced(tape.clone(), binding, shortener.deciding())
-                .map_err(|error| Arc::new(error) as KernelError)
-        };
-        let traced = once.get_or_init(make).as_ref().ok()?;
+        let create = || self.create(pool, shortener.deciding());
+        let traced = once.get_or_init(create).as_ref().ok()?;
         let most = (tape.steps().len() as f64 * WORTHWHILE) as usize;
         let mut output = Q::Output::default();
         let selections = traced.eval_traced(input, &mut output, |trace| {
@@ -190,11 +238,11 @@ impl<T: WholeFloat> ShortKernels<T> {
 
 impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
     fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
-        self.kernel(&self.zeros)
+        self.kernel(&self.zeros, |pools| &pools.zeros)
     }
 
     fn bounds(&self) -> KernelResult<'_, Enclose, T> {
-        self.kernel(&self.bounds)
+        self.kernel(&self.bounds, |pools| &pools.bounds)
     }
 
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
@@ -202,7 +250,7 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
     }
 
     fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
-        self.kernel(&self.segments)
+        self.kernel(&self.segments, |pools| &pools.segments)
     }
 
     fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
@@ -210,11 +258,11 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
         if let Some(Ok(traced)) = self.traced_tiles.get() {
             return Ok(traced);
         }
-        self.kernel(&self.tiles)
+        self.kernel(&self.tiles, |pools| &pools.tiles)
     }
 
     fn values(&self) -> KernelResult<'_, Sample, T> {
-        self.kernel(&self.values)
+        self.kernel(&self.values, |pools| &pools.values)
     }
 
     fn in_tiles(&self, tiles: &Tiles<T>) -> Vec<PartSurface> {
