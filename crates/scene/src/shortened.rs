@@ -11,7 +11,7 @@ use zeroset_jit::{ConstantPool, Threaded};
 
 /// Least number of steps whose bounds decide what can be dropped. A formula with fewer has a kernel
 /// of its own that is faster than stencils.
-const LEAST_DECIDING: usize = 16;
+const LEAST_DECIDING: usize = 32;
 /// Least number of steps of a function whose parts get kernels of their own.
 const LEAST_STEPS: usize = 256;
 /// A selection is used if it has at most this share of the steps.

@@ -18,6 +18,6 @@ pub struct Limits {
 impl Default for Limits {
     /// One mebibyte, 100,000 tokens, 200 levels, 65,536 nodes, 1,000 surfaces.
     fn default() -> Self {
-        Self { bytes: 1 << 20, symbols: 100_000, depth: 200, nodes: 1 << 16, surfaces: 1000 }
+        Self { bytes: 10 << 20, symbols: 2_000_000, depth: 200, nodes: 1 << 20, surfaces: 1000 }
     }
 }
