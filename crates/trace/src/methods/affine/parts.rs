@@ -6,12 +6,14 @@
 //! out.
 
 use super::Affine;
-use super::tiles::{BandPart, BandState, WIDTH};
+use super::tiles::{BandPart, BandState};
+use super::tracer::{LAST, SIDES};
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::method::Task;
 use crate::scalar::Scalar;
+use std::ops::Range;
 use zeroset_eval::{LANES, PartSurface, Tiles};
 
 /// A part of a band is not divided in depth if its segment is at most this many times as long as
@@ -37,7 +39,7 @@ pub(super) fn trace<T: Scalar>(
     }
     work.tiles.called(parts.len() as u32);
     for (part, surface) in parts.iter().zip(&surfaces) {
-        if !state.is_open(rays, &part.places) {
+        if !state.is_open(part) {
             continue;
         }
         let is_over = match surface {
@@ -57,43 +59,75 @@ pub(super) fn trace<T: Scalar>(
     false
 }
 
-/// Divides a part into at most sixteen: for each range of places, segments from near to far.
+/// Divides a part into at most sixteen, column by column, and each of these from near to far.
 fn divided<T: Scalar>(
     state: &BandState<T>,
     rays: &RayGrid,
     band: &Band<'_>,
     part: &BandPart,
 ) -> Vec<BandPart> {
-    let BandPart { places, span: [near, far] } = part;
+    let [near, far] = part.span;
     let [columns, _] = pixels(rays, band, part);
     let middle = if rays.parallel { 1.0 } else { state.frame.start + 0.5 * (near + far) };
-    let width = 2.0 * (columns[1] - columns[0]) as f64 * rays.unit * middle.max(0.0);
+    let width = 2.0 * (columns[1] - columns[0] + 1) as f64 * rays.unit * middle.max(0.0);
     let length = far - near;
-    let (across, deep) = if length > EACH as f64 * width {
+    let is_several = part.columns.len().max(part.rows.len()) > 1;
+    let (across, deep) = if !is_several && (part.level == LAST || length > SLENDER * width) {
         (1, LANES)
-    } else if places.len() > 1 && EACH as f64 * length < width {
+    } else if !is_several {
         (LANES, 1)
-    } else if length > SLENDER * width || places.len() > 1 {
-        (EACH, EACH)
+    } else if length > EACH as f64 * width {
+        (1, LANES)
+    } else if EACH as f64 * length < width || rays.is_patched() {
+        (LANES, 1)
     } else {
-        (LANES, 1)
+        (EACH, EACH)
     };
-    let step = places.len().div_ceil(across).max(1);
     let ends: Vec<f64> = (0..=deep)
         .map(|k| match k {
-            0 => *near,
-            _ if k == deep => *far,
+            0 => near,
+            _ if k == deep => far,
             _ => T::nearest(near + length * k as f64 / deep as f64).into(),
         })
         .collect();
     let mut parts = Vec::new();
-    for start in places.clone().step_by(step) {
-        let some = start..places.end.min(start + step);
+    for area in areas(band, part, is_several, across) {
         for ends in ends.windows(2).filter(|ends| ends[0] < ends[1]) {
-            parts.push(BandPart { places: some.clone(), span: [ends[0], ends[1]] });
+            parts.push(BandPart { span: [ends[0], ends[1]], ..area.clone() });
         }
     }
     parts
+}
+
+/// Divides the tiles of a part into at most `across` areas, with the segment of the part.
+fn areas(band: &Band<'_>, part: &BandPart, is_several: bool, across: usize) -> Vec<BandPart> {
+    let BandPart { level, columns, rows, .. } = part;
+    if across == 1 {
+        return vec![part.clone()];
+    }
+    if is_several {
+        let is_down = rows.len() > 1;
+        let all = if is_down { rows } else { columns };
+        let step = all.len().div_ceil(across);
+        let area = |start: usize| {
+            let some = start..all.end.min(start + step);
+            let (columns, rows) =
+                if is_down { (columns.clone(), some) } else { (some, rows.clone()) };
+            BandPart { columns, rows, ..part.clone() }
+        };
+        return all.clone().step_by(step).map(area).collect();
+    }
+    let [columns, rows] = [(columns, band.width), (rows, band.height)].map(|(one, size)| {
+        let finer = SIDES[*level] / SIDES[LAST];
+        finer * one.start..(finer * one.end).min(size.div_ceil(SIDES[LAST]))
+    });
+    let tile = |column: usize, row: usize| BandPart {
+        level: LAST,
+        columns: column..column + 1,
+        rows: row..row + 1,
+        ..part.clone()
+    };
+    columns.flat_map(|column| rows.clone().map(move |row| tile(column, row))).collect()
 }
 
 /// Returns parts of a band as tiles.
@@ -118,14 +152,14 @@ fn batch<T: Scalar>(
 
 /// Returns the first and last column and row of the pixels in a part of a band.
 fn pixels(rays: &RayGrid, band: &Band<'_>, part: &BandPart) -> [[usize; 2]; 2] {
-    let patches = part.places.clone().filter_map(|row| rays.patch(band.top + row));
+    let patches = part.rows.clone().filter_map(|row| rays.patch(band.top + row));
     let around =
         patches.map(|patch| [[patch.column, patch.column + 3], [patch.row, patch.row + 3]]);
-    let all = [
-        [WIDTH * part.places.start, (WIDTH * part.places.end).min(band.width) - 1],
-        [band.top, band.top + band.height - 1],
-    ];
+    let side = SIDES[part.level];
+    let range =
+        |some: &Range<usize>, size: usize| [side * some.start, (side * some.end).min(size) - 1];
+    let [columns, rows] = [range(&part.columns, band.width), range(&part.rows, band.height)];
     around
         .reduce(|a, b| [0, 1].map(|axis| [a[axis][0].min(b[axis][0]), a[axis][1].max(b[axis][1])]))
-        .unwrap_or(all)
+        .unwrap_or([columns, rows.map(|row| band.top + row)])
 }

@@ -18,8 +18,6 @@ use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Tiles};
 
-/// Pixels on the side of the largest tiles.
-pub(super) const WIDTH: usize = SIDES[0];
 /// For each level: a tile is split once its segment is no longer than this many times its width.
 const SLENDER: [f64; 2] = [3.0, 4.0];
 /// The ratio for patches. It is larger: surfaces at outlines are deep, patches are narrow, and the
@@ -54,10 +52,13 @@ pub(super) struct BandState<T: Scalar> {
     buffers: Box<BandBuffers<T>>,
 }
 
-/// A part of a band: some columns of 16×16 tiles, or some patches, over a segment of their rays.
+/// A part of a band: some tiles, or some patches, over a segment of their rays.
 #[derive(Clone, Debug)]
 pub(super) struct BandPart {
-    pub places: Range<usize>,
+    /// Level of the tiles. Patches are tiles of the last level in one column.
+    pub level: usize,
+    pub columns: Range<usize>,
+    pub rows: Range<usize>,
     /// Values of s, which are floats of the tracer's precision.
     pub span: [f64; 2],
 }
@@ -100,20 +101,24 @@ impl<T: Scalar> BandState<T> {
 
     /// Returns the whole band, over the whole length of its rays.
     pub fn whole(&self, rays: &RayGrid, band: &Band<'_>) -> BandPart {
-        let count = if rays.is_patched() { band.height } else { band.width.div_ceil(SIDES[0]) };
+        let (level, columns, rows) = if rays.is_patched() {
+            (LAST, 0..1, 0..band.height)
+        } else {
+            (0, 0..band.width.div_ceil(SIDES[0]), 0..1)
+        };
         // The ends are rounded outward here. All later ends are floats of `T` already.
         let [near, far] = self.frame.span;
-        BandPart { places: 0..count, span: [-T::above(-near).into(), T::above(far).into()] }
+        BandPart { level, columns, rows, span: [-T::above(-near).into(), T::above(far).into()] }
     }
 
-    /// Returns whether some places have pixels that are not finished.
-    pub fn is_open(&self, rays: &RayGrid, places: &Range<usize>) -> bool {
-        if rays.is_patched() {
-            return self.open[places.clone()].iter().any(|open| *open != 0);
-        }
-        let finer = SIDES[0] / SIDES[LAST];
-        let columns = finer * places.start..(finer * places.end).min(self.across);
-        self.open.chunks(self.across).any(|row| row[columns.clone()].iter().any(|open| *open != 0))
+    /// Returns whether some tiles have pixels that are not finished.
+    pub fn is_open(&self, part: &BandPart) -> bool {
+        let finer = SIDES[part.level] / SIDES[LAST];
+        let [columns, rows] =
+            [&part.columns, &part.rows].map(|some| finer * some.start..finer * some.end);
+        let columns = columns.start..columns.end.min(self.across);
+        let lines = self.open.chunks(self.across).take(rows.end).skip(rows.start);
+        lines.flat_map(|row| &row[columns.clone()]).any(|open| *open != 0)
     }
 
     /// Traces a part of the band. Returns whether the rest is no longer wanted.
@@ -145,7 +150,6 @@ fn trace_with<T: Scalar, S: Simd>(
     part: &BandPart,
     work: &mut KernelStats,
 ) -> bool {
-    let is_patched = rays.is_patched();
     let BandBuffers { levels, memory, screens } = &mut *state.buffers;
     let mut tracer = BandTracer {
         method,
@@ -163,28 +167,34 @@ fn trace_with<T: Scalar, S: Simd>(
         calls_at_check: 0,
         simd,
     };
-    let wanted = &part.places;
-    let first = if is_patched { LAST } else { 0 };
-    let mut unreached = wanted.start;
-    for start in wanted.clone().step_by(LANES) {
-        if tracer.over || !tracer.band.is_wanted() {
-            tracer.over = true;
+    let BandPart { level, columns, rows, span } = part;
+    // Either all tiles are in one row, or there are at most sixteen.
+    let step = if rows.len() == 1 { LANES } else { columns.len() };
+    let mut unreached = SIDES[*level] * columns.start;
+    for start in columns.clone().step_by(step) {
+        let some = start..columns.end.min(start + step);
+        for start in rows.clone().step_by(LANES / some.len().min(LANES)) {
+            if tracer.over || !tracer.band.is_wanted() {
+                tracer.over = true;
+                break;
+            }
+            let down = start..rows.end.min(start + LANES / some.len().min(LANES));
+            levels[*level].start(&tracer, [some.clone(), down], *level, *span, None, false);
+            if *level == LAST {
+                tracer.run::<LAST>(&mut levels[LAST..]);
+            } else {
+                tracer.run::<0>(levels);
+            }
+        }
+        if tracer.over {
             break;
         }
-        unreached = start;
-        let some = start..wanted.end.min(start + LANES);
-        let places = if is_patched { [0..1, some] } else { [some, 0..1] };
-        levels[first].start(&tracer, places, first, part.span, None, false);
-        if is_patched {
-            tracer.run::<LAST>(&mut levels[LAST..]);
-        } else {
-            tracer.run::<0>(levels);
-        }
+        unreached = SIDES[*level] * some.end;
     }
     tracer.drain_pool();
     if tracer.over {
         tracer.give_up_pool();
-        tracer.band.give_up(if is_patched { 0 } else { SIDES[0] * unreached });
+        tracer.band.give_up(if rays.is_patched() { 0 } else { unreached });
         return true;
     }
     state.open = tracer.open;
