@@ -105,6 +105,12 @@ impl<T: WholeFloat> Kernel<SampleGradient, T> for BoxTree<T> {
         let at = |lane: usize| points.at.each_ref().map(|axis| axis[lane].into());
         while let Some(&first) = rest.first() {
             let point = at(first);
+            if point.iter().any(|at| !at.is_finite()) {
+                rest.remove(0);
+                out.value[first] = T::nearest(f64::NAN);
+                out.gradient.iter_mut().for_each(|axis| axis[first] = T::nearest(f64::NAN));
+                continue;
+            }
             let node = if self.0.contains(point) { self.0.around(point) } else { &self.0 };
             if let Ok(kernel) = node.kernels.forward() {
                 kernel.eval(points, &mut some);

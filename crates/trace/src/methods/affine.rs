@@ -222,7 +222,7 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
         }
         let mut state = BandState::new(self, frame, rays, band);
         let whole = state.whole(rays, band);
-        if !parts::trace(self, &mut state, rays, band, &whole, work) {
+        if !parts::trace(self, None, &mut state, rays, band, &whole, work) {
             state.finish(self);
         }
     }

@@ -13,8 +13,9 @@ use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::method::Task;
 use crate::scalar::Scalar;
+use std::cell::OnceCell;
 use std::ops::Range;
-use zeroset_eval::{LANES, PartSurface, Tiles};
+use zeroset_eval::{LANES, PartSurface, SurfaceKernels, Tiles};
 
 /// A part of a band is not divided in depth if its segment is at most this many times as long as
 /// the part is wide.
@@ -22,9 +23,11 @@ const SLENDER: f64 = 2.0;
 /// Number of parts along each direction if a part is divided in both.
 const EACH: usize = 4;
 
-/// Traces a part of a band. Returns whether the rest of the band is no longer wanted.
+/// Traces a part of a band by a method, or by the surface of that part if there is one. Returns
+/// whether the rest of the band is no longer wanted.
 pub(super) fn trace<T: Scalar>(
     method: &Affine<'_, T>,
+    surface: Option<&dyn SurfaceKernels>,
     state: &mut BandState<T>,
     rays: &RayGrid,
     band: &mut Band<'_>,
@@ -33,9 +36,20 @@ pub(super) fn trace<T: Scalar>(
 ) -> bool {
     let parts = divided::<T>(state, rays, band, part);
     let batch = batch(state, rays, band, &parts);
-    let surfaces = T::kernels(method.task.surface).in_tiles(&batch);
+    let kernels = T::kernels(surface.unwrap_or(method.task.surface));
+    let surfaces = kernels.in_tiles(&batch);
+    // Most surfaces of parts are divided again, and then need no kernels for tracing.
+    let own = OnceCell::new();
+    let create = || Affine::for_part(Task { surface: surface?, ..method.task }).ok();
+    let trace_all =
+        |state: &mut BandState<T>, band: &mut Band<'_>, part, work: &mut _| match own
+            .get_or_init(create)
+        {
+            Some(own) => state.trace(own, rays, band, part, work),
+            None => state.trace(method, rays, band, part, work),
+        };
     if surfaces.iter().all(|surface| matches!(surface, PartSurface::Same)) {
-        return state.trace(method, rays, band, part, work);
+        return trace_all(state, band, part, work);
     }
     work.tiles.called(parts.len() as u32);
     for (part, surface) in parts.iter().zip(&surfaces) {
@@ -44,12 +58,9 @@ pub(super) fn trace<T: Scalar>(
         }
         let is_over = match surface {
             PartSurface::Empty => !band.is_wanted(),
-            PartSurface::Same => state.trace(method, rays, band, part, work),
+            PartSurface::Same => trace_all(state, band, part, work),
             PartSurface::Short(surface) => {
-                match Affine::<T>::for_part(Task { surface: &**surface, ..method.task }) {
-                    Ok(short) => trace(&short, state, rays, band, part, work),
-                    Err(_) => state.trace(method, rays, band, part, work),
-                }
+                trace(method, Some(&**surface), state, rays, band, part, work)
             }
         };
         if is_over {
