@@ -13,7 +13,8 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
-use std::sync::{Arc, LazyLock, Mutex, PoisonError, RwLock};
+use std::marker::PhantomData;
+use std::sync::{LazyLock, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use zeroset_eval::{Query, QueryValue, Real, ValueKind};
 use zeroset_interval::{Exponent, Interval, Term};
 use zeroset_ir::Axis;
@@ -106,40 +107,49 @@ fn operand_key<Q: Query>(operand: &StencilOperand<Q>) -> OperandKey {
 type SharedCache<Q> = RwLock<Cache<Q>>;
 
 /// The caches of this process, by query and format.
-static CACHES: LazyLock<Mutex<HashMap<TypeId, Arc<dyn Any + Send + Sync>>>> =
+static CACHES: LazyLock<Mutex<HashMap<TypeId, &'static (dyn Any + Send + Sync)>>> =
     LazyLock::new(Mutex::default);
 
-fn cache<Q: Query, T: Real>() -> Arc<SharedCache<Q>> {
+fn cache<Q: Query, T: Real>() -> &'static SharedCache<Q> {
     let mut caches = CACHES.lock().unwrap_or_else(PoisonError::into_inner);
     let cache = caches
         .entry(TypeId::of::<(Q, T)>())
-        .or_insert_with(|| Arc::new(SharedCache::<Q>::default()));
-    Arc::clone(cache).downcast().expect("the type is the key")
+        .or_insert_with(|| Box::leak(Box::new(SharedCache::<Q>::default())));
+    cache.downcast_ref().expect("the type is the key")
 }
 
 /// Finds stencils, and compiles those that this process has not needed before.
 pub struct StencilFinder<Q: Query, T: Real> {
-    cache: Arc<SharedCache<Q>>,
+    cache: &'static SharedCache<Q>,
+    /// Locked for reading while many steps are found.
+    guard: Option<RwLockReadGuard<'static, Cache<Q>>>,
     width: usize,
-    format: std::marker::PhantomData<T>,
+    format: PhantomData<T>,
 }
 
 impl<Q: Query, T: Real> StencilFinder<Q, T> {
     /// Creates a finder of stencils for vectors of `width` bytes.
     pub fn new(width: usize) -> Self {
-        Self { cache: cache::<Q, T>(), width, format: std::marker::PhantomData }
+        Self { cache: cache::<Q, T>(), guard: None, width, format: PhantomData }
+    }
+
+    fn read(&mut self) -> &Cache<Q> {
+        let cache = self.cache;
+        self.guard.get_or_insert_with(|| cache.read().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn write(&mut self) -> RwLockWriteGuard<'static, Cache<Q>> {
+        self.guard = None;
+        self.cache.write().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns the number of an operand.
-    pub fn number(&self, operand: &StencilOperand<Q>) -> OperandNumber {
+    pub fn number(&mut self, operand: &StencilOperand<Q>) -> OperandNumber {
         let key = operand_key(operand);
-        {
-            let cache = self.cache.read().unwrap_or_else(PoisonError::into_inner);
-            if let Some(number) = cache.numbers.get(&key) {
-                return *number;
-            }
+        if let Some(number) = self.read().numbers.get(&key) {
+            return *number;
         }
-        let mut cache = self.cache.write().unwrap_or_else(PoisonError::into_inner);
+        let mut cache = self.write();
         let Cache { numbers, operands, .. } = &mut *cache;
         *numbers.entry(key).or_insert_with(|| {
             operands.push(*operand);
@@ -148,18 +158,18 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
     }
 
     /// Returns the stencil for a step.
-    pub fn find(&self, step: &StencilStep<'_>) -> Result<&'static Stencil<Q>, Error> {
+    pub fn find(&mut self, step: &StencilStep<'_>) -> Result<&'static Stencil<Q>, Error> {
         let key = key(step, self.width);
-        let operands: Vec<StencilOperand<Q>> = {
-            let cache = self.cache.read().unwrap_or_else(PoisonError::into_inner);
-            if let Some(stencil) = cache.stencils.get(&key) {
-                return Ok(stencil);
-            }
-            key.3.iter().map(|&number| cache.operands[number as usize]).collect()
-        };
+        let cache = self.read();
+        if let Some(stencil) = cache.stencils.get(&key) {
+            return Ok(stencil);
+        }
+        let operands: Vec<StencilOperand<Q>> =
+            key.3.iter().map(|&number| cache.operands[number as usize]).collect();
+        // Compiling must not keep others from reading.
+        self.guard = None;
         let stencil = make::<Q, T>(step, &operands, self.width)?;
-        let mut cache = self.cache.write().unwrap_or_else(PoisonError::into_inner);
-        Ok(cache.stencils.entry(key).or_insert_with(|| Box::leak(Box::new(stencil))))
+        Ok(self.write().stencils.entry(key).or_insert_with(|| Box::leak(Box::new(stencil))))
     }
 }
 

@@ -7,6 +7,7 @@ use crate::stencil::{
     OperandNumber, Shape, Stencil, StencilFinder, StencilOperand, StencilStep, parts,
 };
 use crate::stencil_code::{Run, StencilCall, call_loop};
+use smallvec::SmallVec;
 use std::cell::RefCell;
 use std::fmt;
 use std::marker::PhantomData;
@@ -134,7 +135,7 @@ impl<Q: Query, T: Real> ConstantPool<Q, T> {
     }
 
     fn of_width(tape: &Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
-        let finder = StencilFinder::<Q, T>::new(width);
+        let mut finder = StencilFinder::<Q, T>::new(width);
         let (mut bytes, mut places) = (Vec::new(), Vec::with_capacity(tape.steps().len()));
         for (index, step) in tape.steps().iter().enumerate() {
             let m = &mut Software::new();
@@ -270,14 +271,14 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     ) -> Result<Self, Error> {
         let width = constants.width;
         call_loop::<T>(width)?;
-        let finder = StencilFinder::<Q, T>::new(width);
+        let mut finder = StencilFinder::<Q, T>::new(width);
         let last_use = last_uses(tape);
         let trace = traced.len() * TRACE_LANES * size_of::<Lanes<T>>();
         let mut slots = Slots { end: trace, ..Slots::default() };
         let mut places: Vec<Place<Q>> = Vec::with_capacity(tape.steps().len());
         let mut kernel = Self {
             tape: Arc::clone(tape),
-            calls: Vec::new(),
+            calls: Vec::with_capacity(tape.steps().len() + traced.len() + 1),
             constants: Arc::clone(constants),
             frame: 0,
             width,
@@ -303,7 +304,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                     operands.clear();
                     operands.extend(used.iter().map(|&used| numbers[used]));
                     let stencil = finder.find(&StencilStep::Apply(*op, &operands))?;
-                    let at: Vec<u32> = used.iter().map(|&used| places[used].at).collect();
+                    let at: SmallVec<[u32; 3]> = used.iter().map(|&used| places[used].at).collect();
                     let place = kernel.add_step(stencil, &mut slots, &at);
                     // Operands stay until the value is stored: a stencil may store one vector of
                     // its value before it has loaded the last of its operands.

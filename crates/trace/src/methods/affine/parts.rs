@@ -41,13 +41,12 @@ pub(super) fn trace<T: Scalar>(
     // Most surfaces of parts are divided again, and then need no kernels for tracing.
     let own = OnceCell::new();
     let create = || Affine::for_part(Task { surface: surface?, ..method.task }).ok();
-    let trace_all =
-        |state: &mut BandState<T>, band: &mut Band<'_>, part, work: &mut _| match own
-            .get_or_init(create)
-        {
-            Some(own) => state.trace(own, rays, band, part, work),
-            None => state.trace(method, rays, band, part, work),
-        };
+    let trace_all = |state: &mut BandState<T>, band: &mut Band<'_>, part, work: &mut _| match own
+        .get_or_init(create)
+    {
+        Some(own) => state.trace(own, rays, band, part, work),
+        None => state.trace(method, rays, band, part, work),
+    };
     if surfaces.iter().all(|surface| matches!(surface, PartSurface::Same)) {
         return trace_all(state, band, part, work);
     }
