@@ -354,12 +354,12 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         self.calls.push(call);
     }
 
-    /// Evaluates the lanes in use, then passes the frame on.
+    /// Evaluates the lanes in use, then passes the result and the frame on.
     fn run<R>(
         &self,
         input: &Q::Input<T>,
         output: &mut Q::Output<T>,
-        then: impl FnOnce(&[Block]) -> R,
+        then: impl FnOnce(&Q::Output<T>, &[Block]) -> R,
     ) -> R {
         Q::check_input(&self.tape, input);
         let call_loop = call_loop::<T>(self.width).expect("it was compiled with the tape");
@@ -390,18 +390,18 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                     std::ptr::null(),
                 );
             }
-            then(frame)
+            then(output, frame)
         })
     }
 
-    /// Evaluates the lanes in use, then passes the trace on.
+    /// Evaluates the lanes in use, then passes the result and the trace on.
     pub fn eval_traced<R>(
         &self,
         input: &Q::Input<T>,
         output: &mut Q::Output<T>,
-        then: impl FnOnce(&Trace<'_, T>) -> R,
+        then: impl FnOnce(&Q::Output<T>, &Trace<'_, T>) -> R,
     ) -> R {
-        self.run(input, output, |frame| {
+        self.run(input, output, |output, frame| {
             // SAFETY: the frame begins with the trace, which the calls have written: all lanes of
             // the vectors in use. The rest was initialized when the frame was created.
             let lanes = unsafe {
@@ -410,7 +410,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                     TRACE_LANES * self.traced.len(),
                 )
             };
-            then(&Trace { lanes })
+            then(output, &Trace { lanes })
         })
     }
 
@@ -428,7 +428,7 @@ impl<Q: Query, T: Real> fmt::Debug for Threaded<Q, T> {
 
 impl<Q: Query, T: Real> Kernel<Q, T> for Threaded<Q, T> {
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
-        self.run(input, output, |_| ());
+        self.run(input, output, |_, _| ());
     }
 }
 

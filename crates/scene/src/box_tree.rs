@@ -1,7 +1,7 @@
 //! Boxes within boxes, each with the steps of a function that matter in it. Points are evaluated by
 //! the kernel of the smallest box around them.
 
-use crate::shortened::{ShortKernels, WholeFloat, WholeFunction};
+use crate::shortened::{PartSelection, ShortKernels, WholeFloat, WholeFunction};
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{
     Boxes, Gradients, Kernel, KernelError, LANES, Points, SampleGradient, Selection,
@@ -91,8 +91,11 @@ impl<T: WholeFloat> Node<T> {
         let Some(selections) = self.kernels.selections_in_boxes(&Boxes::around(&parts)[0]) else {
             return Vec::new();
         };
-        let node = |(bounds, selection): ([Interval; 3], Option<Selection>)| {
-            Some(Self::new(self.kernels.whole(), Some(selection?), bounds))
+        let node = |(bounds, selection): ([Interval; 3], PartSelection)| match selection {
+            PartSelection::Short(short) => {
+                Some(Self::new(self.kernels.whole(), Some(short), bounds))
+            }
+            PartSelection::Empty | PartSelection::Same => None,
         };
         parts.into_iter().zip(selections).filter_map(node).collect()
     }

@@ -195,23 +195,20 @@ impl<T: WholeFloat> ShortKernels<T> {
         &self.whole
     }
 
-    /// The steps that matter in each tile, with the result of the kernel.
-    fn selections_in_tiles(&self, tiles: &Tiles<T>) -> Option<(Vec<Option<Selection>>, Planes<T>)> {
-        self.selections(&self.traced_tiles, |pools| &pools.tiles, tiles)
+    /// The steps that matter in each box.
+    pub fn selections_in_boxes(&self, boxes: &Boxes<T>) -> Option<Vec<PartSelection>> {
+        self.selections(&self.traced_boxes, |pools| &pools.bounds, boxes, |_| u16::MAX)
     }
 
-    /// The steps that matter in each box; `None` for a box in which nearly all do.
-    pub fn selections_in_boxes(&self, boxes: &Boxes<T>) -> Option<Vec<Option<Selection>>> {
-        Some(self.selections(&self.traced_boxes, |pools| &pools.bounds, boxes)?.0)
-    }
-
-    /// The steps that matter in each lane of a batch; `None` for a lane in which nearly all do.
+    /// The steps that matter in each lane of a batch. `possible` tells from a result in which lanes
+    /// there may be a zero. `None` if the function has too few choices.
     fn selections<Q: Query>(
         &self,
         once: &Once<Q, T>,
         pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
         input: &Q::Input<T>,
-    ) -> Option<(Vec<Option<Selection>>, Q::Output<T>)> {
+        possible: impl Fn(&Q::Output<T>) -> u16,
+    ) -> Option<Vec<PartSelection>> {
         let tape = self.tape();
         let shortener = self.shortener.get_or_init(|| Shortener::new(tape));
         if shortener.deciding().len() < LEAST_DECIDING {
@@ -220,20 +217,35 @@ impl<T: WholeFloat> ShortKernels<T> {
         let create = || self.create(pool, shortener.deciding());
         let traced = once.get_or_init(create).as_ref().ok()?;
         let most = (tape.steps().len() as f64 * WORTHWHILE) as usize;
-        let mut output = Q::Output::default();
-        let selections = traced.eval_traced(input, &mut output, |trace| {
+        Some(traced.eval_traced(input, &mut Q::Output::default(), |output, trace| {
+            let possible = possible(output);
             let part = |lane: usize| {
-                let short = shortener.select(tape, &trace.lane(lane));
-                let short = short.filter(|short| short.len() <= most);
-                short.map(|short| match &*self.selection {
-                    Some(outer) => short.from_outer(outer),
-                    None => short,
-                })
+                if possible >> lane & 1 == 0 {
+                    return PartSelection::Empty;
+                }
+                match shortener.select(tape, &trace.lane(lane)) {
+                    Some(short) if short.len() <= most => {
+                        PartSelection::Short(match &*self.selection {
+                            Some(outer) => short.from_outer(outer),
+                            None => short,
+                        })
+                    }
+                    _ => PartSelection::Same,
+                }
             };
             (0..input.count()).map(part).collect()
-        });
-        Some((selections, output))
+        }))
     }
+}
+
+/// The steps of a function that matter in a part of space.
+pub(crate) enum PartSelection {
+    /// There is no zero in the part.
+    Empty,
+    /// Nearly all steps matter.
+    Same,
+    /// These steps of the whole function matter.
+    Short(Selection),
 }
 
 impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
@@ -266,16 +278,15 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
     }
 
     fn in_tiles(&self, tiles: &Tiles<T>) -> Vec<PartSurface> {
-        let Some((selections, planes)) = self.selections_in_tiles(tiles) else {
-            return Vec::new();
-        };
-        let surface = |(lane, selection): (usize, Option<Selection>)| match selection {
-            _ if planes.possible >> lane & 1 == 0 => PartSurface::Empty,
-            Some(short) => {
+        let possible = |planes: &Planes<T>| planes.possible;
+        let surface = |selection| match selection {
+            PartSelection::Empty => PartSurface::Empty,
+            PartSelection::Same => PartSurface::Same,
+            PartSelection::Short(short) => {
                 PartSurface::Short(Box::new(ShortSurface::new(&self.whole, Some(short))))
             }
-            None => PartSurface::Same,
         };
-        selections.into_iter().enumerate().map(surface).collect()
+        let selections = self.selections(&self.traced_tiles, |pools| &pools.tiles, tiles, possible);
+        selections.into_iter().flatten().map(surface).collect()
     }
 }
