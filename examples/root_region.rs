@@ -1,4 +1,4 @@
-//! Encloses a surface by boxes: what lies outside of them is proven to hold no zero.
+//! Encloses a surface in ever smaller boxes. Space outside the boxes is proven to hold no zero.
 //!
 //! `cargo run --example root_region`
 
@@ -7,7 +7,7 @@ use zeroset::{Error, Function};
 
 type Box3 = [RangeInclusive<f64>; 3];
 
-/// The eight halves of a box along all axes.
+/// The eight parts of a box that is halved along each axis.
 fn parts(whole: &Box3) -> impl Iterator<Item = Box3> {
     (0..8).map(|part| {
         [0, 1, 2].map(|axis| {
@@ -25,7 +25,7 @@ fn volume(boxes: &[Box3]) -> f64 {
 
 fn main() -> Result<(), Error> {
     let heart = Function::parse("(x^2+9/4*y^2+z^2-1)^3 - x^2*z^3 - 9/80*y^2*z^3")?;
-    // Intervals prove that the whole surface lies in this box.
+    // It is proven by intervals that the whole surface lies in this box.
     let domain = heart.domain()?;
     println!("domain {domain:?}");
     let mut boxes = vec![domain];

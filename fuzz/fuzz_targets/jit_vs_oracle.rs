@@ -1,4 +1,4 @@
-//! Intervals of native code enclose the oracle's values of the function as typed.
+//! Tests that native code's bounds of a function as typed enclose the oracle's values.
 
 #![no_main]
 

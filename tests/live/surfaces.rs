@@ -1,5 +1,5 @@
-//! Surfaces are hidden, made translucent, moved and deleted. These are edits of the text that
-//! compile no kernel. A line of a document may also hide a surface.
+//! Surfaces are hidden, made translucent, moved and deleted. These edits of the text compile no
+//! kernel. A line of a document may also hide a surface.
 
 use crate::live_support::{settled, start};
 use zeroset_live::{Axes, Live, Rendering};
@@ -145,12 +145,12 @@ fn axes_have_room_unless_the_document_wants_none() {
     assert!(settled(&live).camera == plain.camera);
     live.set_axes(Axes::On);
     assert!(settled(&live).camera == around.camera);
-    // Axes are not part of the document, so they are no undo step.
+    // Axes are not part of the document, so showing them is no undo step.
     assert!(live.undo());
     assert_eq!(live.text(), "x^2+y^2+z^2 = 1");
 }
 
-/// An automatic view does not move while a value is dragged. Then it glides until the surface fits.
+/// An automatic view stays while a value is dragged. Afterwards it glides until the surface fits.
 #[test]
 fn a_view_does_not_jump_while_a_value_moves() {
     let live = start("r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", 64);

@@ -24,11 +24,11 @@ pub struct Figure {
     pub x: String,
     /// Label of the vertical axis, with its unit.
     pub y: String,
-    /// Names of places 0, 1, 2 … of the horizontal axis, which is logarithmic if there are none.
+    /// Names of the places 0, 1, 2 … on the horizontal axis. If empty, the axis is logarithmic.
     pub places: Vec<String>,
     /// The series, from back to front.
     pub series: Vec<PlotSeries>,
-    /// Label and points of a wide pale line behind all others.
+    /// Label and points of a wide pale line behind all other lines.
     pub front: Option<(String, Vec<[f64; 2]>)>,
     /// Height of a horizontal line.
     pub level: Option<f64>,
@@ -50,7 +50,7 @@ impl Figure {
 /// Marks of one color and shape.
 #[derive(Clone, Debug, Default)]
 pub struct PlotSeries {
-    /// Name in the legend; empty if it is not listed.
+    /// Name in the legend. If empty, the legend does not list the series.
     pub name: String,
     /// Number of its color.
     pub color: usize,
@@ -85,6 +85,6 @@ pub enum MarkShape {
     Square,
     /// A triangle.
     Triangle,
-    /// No mark, and a thick bar.
+    /// A thick bar without a mark.
     Bar,
 }

@@ -66,7 +66,7 @@ fn explain_in<T: KernelFloat>(
         writeln!(text, "no surface  {error}")?;
     }
     let domain = region.as_ref().map_or([Interval::ENTIRE; 3], view::bounds);
-    // If there is no region, any will do, since kernels depend only on the domain.
+    // Without a region, take an arbitrary one, since kernels depend only on the domain.
     let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
     let [x, y, z] = domain.map(|ends| [ends.lo, ends.hi].map(coordinate).join(", "));
     writeln!(text, "domain      x in [{x}], y in [{y}], z in [{z}]")?;

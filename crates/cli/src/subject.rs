@@ -36,7 +36,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Finds the text, and reads it by `read`.
+    /// Finds the text, and lets `read` turn it into a document.
     ///
     /// # Errors
     /// If the text is missing or invalid.
@@ -59,7 +59,7 @@ impl Subject {
         }
     }
 
-    /// Reports the document's notes, about text that was read in a possibly surprising way.
+    /// Prints the document's notes. A note tells how the parser understood an ambiguous text.
     pub fn show_notes(&self) {
         for note in &self.document.notes {
             let Source { from, text } = &self.source;

@@ -1,7 +1,7 @@
-//! Intervals with two more facts: whether a function is Lipschitz continuous or differentiable.
+//! Enclosures with two more facts: whether a function is Lipschitz continuous or differentiable.
 //!
-//! With enclosures of the derivatives, these facts make slopes rigorous. On a segment within a box
-//! in which the function is Lipschitz continuous, it changes no more than its slopes allow.
+//! With enclosures of the derivatives, these facts make slopes rigorous. If a function is Lipschitz
+//! continuous in a box, then along a segment in the box it changes no more than its slopes allow.
 
 use crate::real::Real;
 use crate::value_domain::{Bounds, Loader, ValueDomain};
@@ -9,7 +9,7 @@ use zeroset_interval::{Enclosure, Exponent, Fact, Interval, Machine, Term};
 use zeroset_ir::Axis;
 use zeroset_ops::{Class, Law, Op};
 
-/// An enclosure, and how smooth the expression is over the box.
+/// An enclosure, with facts about how smooth the expression is over the box.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Smooth<V> {
     pub value: Enclosure<V>,
@@ -19,7 +19,7 @@ pub(crate) struct Smooth<V> {
     pub differentiable: Fact<V>,
 }
 
-/// The domain of enclosures with the facts of [`Smooth`].
+/// The domain of values [`Smooth`]: enclosures with the two facts.
 pub(crate) struct SmoothnessDomain<'a, I>(pub Bounds<'a, I>);
 
 fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
@@ -67,8 +67,8 @@ where
     }
 }
 
-/// The value of an operation with its facts. A fact holds if it holds for the operands, and for the
-/// operation over the operands' bounds.
+/// Adds the two facts to `value`, the result of an operation. A fact holds if it holds for all
+/// operands, and for the operation over the operands' bounds.
 fn smooth<T: Real, M: Machine>(
     m: &mut M,
     op: Op,
@@ -91,7 +91,7 @@ fn smooth<T: Real, M: Machine>(
                 let differs = differs::<T, M>(m, a, f64::from(corner));
                 away = away.and(m, differs);
             }
-            // The magnitude has slopes 1 and −1 at its corner. At the corners of other functions
+            // At its corner, the magnitude has slopes 1 and −1. At the corners of other functions,
             // slopes are infinite.
             let is_magnitude = row.class == Class::Function(Law::Magnitude);
             (if is_magnitude { continuous } else { away }, away)
@@ -103,7 +103,7 @@ fn smooth<T: Real, M: Machine>(
         },
         Class::Extremum => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
         Class::Choice => {
-            // The bounds of the condition hold only at points where it is defined.
+            // The condition's bounds hold only at points where the condition is defined.
             let defined = a.value.value.facts.defined;
             let negative = below::<T, M>(m, a, 0.0).and(m, defined);
             let other = at_least::<T, M>(m, a, 0.0).and(m, defined);
@@ -118,7 +118,7 @@ fn smooth<T: Real, M: Machine>(
                 differentiable: choose(b.differentiable, c.differentiable),
             };
         }
-        // Where the first operand and the result are defined, they are equal.
+        // The result equals the first operand wherever that operand and the result are defined.
         Class::Fallback | Class::Restriction(_) => {
             let defined = value.facts.defined.and(m, a.value.value.facts.defined);
             return Smooth {
@@ -140,7 +140,7 @@ fn both<V: Copy>(fact: Fact<V>) -> (Fact<V>, Fact<V>) {
     (fact, fact)
 }
 
-/// Lanes in which an operand is above `number` throughout the box.
+/// Lanes in which the operand `a` is above `number` in the whole box.
 fn above<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.lo > number {
         return Fact::True;
@@ -149,7 +149,7 @@ fn above<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) ->
     Fact::Lanes(m.lt(a.value.value.neg_lo, number))
 }
 
-/// Lanes in which an operand is at least `number` throughout the box.
+/// Lanes in which the operand `a` is at least `number` in the whole box.
 fn at_least<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.lo >= number {
         return Fact::True;
@@ -158,7 +158,7 @@ fn at_least<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64)
     Fact::Lanes(m.le(a.value.value.neg_lo, number))
 }
 
-/// Lanes in which an operand is below `number` throughout the box.
+/// Lanes in which the operand `a` is below `number` in the whole box.
 fn below<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.hi < number {
         return Fact::True;
@@ -167,16 +167,16 @@ fn below<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) ->
     Fact::Lanes(m.lt(a.value.value.hi, number))
 }
 
-/// Lanes in which an operand differs from `number` throughout the box.
+/// Lanes in which the operand `a` differs from `number` in the whole box.
 fn differs<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     let above = above::<T, M>(m, a, number);
     below::<T, M>(m, a, number).or(m, above)
 }
 
-/// Lanes in which two operands are never equal.
+/// Lanes in which the operands `a` and `b` have disjoint bounds.
 fn apart<M: Machine>(m: &mut M, a: &Enclosure<M::V>, b: &Enclosure<M::V>) -> Fact<M::V> {
     let mut less = |a: &Enclosure<M::V>, b: &Enclosure<M::V>| {
-        // Tests a.hi < b.lo without a sum, which would be rounded.
+        // Tests a.hi < b.lo without computing a sum, which would be rounded.
         let lo = m.neg(b.neg_lo);
         Fact::Lanes(m.lt(a.hi, lo))
     };

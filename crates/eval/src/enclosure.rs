@@ -1,11 +1,10 @@
-//! Bounds and facts of formulas over a whole domain, from one pass over their graph.
+//! Bounds and facts of expressions over a whole domain, from one pass over their graph.
 
 use crate::tape::Assumptions;
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 use zeroset_ir::{Graph, Node, NodeId};
 
-/// The bounds of `root`, and the facts proven of it, for all points and parameters within
-/// `assumptions`.
+/// The bounds and facts of `root`, for all points and parameters within `assumptions`.
 ///
 /// # Panics
 /// If `assumptions` has no bounds for a parameter that is used.

@@ -1,5 +1,5 @@
-//! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for
-//! every sample.
+//! A graph laid out for evaluation. Each node becomes a step, after its operands. Each step has
+//! bounds that hold for every sample.
 
 use crate::branches::Branches;
 use crate::lanes::Lanes;
@@ -15,17 +15,17 @@ use zeroset_interval::{
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// Bounds that code relies on: all boxes and parameters are within them.
+/// Bounds that code relies on. All boxes and parameters must be within them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assumptions {
-    /// Bounds of x, y and z.
+    /// Bounds of the coordinates x, y and z.
     pub domain: [Interval; 3],
-    /// Bounds of each parameter, by number.
+    /// Bounds of each parameter, indexed by the parameter's number.
     pub parameters: Vec<Interval>,
 }
 
 impl Assumptions {
-    /// Assumes nothing about the coordinates or about `parameters` parameters.
+    /// Assumptions that bound neither the coordinates nor any of `parameters` parameters.
     pub fn none(parameters: usize) -> Self {
         Self { domain: [Interval::ENTIRE; 3], parameters: vec![Interval::ENTIRE; parameters] }
     }
@@ -44,16 +44,16 @@ impl Assumptions {
 pub enum Step {
     /// Reads a coordinate.
     Coordinate(Axis),
-    /// Reads a parameter, by its number.
+    /// Reads the parameter with this number.
     Parameter(u32),
-    /// A constant: its bounds, and its kind of exponent.
+    /// A constant: its bounds and its kind as an exponent.
     Constant(Interval, Exponent),
-    /// An operation on earlier steps.
+    /// An operation on the results of earlier steps, given by their indices.
     Apply(Op, Vec<usize>),
 }
 
 impl Step {
-    /// The kind of exponent that the step's value is.
+    /// The step's kind as an exponent.
     pub(crate) fn exponent(&self) -> Exponent {
         match self {
             Self::Constant(_, exponent) => *exponent,
@@ -68,14 +68,14 @@ pub struct Tape<T: Real = f32> {
     steps: Vec<Step>,
     ranges: Vec<Interval>,
     outputs: Vec<usize>,
-    /// Bounds that the steps rely on. Like constants and ranges, they have ends in `T`.
+    /// Bounds that the steps rely on. Their ends are numbers of `T`.
     assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
     branches: Option<Arc<Branches>>,
 }
 
 impl<T: Real> Tape<T> {
-    /// Lays out the steps that `roots` need, with the range of each under `assumptions`.
+    /// Lays out the steps that `roots` need. Computes the range of each step under `assumptions`.
     ///
     /// # Panics
     /// If a parameter has no bounds in `assumptions`.
@@ -112,11 +112,10 @@ impl<T: Real> Tape<T> {
         tape
     }
 
-    /// Lays out steps that find where `roots` may all be 0, branch by branch where they jump. They
-    /// answer [`FindZeros`](crate::FindZeros) and nothing else.
+    /// Lays out steps that find where `roots` may all be 0. Jumps are evaluated branch by branch.
+    /// The tape can answer only [`FindZeros`](crate::FindZeros).
     ///
-    /// `None` if the last root does not jump, or if code for two branches would have too many
-    /// steps.
+    /// `None` if the last root does not jump, or if code for two branches would be too long.
     ///
     /// # Panics
     /// If there is no root, or a parameter has no bounds in `assumptions`.
@@ -126,32 +125,32 @@ impl<T: Real> Tape<T> {
         Some(Self { branches: Some(Arc::new(branches)), ..tape })
     }
 
-    /// The steps, operands before users.
+    /// The steps in order: operands precede the steps that use them.
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 
-    /// Bounds of a step's value in every sample.
+    /// Bounds of a step's value that hold in every sample.
     pub(crate) fn range(&self, index: usize) -> Interval {
         self.ranges[index]
     }
 
-    /// Indices of the steps that compute the expressions.
+    /// Indices of the steps whose values are the outputs.
     pub(crate) fn outputs_at(&self) -> &[usize] {
         &self.outputs
     }
 
-    /// The kind of exponent that the last operand of an operation is.
+    /// The kind of the last of `operands` as an exponent.
     pub(crate) fn exponent(&self, operands: &[usize]) -> Exponent {
         operands.last().map_or(Exponent::Real, |&i| self.steps[i].exponent())
     }
 
-    /// Number of expressions computed.
+    /// Number of expressions that the tape computes.
     pub fn outputs(&self) -> usize {
         if self.branches.is_some() { 1 } else { self.outputs.len() }
     }
 
-    /// The bounds that the code relies on, rounded outward to `T`.
+    /// The bounds that the steps rely on, rounded outward to `T`.
     pub fn assumptions(&self) -> &Assumptions {
         &self.assumptions
     }
@@ -161,8 +160,8 @@ impl<T: Real> Tape<T> {
         self.assumptions.parameters.len()
     }
 
-    /// Number of operations: steps other than coordinates, parameters and constants. A step that is
-    /// repeated for several branches counts each time.
+    /// Number of operations, that is of steps other than coordinates, parameters and constants. A
+    /// step that is repeated for several branches counts each time.
     pub fn operations(&self) -> usize {
         if let Some(branches) = &self.branches {
             return branches.operations();
@@ -176,10 +175,10 @@ impl<T: Real> Tape<T> {
         -largest <= range.lo && range.hi <= largest
     }
 
-    /// Computes all outputs on `m`, in a domain of values.
+    /// Computes all outputs on `m`, as values of `domain`.
     ///
     /// # Panics
-    /// If the tape is one of [`Tape::branches`], which only find zeros.
+    /// If the tape is made by [`Tape::branches`], and so only finds zeros.
     pub fn evaluate<M: Machine, D: ValueDomain<T, M>>(
         &self,
         m: &mut M,
@@ -209,8 +208,8 @@ impl<T: Real> Tape<T> {
         self.outputs.iter().map(|&output| terms[output].value).collect()
     }
 
-    /// Computes in which lanes all outputs may be 0 together, branch by branch; `None` if this tape
-    /// is not one of [`Tape::branches`].
+    /// Computes branch by branch in which lanes all outputs may be 0 together. `None` if the tape
+    /// is not made by [`Tape::branches`].
     pub(crate) fn vanishing_together<M: Machine>(
         &self,
         m: &mut M,
@@ -221,7 +220,7 @@ impl<T: Real> Tape<T> {
     }
 }
 
-/// The lanes in which a value may be 0.
+/// Lanes in which `value` may be 0.
 pub(crate) fn may_vanish<M: Machine>(
     m: &mut M,
     format: Format,
@@ -234,13 +233,13 @@ pub(crate) fn may_vanish<M: Machine>(
     holds_zero.and(m, somewhere)
 }
 
-/// Values of operations that were computed together with their [twin](zeroset_ops::OpRow::twin) and
-/// are not used yet. Keys are the operation and the step of its operand.
+/// Values that were computed together with their [twin](zeroset_ops::OpRow::twin) and are not used
+/// yet. A key is an operation and the step of its operand.
 struct Twins<V>(HashMap<(Op, usize), V>);
 
 impl<V> Twins<V> {
-    /// Returns the value of `op` at a step, either stored or computed by `both`. In the latter case
-    /// the twin's value is stored. `None` if the two are not computed together.
+    /// Returns the value of `op` for an operand. If it is not stored, `both` computes it with its
+    /// twin's value, which is stored. `None` if the operation is not computed with a twin.
     fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
         let twin = op.row().twin?;
         if let Some(value) = self.0.remove(&(op, operand)) {
@@ -252,13 +251,13 @@ impl<V> Twins<V> {
     }
 }
 
-/// Limit on the relative amount by which bounds of an elementary function over part of a box may
-/// exceed its bounds over the whole box. They may, since approximations are not exactly monotone.
-/// The limit is far above twice the error of each bound.
+/// Limit on how far an elementary function's bounds over part of a box may exceed its bounds over
+/// the whole box, as a fraction. They may exceed them because approximations are not exactly
+/// monotone. The limit is far above twice the error of each bound.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 
-/// A step's value over everything that `assumptions` allow. Since rules are isotone, it contains
-/// the step's value in every kernel.
+/// Encloses a step over everything that `assumptions` allow. Since rules are isotone, the result
+/// contains the step's value in every kernel.
 fn range_of<T: Real>(
     step: &Step,
     values: &[Operand<Vector>],
@@ -276,7 +275,7 @@ fn range_of<T: Real>(
         Step::Apply(op, operands) => {
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
             let value = enclose(&mut Software::new(), T::FORMAT, *op, &operands);
-            // Subtracting from 0 and adding to 0 turn a zero of either sign into +0.
+            // The subtraction and the addition of 0 turn a zero of either sign into +0.
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
             let nowhere =
                 T::bits(value.facts.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
@@ -302,9 +301,10 @@ fn first<T: Real>(vector: Vector) -> f64 {
     lanes[0].into()
 }
 
-/// Widens a range to contain the bounds over a branch, which may exceed it. Each end moves by a
-/// share of its magnitude, but at least by `excess`, the largest error of an enclosure below the
-/// normal numbers. An end at 0 stays, because no approximation changes the sign of a value.
+/// Widens a range so that it contains the bounds over a branch, which may exceed it. Each end moves
+/// by a fraction of its magnitude, but at least by `excess`. That is the largest error of an
+/// enclosure below the normal numbers. An end at 0 stays, because no approximation changes the sign
+/// of a value.
 fn inflate(range: Interval, excess: f64) -> Interval {
     let out = |end: f64, sign: f64| match end {
         0.0 => end,

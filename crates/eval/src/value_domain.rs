@@ -1,4 +1,4 @@
-//! Domains of values that a tape computes with, such as intervals or points.
+//! Domains of values with which a tape computes, such as intervals or points.
 //!
 //! Each domain implements the steps of a tape in its own way.
 
@@ -10,28 +10,28 @@ use zeroset_interval::{
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
 
-/// A type of values, such as intervals or points, in the lanes of a machine.
+/// A kind of value, such as intervals or points, for the lanes of a machine.
 pub trait ValueDomain<T: Real, M: Machine> {
     /// A value in each lane.
     type Value: Copy;
 
-    /// Returns a coordinate.
+    /// Returns the value of a coordinate.
     fn coordinate(&mut self, m: &mut M, axis: Axis) -> Self::Value;
-    /// Returns the parameter with this number.
+    /// Returns the value of the parameter with this number.
     fn parameter(&mut self, m: &mut M, number: usize) -> Self::Value;
-    /// Returns a constant known by bounds with ends in `T`.
+    /// Returns the value of a constant known by bounds with ends in `T`.
     fn constant(&mut self, m: &mut M, bounds: Interval) -> Self::Value;
     /// Applies an operation to earlier values.
     fn apply(&mut self, m: &mut M, op: Op, operands: &[Term<Self::Value>]) -> Self::Value;
-    /// Applies an operation and its [twin](zeroset_ops::OpRow::twin) to the same value, such as
-    /// sine and cosine. `None` if the two share no work.
+    /// Applies an operation and its [twin](zeroset_ops::OpRow::twin), such as sine and cosine, to
+    /// one operand. `None` if the two share no work.
     fn apply_twins(
         &mut self,
         m: &mut M,
         op: Op,
         operand: &Term<Self::Value>,
     ) -> Option<[Self::Value; 2]>;
-    /// Returns a value that is known to be within `range`, see [`Machine::clamp_to`].
+    /// Clamps a value that is known to be within `range`; see [`Machine::clamp_to`].
     fn clamp_to(&mut self, _m: &mut M, value: Self::Value, _range: Interval) -> Self::Value {
         value
     }
@@ -39,20 +39,19 @@ pub trait ValueDomain<T: Real, M: Machine> {
 
 /// Loads the inputs and parameters of a kernel.
 pub trait Loader<M: Machine> {
-    /// Returns the input's quantity with this number, in the lanes that are being evaluated.
+    /// Loads the input's quantity with this number, in the lanes that are being evaluated.
     fn input(&mut self, m: &mut M, quantity: usize) -> M::V;
-    /// Returns the quantity with this number of the [`Binding`](crate::Binding).
+    /// Loads the quantity with this number from the [`Binding`](crate::Binding).
     fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V;
 }
 
-/// The domain of intervals with facts, for boxes and parameters in memory.
+/// The domain of values that are intervals with facts. It reads boxes and parameters with a loader.
 pub(crate) struct Bounds<'a, I>(pub &'a mut I);
 
-/// The domain of values at points in memory, without error bounds.
+/// The domain of values at points, without error bounds. It reads inputs with a loader.
 pub(crate) struct Samples<'a, I>(pub &'a mut I);
 
-/// Number of quantities per parameter in a [`Binding`](crate::Binding): −lo, hi, and a value
-/// between them.
+/// Number of quantities per parameter of a binding: −lo, hi and a value between them.
 pub(crate) const PARAMETER_QUANTITIES: usize = 3;
 
 impl<T: Real, M: Machine, I: Loader<M>> ValueDomain<T, M> for Bounds<'_, I> {

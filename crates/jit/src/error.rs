@@ -30,7 +30,7 @@ pub enum Error {
         /// Most bytes of stack allowed.
         limit: u32,
     },
-    /// The code generator failed, which is a defect. This is its report.
+    /// The code generator failed with this report. Such a failure is always a defect.
     #[error("code generation failed: {0}")]
     Codegen(String),
 }

@@ -10,7 +10,7 @@ use zeroset_ir::{Axis, Graph};
 use zeroset_jit::Native;
 use zeroset_ops::Op;
 
-/// Cycles of a short run, a hundredth of the long one.
+/// Cycles of a short run: a hundredth of the long run.
 const CYCLES: usize = 2000;
 const ALLOWED_KILOBYTES: i64 = 2048;
 

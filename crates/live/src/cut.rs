@@ -42,7 +42,7 @@ impl Live {
     }
 }
 
-/// The choice that shows no plane. `Off` is needed only if the document sets a plane.
+/// The choice that shows no plane. It has to be `Off` only if the document sets a plane.
 fn none(own: Option<HalfSpace>) -> ClipChoice {
     if own.is_some() { ClipChoice::Off } else { ClipChoice::Document }
 }

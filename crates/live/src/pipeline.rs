@@ -58,7 +58,7 @@ pub struct Request {
     pub source: DocumentSource,
     /// Text of the document.
     pub text: Arc<str>,
-    /// Names with values that override those of the text.
+    /// Names and values of parameters. They override the values in the text.
     pub overrides: Vec<(String, String)>,
     /// The time `t`, which overrides the value in the text.
     pub time: Option<f64>,
@@ -209,7 +209,7 @@ pub struct Snapshot {
     pub rendering: Option<Arc<Rendering>>,
     /// The error of the latest request, if it has one.
     pub fault: Option<Arc<Fault>>,
-    /// Revision of the latest request that is finished.
+    /// Revision of the latest finished request.
     pub settled: u64,
 }
 
@@ -229,9 +229,10 @@ struct PipelineState {
     revision: u64,
     requested: Instant,
     snapshot: Snapshot,
-    /// Set while the user or the clock moves values. An automatic view holds still until they stop.
+    /// Set while the user or the clock moves values. Until they stop, an automatic view holds
+    /// still.
     moving: bool,
-    /// How the automatic view changes next.
+    /// The next change of an automatic view.
     next_view: NextView,
     stop: bool,
 }
@@ -241,7 +242,7 @@ struct PipelineState {
 enum NextView {
     /// Immediately, since the user waits for the picture.
     Immediate,
-    /// Later: a new view is due, but values are still moving.
+    /// Later. The view should change, but values are still moving.
     Deferred,
     /// By gliding, now that values have stopped.
     Gliding,
@@ -281,7 +282,7 @@ impl Pipeline {
         state.revision
     }
 
-    /// Sets whether values are moving. Returns whether they have stopped and a new view is due.
+    /// Sets whether values are moving. Returns whether a deferred change of the view is due.
     pub fn set_moving(&self, moving: bool) -> bool {
         let mut state = self.shared.lock();
         state.moving = moving;
@@ -297,8 +298,8 @@ impl Pipeline {
         self.shared.lock().snapshot.clone()
     }
 
-    /// Waits until `done` returns true for the results and the latest revision. Returns whether
-    /// that happened in time.
+    /// Waits until `done` returns true for the results and the latest revision. Returns false on
+    /// timeout.
     pub fn wait(&self, timeout: Duration, done: impl Fn(&Snapshot, u64) -> bool) -> bool {
         let state = self.shared.lock();
         let waiting = |state: &mut PipelineState| !done(&state.snapshot, state.revision);
@@ -331,7 +332,7 @@ pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
     errors.iter().all(|error| letter(error) == Some(first)).then_some(first)
 }
 
-/// Returns whether both have the same text, overrides and time.
+/// Returns whether both requests have the same text, overrides and time.
 pub(super) fn same_document(one: &Request, other: &Request) -> bool {
     one.text == other.text && one.overrides == other.overrides && one.time == other.time
 }

@@ -28,8 +28,8 @@ const SPOT_RADIUS: f64 = 0.75;
 /// Least number of visible points. With fewer, the camera shows the whole region.
 const LEAST: usize = 8;
 
-/// A surface is flat if its thickness is below this share of its width. It is then viewed from a
-/// direction whose angle to the surface has at least this sine.
+/// A surface is flat if its thickness is below `THIN` of its width. It is then viewed from a
+/// direction whose angle to the surface has at least the sine `LEAST_SINE`.
 const THIN: f64 = 0.15;
 const LEAST_SINE: f64 = 0.5;
 
@@ -48,7 +48,7 @@ const SIDES: [DVec3; 5] = [
 ];
 
 /// The camera for pictures of `model`, which was compiled from `document`. Settings in `choice` or
-/// the document stay. If neither sets another side, an eye, a target, a field of view or a height,
+/// the document stay. If neither sets an eye, a target, a scale, or a view other than the default,
 /// the visible points are fitted into the picture. Returns `None` once `wanted` returns false.
 ///
 /// # Errors
@@ -125,7 +125,7 @@ pub fn camera(
     }
 }
 
-/// The camera that shows the whole region, unless another one is chosen.
+/// The camera that shows the whole region, unless `choice` or the document sets another one.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -254,7 +254,7 @@ impl FreeView {
 
     /// A camera on the side of `back` whose eye can turn around its target about an upright axis.
     /// It fits the points that `look` finds from all sides. Returns `usual` if that camera is not
-    /// valid in floats, and `None` once `look` does.
+    /// valid in floats, and `None` once `look` returns `None`.
     fn fitted_around(
         &self,
         back: DVec3,
@@ -287,7 +287,7 @@ impl FreeView {
         };
         let everywhere: Vec<Spot> = (0..ROUND_STEPS).flat_map(around).collect();
         let Ok(camera) = self.fitted(back, &everywhere, FILLED) else { return Ok(Some(*usual)) };
-        // Move the target along the view to the upright axis.
+        // Move eye and target together, so that the target lies on the upright axis.
         let (eye, target) = (camera.eye(), camera.target());
         let off = (target - centre).reject_from(axis);
         let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
@@ -299,13 +299,14 @@ impl FreeView {
         (self.fov.to_radians() / 2.0).tan()
     }
 
-    /// The nearest camera on the side of `back` that shows all spots within this share of the
+    /// The nearest camera on the side of `back` that shows all spots within `share` of the
     /// picture's shorter side.
     fn fitted(&self, back: DVec3, spots: &[Spot], share: f64) -> Result<Camera, CameraError> {
         self.fitted_within(back, spots, [share * self.slope() * self.aspect.min(1.0); 2])
     }
 
-    /// The nearest camera that shows all spots within these slopes, sideways and upward.
+    /// The nearest camera that shows all spots within the slopes `broad` sideways and `high`
+    /// upward.
     fn fitted_within(
         &self,
         back: DVec3,

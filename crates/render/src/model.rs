@@ -1,4 +1,4 @@
-//! The compiled surfaces of a document over one region, which are drawn from any camera.
+//! The compiled surfaces of a document over one region. They can be drawn from any camera.
 
 mod antialias;
 mod layers;
@@ -48,7 +48,7 @@ struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
     lines: PictureLines,
-    /// The value for contour lines if none is given, which is z. `None` without contour lines.
+    /// The value z, for contour lines without a value. `None` without contour lines.
     height: Option<PointValue>,
     /// Values of the parameters, indexed by parameter number.
     parameters: Vec<f64>,
@@ -91,9 +91,9 @@ impl Model {
         Ok(model.expect("wanted to the end"))
     }
 
-    /// Like [`Model::new`], but can be cancelled. It returns `None` once `wanted` returns false,
-    /// which is checked between kernels. The code serves all regions within `reach`, which must
-    /// contain `region`.
+    /// Like [`Model::new`], but can be cancelled. It checks `wanted` between kernels, and returns
+    /// `None` once that is false. The code serves all regions within `reach`, which must contain
+    /// `region`.
     ///
     /// # Errors
     /// As [`Model::new`].
@@ -191,7 +191,7 @@ impl Model {
         self.styles.len()
     }
 
-    /// Numbers of the visible surfaces.
+    /// Indices of the visible surfaces.
     fn visible_surfaces(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.surfaces()).filter(|surface| !self.styles[*surface].hidden)
     }
@@ -280,8 +280,8 @@ impl Model {
     }
 }
 
-/// A segment shorter than this share of the longest bracket may stay undecided in a preview. The
-/// same holds for rays that affect only colors.
+/// A segment shorter than this share of the longest bracket may stay undecided in a preview, and on
+/// rays that only affect colors.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
 /// Method options for the rays of a picture, for a surface of this kind.
@@ -294,7 +294,7 @@ fn options(settings: &Settings, kind: SurfaceKind) -> TraceOptions {
     }
 }
 
-/// Compiles the kernels that pictures of a surface need, in parallel, while they are `wanted`.
+/// Compiles the kernels that pictures of a surface need, in parallel, while `wanted` returns true.
 ///
 /// # Errors
 /// If a kernel fails to compile.
@@ -339,7 +339,7 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 
-/// Progress callback: finished pixels, and all pixels. Called from several threads.
+/// Progress callback: gets the numbers of finished and of all pixels. Called from several threads.
 pub type ProgressCallback<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Draws all surfaces of `document` in `region` from `camera`.
@@ -358,7 +358,7 @@ pub fn render(
 
 /// Number of points at which a function is tested for being 0 everywhere.
 const FLAT_POINTS: usize = 64;
-/// Multiples of these numbers, modulo 1, fill a cube evenly (Roberts 2018, generalised golden
+/// Multiples of these numbers, modulo 1, fill a cube evenly (Roberts 2018, generalized golden
 /// ratios).
 const FLAT_STEPS: DVec3 = DVec3::new(0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9);
 

@@ -54,10 +54,10 @@ pub struct Stage {
     camera: Camera,
 }
 
-/// Why a sequence cannot be drawn.
+/// The reason why a sequence cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum SequenceError {
-    /// The document has errors with the values of this frame.
+    /// With this frame's values, the document has errors.
     #[error("frame {frame}: {errors}")]
     Text {
         /// Number of the frame, from 0.
@@ -120,7 +120,7 @@ impl Sequence {
     }
 
     /// Chooses region and camera for all frames. Frames without a surface are skipped. The camera
-    /// fits what is visible. It fits the whole box instead if `shows_domain`, or if the time for
+    /// fits the visible points. It fits the whole box instead if `shows_domain`, or if the time for
     /// choosing runs out.
     ///
     /// # Errors
@@ -203,7 +203,7 @@ fn turned(camera: &Camera, degrees: f64) -> Result<Camera, CameraError> {
     Camera::new(eye, camera.target(), up, camera.projection())
 }
 
-/// The smallest region that contains both.
+/// The smallest region that contains both regions, and the result of both searches.
 fn both(
     (one, found): &(Region, Option<AutoDomain>),
     (other, found_too): &(Region, Option<AutoDomain>),

@@ -9,14 +9,14 @@ use crate::view;
 use zeroset_space::Region;
 use zeroset_syntax::Document;
 
-/// Why nothing is visible.
+/// The reason why a picture shows nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Blank {
     /// The document hides every surface.
     Hidden,
     /// The function has no value anywhere in the domain.
     Undefined,
-    /// The surface is proven empty, in the region and wherever it was searched for.
+    /// The region lies within ±[`REACH`], where the surface is proven to have no point.
     Empty,
     /// The surface lies elsewhere, or is too small to be visible in this region.
     Elsewhere(AutoDomain),
@@ -25,9 +25,9 @@ pub enum Blank {
 }
 
 impl Blank {
-    /// Finds out why nothing of `document` is visible in `region`. `undefined`: whether the
-    /// function has no value in the region. `searched`: the domain that was found, if there was a
-    /// search.
+    /// Finds out why nothing of `document` is visible in `region`. `undefined` is true if the
+    /// function has no value in the region. `searched` is the domain that a search found, if there
+    /// was one.
     pub fn find(
         document: &Document,
         region: &Region,

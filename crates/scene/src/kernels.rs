@@ -1,5 +1,5 @@
-//! The kernels of surfaces. A kernel is compiled when it is first requested, once for all values of
-//! the parameters, and its code size is counted.
+//! The kernels of surfaces. A kernel is compiled once, at its first request, for all values of the
+//! parameters. The size of its code is counted.
 //!
 //! Simplification and parameter values come from other modules. This module does not depend on what
 //! kernels compute.
@@ -16,8 +16,8 @@ use zeroset_eval::{
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::Compiled;
 
-/// Limit of machine code for all kernels of a document, in bytes. This much takes about a second to
-/// compile. The largest single surface that kernels can hold needs half of it.
+/// Limit of machine code for all kernels of a document, in bytes. That much code takes about a
+/// second to compile. The largest single surface that kernels can hold needs half of it.
 const CODE_BYTES: usize = 8 << 20;
 
 /// The evaluator that runs kernels.
@@ -30,25 +30,25 @@ pub enum Evaluator {
     Reference,
 }
 
-/// A kernel that was compiled.
+/// A record of a compiled kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CompiledKernel {
-    /// Index of its surface.
+    /// Index of the kernel's surface.
     pub surface: usize,
-    /// Name of the query that it answers.
+    /// Name of the query that the kernel answers.
     pub question: &'static str,
-    /// Form of the surface's function that it computes.
+    /// Form of the surface's function in the kernel.
     pub form: KernelSource,
-    /// Floating-point format that it computes in.
+    /// Floating-point format of the kernel.
     pub format: Format,
     /// Size of the machine code in bytes; 0 for the reference evaluator.
     pub bytes: usize,
-    /// Size of its vectors in bytes; 0 for the reference evaluator.
+    /// Size of the kernel's vectors in bytes; 0 for the reference evaluator.
     pub vector_bytes: usize,
 }
 
 impl CompiledKernel {
-    /// The name of the format that it computes in.
+    /// The name of the kernel's floating-point format.
     pub fn floats(&self) -> &'static str {
         match self.format {
             Format::F32 => "f32",
@@ -56,7 +56,7 @@ impl CompiledKernel {
         }
     }
 
-    /// The reason why a picture needs it.
+    /// The reason why a picture needs the kernel.
     pub fn reason(&self) -> &'static str {
         match (self.form, self.question) {
             (_, question) if question == ContractTiles::NAME => "to find the surface, tile by tile",
@@ -123,7 +123,7 @@ fn within_limit(made: &[CompiledKernel]) -> Result<(), ProgramError> {
     Ok(())
 }
 
-/// The steps of a kernel before parameter values are bound, and the uniforms that they read.
+/// The code of a kernel before parameter values are bound, and the uniforms that the code reads.
 struct UnboundKernel<Q: Query, T: Real> {
     steps: Steps<Q, T>,
     uniforms: Uniforms,
@@ -134,11 +134,11 @@ enum Steps<Q: Query, T: Real> {
     Reference(Tape<T>),
 }
 
-/// Code that is compiled at most once, or the error if that failed; `None` if the surface has no
-/// such form.
+/// A kernel of some form in two variants. Each is compiled at most once, and holds the error if
+/// compiling failed. It is `None` if the surface has no such form.
 ///
-/// Slot 0 has code whose uniforms are computed beforehand. Slot 1 has code without uniforms, for
-/// parameter values at which a uniform is undefined.
+/// Slot 0 has code that reads uniforms. Slot 1 has code without uniforms, for parameter values at
+/// which a uniform is undefined.
 type Slot<Q, T> = [Once<Option<UnboundKernel<Q, T>>>; 2];
 
 /// The code of one surface in one precision.
@@ -157,7 +157,7 @@ struct SurfaceCode<T: Real> {
     gradients: Slot<SampleGradient, T>,
 }
 
-/// The code of one surface.
+/// The code of one surface, in both precisions.
 #[derive(Default)]
 struct SurfaceCodes {
     single: Arc<SurfaceCode<f32>>,
@@ -169,7 +169,6 @@ pub(crate) struct CodeStore {
     pub simplified: Arc<Simplified>,
     pub ledger: KernelList,
     evaluator: Evaluator,
-    /// The code of each surface.
     codes: Vec<SurfaceCodes>,
 }
 
@@ -207,7 +206,7 @@ impl CodeStore {
 /// A kernel to which parameter values are bound.
 type Bound<Q, T> = Box<dyn Kernel<Q, T>>;
 
-/// A value that is created at most once, or the error if that failed.
+/// A value that is created at most once, or the error if its creation failed.
 type Once<K> = OnceLock<Result<K, KernelError>>;
 
 /// The kernels of one surface in one precision, bound to the present parameter values.
@@ -278,8 +277,7 @@ impl<T: Real> Bindings<T> {
     ) -> Result<Option<Bound<Q, T>>, KernelError> {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
-                // This is checked before compiling, so that no code is compiled that is not valid
-                // for the present values.
+                // Code that is not valid for the present values is not even compiled.
                 let steps = self.store.simplified.steps(self.surface, form, hoisted);
                 if let Ok(Some((_, uniforms))) = &steps
                     && uniforms.values(&self.values).is_none()
@@ -301,7 +299,7 @@ impl<T: Real> Bindings<T> {
         unreachable!("a program's values are within what it assumes")
     }
 
-    /// As [`Bindings::bind`], for forms that every surface has, or that this one is known to have.
+    /// As [`Bindings::bind`], for a form that the surface is known to have.
     fn bind_always<Q: Query>(
         &self,
         slot: &Slot<Q, T>,
@@ -344,7 +342,7 @@ impl<T: Real> Bindings<T> {
         Ok(cleared.map_err(|error| Arc::new(error) as KernelError)?.is_some())
     }
 
-    /// The numerator of the rational form, or else the function.
+    /// The numerator of the rational form. If there is none, or for a solid, the function.
     fn without_poles(&self) -> Result<KernelSource, KernelError> {
         // The boundary of a solid includes the places where its function changes sign at a pole.
         let is_cleared = !self.is_solid() && self.has_cleared()?;

@@ -9,7 +9,7 @@ use zeroset_trace::GBuffer;
 use zeroset_trace::painted::SHADED_ROWS;
 use zeroset_trace::{RayGrid, SIDE};
 
-/// Least cosine of the angle between two normals, about 20 degrees, that is not yet an edge.
+/// Two normals make an edge if the cosine of their angle is below this (about 20 degrees).
 const LEAST_COSINE: f32 = 0.94;
 /// A step in depth is an edge if it is more than this many times a pixel's width, and more than
 /// this many times the step that the slope causes.
@@ -57,7 +57,7 @@ struct EdgeDetector<'a> {
     level: Level,
 }
 
-/// The quantities of some pixels in a row that are compared.
+/// The compared quantities of adjacent pixels in a row.
 struct PixelRun<'a> {
     drawn: &'a [f64],
     /// Empty if the picture has only one surface.
@@ -81,9 +81,9 @@ impl<'a> PixelRun<'a> {
 /// One bit per lane.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Compares sixteen pairs of pixels, from the `k`th on. Returns those that may have an edge between
-/// them, as bits: these few comparisons rule out most pairs. Depths may differ by `at_eye` plus
-/// `growth` times the smaller one.
+/// Compares sixteen pairs of pixels, from the `k`th on. Returns a bit for each pair that may have
+/// an edge; most pairs have none. Between pixels without an edge, depths differ by at most `at_eye`
+/// plus `growth` times the smaller depth.
 #[inline(always)]
 fn differing<S: Simd>(
     simd: S,
@@ -127,9 +127,9 @@ fn differing<S: Simd>(
 }
 
 impl EdgeDetector<'_> {
-    /// The columns of a row that may have an edge to the right: from the one before the first
-    /// painted pixel to the last painted one, but not the last column. Empty if no pixel is
-    /// painted.
+    /// The columns of a row that may have an edge at their right border. They reach from the column
+    /// before the first painted pixel to the last painted pixel, without the picture's last column.
+    /// Empty if no pixel is painted.
     fn painted(&self, row: usize) -> Range<usize> {
         let width = self.rays.width();
         let drawn = &self.buffer.drawn[row * width..][..width];
@@ -207,8 +207,8 @@ fn slope_along(normal: [f32; 3], rays: &RayGrid, pixel: usize, axis: DVec3) -> f
     (normal.dot(axis) / normal.dot(along)).abs()
 }
 
-/// The largest change of depth from pixel to pixel in the picture, in widths of a pixel, for this
-/// normal and a unit vector `along` the ray.
+/// The steepest change of depth per pixel in the picture, in widths of a pixel, for this normal.
+/// `along` is a unit vector along the ray.
 pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
     // The tangent of the angle between normal and view.
     let cosine = Vec3::from_array(normal).dot(along);

@@ -10,7 +10,7 @@ use glam::DVec3;
 pub struct Ray {
     /// The point at t = 0: the eye, or a point of the eye's plane in an orthographic picture.
     pub origin: DVec3,
-    /// The vector from t to t + 1, of any length but 0.
+    /// The step from the point at t to the point at t + 1, of any length but 0.
     pub direction: DVec3,
 }
 
@@ -27,7 +27,8 @@ impl Ray {
         t * self.direction.length()
     }
 
-    /// The t of the point at a distance in world units: the inverse of [`Ray::distance`].
+    /// The t of the point at this distance from the origin, in world units: the inverse of
+    /// [`Ray::distance`].
     pub fn parameter(&self, distance: f64) -> f64 {
         distance / self.direction.length()
     }

@@ -126,7 +126,7 @@ pub fn hexadecimal(value: f64) -> String {
 /// A text under construction.
 ///
 /// Shared sub-expressions and expressions too long for one line become definitions. In the graph
-/// `pieces`, each of them is a parameter with the definition's name.
+/// `pieces`, a parameter with the definition's name stands for the expression.
 #[derive(Default)]
 struct Document {
     pieces: Graph,
@@ -150,7 +150,7 @@ impl Document {
 
     fn define(&mut self, prefix: &str, number: usize, text: &str) -> NodeId {
         let (id, name) = self.name(prefix, number);
-        let _ = writeln!(self.definitions, "{name} = {text}"); // strings take all that is written
+        let _ = writeln!(self.definitions, "{name} = {text}"); // a string accepts everything
         id
     }
 

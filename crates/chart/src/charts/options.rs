@@ -1,4 +1,4 @@
-//! The cost of options: work by tolerance and depth, time by precision.
+//! Charts of options: work against tolerance and depth, and time by precision.
 
 use super::{MeasuredRows, bar, color, families, mean, notes, series, shape};
 use crate::grid::Configuration;
@@ -15,7 +15,7 @@ pub fn charts(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     work.chain(precisions(rows)).collect()
 }
 
-/// Evaluated lanes per pixel, without those of gradient kernels.
+/// Number of lanes evaluated per pixel. Lanes of gradient kernels do not count.
 fn lanes(row: &Row) -> Option<f64> {
     let lanes = row
         .work()
@@ -34,7 +34,7 @@ fn work(rows: &MeasuredRows<'_>, option: MethodOption) -> Option<Figure> {
     let mut all = Vec::new();
     for family in families(rows) {
         let mut line = series(&family[0]);
-        // Only one precision has bars, since those of several would cover one another.
+        // Only one precision has bars, since bars of several precisions would cover one another.
         let has_bars = matches!(family[0].precision, None | Some(Precision::Auto));
         for one in &family {
             let Some(number) = one.number(option) else { continue };

@@ -35,7 +35,8 @@ fn tower(op: Op, length: usize) -> (Graph, NodeId) {
     (graph, root)
 }
 
-/// Two operations for each of `width` terms, which are all computed before the first is used.
+/// A sum of `width` terms, with two operations each. All terms are computed before the first is
+/// used.
 fn live(op: Op, width: usize) -> (Graph, NodeId) {
     let mut graph = Graph::new();
     let x = graph.variable(Axis::X);
@@ -127,7 +128,8 @@ fn a_kernel_has_as_many_parameters_and_outputs_as_asked_for() {
     assert!(is_refused(&mut || drop(Compiled::<SampleGradient>::new(tape()))));
 }
 
-/// Code omits guards that its assumptions make needless, so results beyond them are wrong.
+/// A kernel's code omits guards that its assumptions make needless. So values outside the
+/// assumptions must be refused.
 #[cfg(debug_assertions)]
 #[test]
 fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
@@ -155,7 +157,7 @@ fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
             for axis in 0..3 {
                 let mut ends = [Interval::ONE; 3];
                 ends[axis] = Interval { lo, hi };
-                // Only the last lane is outside.
+                // Only the last lane is outside the assumed domain.
                 let boxes = Boxes::around(&[[[Interval::ONE; 3]; 8].as_slice(), &[ends]].concat());
                 assert_eq!(is_refused(&mut || drop(kernel.eval_all(&boxes))), !is_allowed);
             }

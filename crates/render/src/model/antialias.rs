@@ -17,9 +17,9 @@ use zeroset_trace::{GBuffer, Patch, RayGrid, Status, TraceOptions};
 /// Number of pixels that are antialiased together, small enough for the inner caches.
 const PART: usize = 64;
 
-/// The finer rays of a pixel are traced around the known depths of the pixel and its neighbors,
-/// within a margin. It has a fixed number of pixel widths, and a multiple of the depth that the
-/// slopes explain.
+/// The finer rays of a pixel are traced only near the known depths of the pixel and its neighbors.
+/// The margin is `MARGIN_PIXELS` pixel widths, plus `SLOPE_FACTOR` times the change of depth that
+/// the slope explains.
 const MARGIN_PIXELS: f64 = 4.0;
 const SLOPE_FACTOR: f64 = 2.0;
 
@@ -95,7 +95,7 @@ struct Edges<'a, T> {
 }
 
 impl<T: KernelFloat> Edges<'_, T> {
-    /// Returns the mean colors of these pixels, without those that need no antialiasing.
+    /// Returns the mean color of each pixel that needs antialiasing.
     fn smooth(
         &self,
         [all, layer]: &mut LayerBuffers,
@@ -184,8 +184,8 @@ impl<T: KernelFloat> Edges<'_, T> {
         self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, between })
     }
 
-    /// Copies shadow and occlusion to the finer points at `places`. The source is the point of the
-    /// pixel or a neighbor that is nearest in depth on the same surface.
+    /// Copies shadow and occlusion to the finer points at `places`. Candidates are the points of
+    /// the pixel and its neighbors. The source is the nearest one in depth on the same surface.
     fn copy_hidden_light(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
         let picture = self.picture;
         let (mut known, mut count) = ([0; 9], 0);

@@ -30,7 +30,7 @@ pub struct Strip<'a> {
     pub top: usize,
     /// The picture of the strip's rows.
     pub picture: &'a mut Picture,
-    /// A picture of the whole, possibly smaller. `None` if the strip is the whole picture.
+    /// The whole picture, possibly smaller. `None` if the strip is the whole picture.
     pub overview: Option<&'a Picture>,
 }
 

@@ -146,7 +146,7 @@ pub(super) struct RenderPass<'a, T> {
     pub model: &'a Model,
     pub settings: &'a Settings,
     pub advance: Advance<'a>,
-    /// A picture of the whole, if this pass draws a strip.
+    /// A picture of the whole scene, if this pass draws a strip.
     overview: Option<&'a Overview>,
     /// The rows of a strip that are kept. `None` for all.
     pub own: Option<Range<usize>>,
@@ -251,7 +251,6 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         self.finished(rays, found, times).map(Some)
     }
 
-    /// Draws the picture in other light.
     fn relight(&self, picture: &Picture, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let mut lit = picture.clone();
         lit.buffer.shadow.clear();
@@ -332,7 +331,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let (layer, found) =
                 driver.new_picture(surface as u16, kept, only, picture.as_ref(), parts, finish);
             work += found;
-            // Divide the sum over all threads, on the assumption that all were busy all the time.
+            // Take the mean over all threads, as if all were busy all the time.
             let shading = shading.into_inner() / rayon::current_num_threads() as u64;
             let (lap, shading) = (watch.lap(), Duration::from_nanos(shading));
             times.trace += lap.saturating_sub(shading);

@@ -1,5 +1,5 @@
 //! The center of a function, read off its graph: the center of a quadric, the tip of a paraboloid,
-//! the offsets subtracted from x, y and z in roots and waves. It moves with the surface.
+//! the offsets subtracted from x, y and z in roots and waves. The center moves with the surface.
 //!
 //! Nothing here is a proof: the center only serves to choose a window. This module depends neither
 //! on kernels nor on boxes.
@@ -19,7 +19,7 @@ struct NodePolynomial {
     is_whole: bool,
 }
 
-/// How many pairs of terms may be multiplied in all while the polynomials of a function are
+/// Largest number of pairs of terms that are multiplied while the polynomials of a function are
 /// expanded.
 const MOST_PRODUCTS: usize = 100_000;
 

@@ -9,14 +9,14 @@ use super::heights::{AT_ONCE, Grid, Heights, ROUNDING, SIDE, places};
 pub struct Extremum {
     /// The place in the plane of the graph's two independent variables.
     pub place: [f64; 2],
-    /// Its height.
+    /// The graph's height at the place.
     pub height: f64,
-    /// Whether it is isolated; else it is part of a ridge or a plateau.
+    /// Whether the extremum is isolated. Otherwise it is part of a ridge or a plateau.
     pub is_isolated: bool,
 }
 
 /// Least distance of an extremum from the median height, as a share of the largest such distance.
-/// Extrema below it are not visible.
+/// Extrema nearer to the median are not visible.
 const LEAST_HEIGHT: f64 = 0.02;
 
 /// Largest number of steps in the climb to an extremum, and the number of times that the step is
@@ -25,13 +25,13 @@ const STEPS: usize = 24;
 const HALVINGS: usize = 5;
 
 /// Number of directions tried around an extremum, and the number of times that the interval around
-/// the best direction is quartered. On a ridge, the height falls along that direction by less than
+/// the best direction is quartered. On a ridge, the fall along the best direction is less than
 /// `RIDGE` of the steepest fall.
 const DIRECTIONS: usize = 32;
 const NARROWED: usize = 5;
 const RIDGE: f64 = 1e-3;
 
-/// All extrema near points of a grid, except on its border.
+/// All extrema near inner points of a grid.
 pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Extremum> {
     let Some([low, high]) = grid.ends() else { return Vec::new() };
     let (places, apart) = (places(grid.half), grid.apart());
@@ -49,8 +49,8 @@ pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Extremum> {
     tops
 }
 
-/// Points of the grid that are at least as high as all their neighbors, or at least as low, and
-/// differ from some by more than rounding. The sign is 1 for a maximum, −1 for a minimum.
+/// Grid points that may be extrema, with the sign 1 for a maximum and −1 for a minimum. No neighbor
+/// is higher (or lower), and some neighbor differs by more than rounding.
 fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     let inner = |n: &usize| {
         (1..SIDE - 1).contains(&(n % SIDE))
@@ -108,8 +108,8 @@ fn climb(
     None
 }
 
-/// Returns whether the paraboloid through the heights around a place also has its top nearby. In a
-/// bent valley it does not.
+/// Returns whether the paraboloid through the heights around a place has its top near that place.
+/// In a bent valley it does not.
 fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> bool {
     let places: Vec<[f64; 2]> = (0..9)
         .map(|n: i32| [x + f64::from(n % 3 - 1) * step, y + f64::from(n / 3 - 1) * step])
@@ -126,7 +126,7 @@ fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> boo
     way.is_nan() || way <= apart
 }
 
-/// Returns whether the height differs abruptly from the heights around it. It does if rounding
+/// Returns whether the height differs abruptly from the heights around it. This happens if rounding
 /// leaves a finite value at a pole.
 fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
     let falls = |far: f64| {

@@ -1,9 +1,10 @@
 //! Critical points of a function on its surface or near it: nodes, and the middles of necks and
 //! handles.
 //!
-//! Newton's method starts from places spread about a center, so the critical points of a surface
-//! move with it. A point counts if the sign changes nearby and intervals do not rule out a zero
-//! there. Some points may be missed. This module depends neither on cameras nor on pictures.
+//! Newton's method starts from places spread about a center, so the points found move with the
+//! surface. A point counts if the function is 0 there or changes sign nearby, and intervals do not
+//! rule out a zero. Some points may be missed. This module depends neither on cameras nor on
+//! pictures.
 
 use super::polynomial::{Coordinates, principal};
 use zeroset_eval::{Kernel, Sample};
@@ -12,7 +13,7 @@ use zeroset_space::{Cell, CellSearch, places_about};
 /// Distances from the center to critical points near the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CriticalDistances {
-    /// Distance to the farthest isolated point or point on a closed curve; 0 if no point is found.
+    /// Distance to the farthest point that is isolated or on a closed curve; 0 if there is none.
     pub farthest: f64,
     /// Distance to the nearest point on a curve that is not closed, if one is found.
     pub nearest: Option<f64>,
@@ -33,7 +34,6 @@ pub struct CriticalSearch<'a> {
     pub values: &'a dyn Kernel<Sample, f64>,
     /// Whether the function depends on each axis.
     pub depends: [bool; 3],
-    /// The center of the search.
     pub centre: [f64; 3],
     /// Half the side of the cube in which starts are spread. Some points are found farther away.
     pub half: f64,
@@ -47,27 +47,27 @@ const FARTHEST: f64 = 4.0;
 const STEPS: usize = 20;
 const CONVERGED: f64 = 1e-5;
 
-/// Step between the places whose values derivatives are computed from, as a share of the half side.
-/// First and second derivatives of polynomials then have half the digits of a value.
+/// Distance between the places from whose values derivatives are computed, as a share of the half
+/// side. First and second derivatives of polynomials then have half the digits of a value.
 const DIFFERENCE: f64 = 1e-3;
 
 /// Number of values that a Newton step uses: at the place, one step either way along each axis, and
 /// along two axes at once.
 const STENCIL: usize = 13;
 
-/// A critical point is isolated if the determinant of the second derivatives is at least this,
-/// after each axis is scaled so that its largest number is 1.
+/// A critical point is isolated if the determinant of the second derivatives is at least this. Each
+/// axis is scaled first, so that the largest number of its row is 1.
 const LEAST_DETERMINANT: f64 = 1e-2;
 /// A second derivative below this share of the largest one counts as 0.
 const FLATTEST: f64 = 1e-4;
 
-/// A curve of critical points counts as closed if at least `CURVE_POINTS` are found, all within
-/// this share of the half side from the center.
+/// A curve of critical points counts as closed if at least `CURVE_POINTS` points are found, all
+/// within `CLOSED` of the half side from the center.
 const CURVE_POINTS: usize = 8;
 const CLOSED: f64 = 0.75;
 
-/// The surface is near a critical point if it comes within this share of the point's distance from
-/// the center. This radius, half of it and a quarter of it are tried, the shortest first.
+/// The surface is near a critical point if it comes within `NEAR` of the point's distance from the
+/// center. This radius, half of it and a quarter of it are tried, the shortest first.
 const NEAR: f64 = 0.5;
 const HALVINGS: i32 = 3;
 
@@ -82,7 +82,7 @@ const MERGED: f64 = 1e-4;
 enum PathEnd {
     /// At an isolated critical point.
     Isolated,
-    /// At a critical point on a curve of others.
+    /// At a critical point on a curve of critical points.
     OnCurve,
     /// Too far away, or at a place without a next step.
     Lost,
@@ -96,7 +96,6 @@ struct NewtonPath {
 }
 
 impl CriticalSearch<'_> {
-    /// Finds the critical points.
     pub fn find(&self) -> CriticalDistances {
         let starts: Vec<Coordinates> = (1..=STARTS).map(|n| self.start(n)).collect();
         let ends = self.descend(&starts);
@@ -167,7 +166,6 @@ impl CriticalSearch<'_> {
         [[0; 3]].into_iter().chain(steps).map(there).collect()
     }
 
-    /// A step of Newton's method.
     fn step(&self, way: &mut NewtonPath, values: &[f64]) {
         let (here, up, down, both) = (values[0], &values[1..4], &values[4..7], &values[7..13]);
         let mut gradient = [0, 1, 2].map(|a| (up[a] - down[a]) / 2.0);
@@ -209,8 +207,8 @@ impl CriticalSearch<'_> {
     }
 
     /// The distance of a critical point from the center. `None` if the surface is not near the
-    /// point. Also `None` on the lines through the center along the axes, which are searched for
-    /// the surface itself.
+    /// point. Also `None` for a point on a line through the center along an axis: another search
+    /// covers these lines.
     fn distance_if_near(&self, place: Coordinates) -> Option<f64> {
         let far = distance(place, self.centre);
         let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > MERGED * self.half;
@@ -241,10 +239,10 @@ fn distance(a: Coordinates, b: Coordinates) -> f64 {
 /// The solution of a symmetric system, and how reliable it is.
 struct NewtonStep {
     way: Coordinates,
-    /// How far each coordinate of the solution may be off, along directions with hardly any second
-    /// derivative.
+    /// The possible error of each coordinate of the solution, along directions with almost no
+    /// second derivative.
     rest: Coordinates,
-    /// The determinant, with each axis scaled so that its largest number is 1.
+    /// The determinant of the scaled matrix.
     determinant: f64,
 }
 

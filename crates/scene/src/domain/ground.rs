@@ -1,4 +1,4 @@
-//! The ground: the part of the plane of its two independent variables over which a graph has
+//! The ground of a graph: the places in the plane of its two independent variables at which it has
 //! heights.
 //!
 //! All results are sampled, not proven. This module depends neither on surfaces nor on kernels.

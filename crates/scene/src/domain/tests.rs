@@ -52,7 +52,7 @@ fn a_point_has_room_around_it_wherever_it_is() {
         assert_eq!((found.low, found.high), (low, high), "{text}");
         assert_eq!(found.finding, Finding::Bounded, "{text}");
     }
-    // One third has no short decimal.
+    // One third has no short decimal, so the bounds are rounded.
     let found = found("abs(x-1/3)+abs(y)+abs(z) = 0");
     assert_eq!((found.low, found.high), ([-0.67, -1.0, -1.0], [1.33, 1.0, 1.0]));
 }

@@ -92,7 +92,7 @@ fn what_is_near_takes_light_away() {
     }
 }
 
-/// The color of one pixel in plain `f64`; not for undecided ones.
+/// The color of one pixel in plain `f64`. Not for undecided pixels.
 fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [u8; 3] {
     if !buffer.is_drawn(pixel) {
         return look.background.to_srgb();

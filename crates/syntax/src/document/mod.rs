@@ -1,5 +1,5 @@
-//! Reads a text into a [`Document`](crate::Document). This runs all stages and answers questions
-//! about the text as a whole: which names are parameters, and what a text without formulas draws.
+//! Reads a text into a [`Document`](crate::Document). This runs all stages. It also decides which
+//! names are parameters, and what a text without formulas draws.
 //!
 //! This is the only folder that calls `dialect`. `parameters` extends the `DocumentReader` of
 //! `reading`, which calls it as one of its steps.

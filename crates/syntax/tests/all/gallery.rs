@@ -1,4 +1,4 @@
-//! Checks the example files: each is read without an error, draws one surface, and has a title.
+//! Checks that each example file is read without an error, draws one surface, and has a title.
 
 use zeroset_syntax::{Note, NoteKind, Options, read};
 

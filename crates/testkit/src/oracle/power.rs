@@ -22,8 +22,8 @@ pub(super) enum Exponent {
     },
     /// A constant that is not an integer.
     Fraction,
-    /// An expression without coordinates and parameters. Constant folding may or may not turn it
-    /// into an integer constant, so both cases are allowed for.
+    /// An expression without coordinates and parameters. Constant folding may turn it into an
+    /// integer constant or not, so claims allow for both cases.
     PerhapsInteger,
     /// An expression that depends on coordinates or parameters.
     Varying,
@@ -66,7 +66,7 @@ pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defin
     }
 }
 
-/// Integer powers of the members of `a`. If the exponent is negative, the member 0 is left out.
+/// Powers of the members of `a` with an integer exponent. Leaves out 0 if the exponent is negative.
 fn integer_power(a: Span, n: Span, odd: bool) -> Span {
     if !odd || a.lo >= 0.0 {
         return magnitudes(a.abs(), n);
@@ -75,7 +75,7 @@ fn integer_power(a: Span, n: Span, odd: bool) -> Span {
     if a.hi <= 0.0 { negative } else { negative.union(magnitudes(Span::new(0.0, a.hi), n)) }
 }
 
-/// Real powers: the base is positive, or 0 under a positive exponent.
+/// Powers with a real exponent. The base is positive, or 0 if the exponent is positive.
 fn real_power(a: Span, b: Span) -> (Span, Defined) {
     let defined = Defined::decide(
         a.lo > 0.0 || (a.lo >= 0.0 && b.lo > 0.0),

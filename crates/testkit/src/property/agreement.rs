@@ -1,6 +1,6 @@
-//! Native code must give the same bits as the reference evaluator, where −0 equals +0 and NaN
-//! equals NaN. Code for vectors narrower than the processor's is checked, too, since pictures do
-//! not use it.
+//! Native code must give the same bits as the reference evaluator. Here −0 equals +0, and NaN
+//! equals NaN. Pictures use the processor's widest vectors, so code for narrower ones is checked
+//! here.
 
 use super::tile::{Tile, pack_segments, pack_tiles};
 use crate::suite::{Failure, Tally};
@@ -14,7 +14,7 @@ use zeroset_eval::{
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, vector_widths};
 
-/// Number of nodes from which functions are skipped, since compilation is superlinear.
+/// Functions of this many nodes are skipped, since compile time grows faster than linearly.
 const LONGEST: usize = 400;
 
 /// The query that a kernel answers.
@@ -32,9 +32,9 @@ pub enum KernelKind {
     Branches,
     /// Enclosures of a function and its derivatives over boxes.
     GradientBounds,
-    /// Segments of rays, narrowed.
+    /// Narrowed segments of rays.
     Segments,
-    /// Tiles of rays, narrowed, and their planes.
+    /// Narrowed tiles of rays, and their planes.
     Tiles,
 }
 
@@ -84,11 +84,11 @@ impl KernelKind {
 }
 
 /// Compares native code with the reference evaluator in the precision `T` on `inputs` random
-/// inputs. The function is as typed, or simplified if `simple`. A function that is too long is
-/// skipped, and nothing is compared.
+/// inputs. The function is as typed, or simplified if `simple`. Compares nothing if the function is
+/// too long.
 ///
 /// # Errors
-/// The first input on which they differ, with a smaller case that still shows it.
+/// The first input on which the two differ, with a smaller case that still shows it.
 ///
 /// # Panics
 /// If the code of a function of moderate length does not compile.
@@ -133,7 +133,7 @@ pub fn agree<T: Adversarial>(
     }
 }
 
-/// Returns random batches with `inputs` lanes in use in total. Many batches are not full.
+/// Returns random batches that use `inputs` lanes in total. Many batches are not full.
 fn batches<I>(
     case: &Case,
     rng: &mut Rng,
@@ -196,7 +196,7 @@ fn same<T: Real, B: Output<T>>(a: &B, b: &B, count: usize) -> bool {
     quantities && (0..B::MASKS).all(|number| used(a, number) == used(b, number))
 }
 
-/// Returns the results of native code, for vectors of `width` bytes, and of the reference.
+/// Returns the results of native code for vectors of `width` bytes, and those of the reference.
 fn both<Q: Query, T: Real>(
     tape: Tape<T>,
     case: &Case,
@@ -220,7 +220,7 @@ where
     Q::Input<T>: Debug,
     Q::Output<T>: Debug,
 {
-    /// Returns the first input on which the two evaluators differ.
+    /// Returns the index of the first input on which the two evaluators differ.
     fn differing<Q: Query, T: Real>(
         answers: &[Vec<Q::Output<T>>; 2],
         inputs: &[Q::Input<T>],

@@ -37,8 +37,8 @@ impl Versions {
     }
 }
 
-/// Compares a case's function with its rewritten and its simplified form: by the oracle at points
-/// of its domain, and by the reference evaluator over boxes.
+/// Compares a case's function with its rewritten and with its simplified form. The oracle does so
+/// at points of the domain, the reference evaluator over boxes.
 ///
 /// # Errors
 /// The first contradiction, with a smaller case that still shows it.
@@ -96,8 +96,8 @@ fn at(case: &Case, point: [f64; 3], values: &[(f64, f64)]) -> Option<String> {
 
 /// Returns the contradiction that the reference evaluator finds over a box.
 fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
-    // Whether a computed exponent is an integer is known only after constant folding. So the
-    // evaluator knows less about the graph as typed.
+    // Only constant folding shows whether a computed exponent is an integer. In the graph as typed,
+    // the evaluator may take such a power for a real power.
     if has_computed_exponent(&case.graph) {
         return None;
     }

@@ -1,7 +1,7 @@
-//! The properties checked by fuzz targets, on random bytes and on the seeds of the fuzzers. The
-//! seeds include every input that once broke a property.
+//! Checks the properties of the fuzz targets on random bytes and on the fuzzers' seeds. The seeds
+//! include every input that broke a property.
 //!
-//! A long run of one:
+//! A long run of one property:
 //! `ZEROSET_CASES=100000 cargo test --release -p zeroset-testkit --test all simplif`.
 
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ fn directory(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// Checks a property. One input in eight must give a function that is defined somewhere.
+/// Checks a property. It must compare certainly defined values once per eight inputs or more.
 fn hold(property: Property, target: &str, seed: u64, cases: u64) {
     let effort = Effort::from_environment(seed, cases);
     let tally = attack(&property, &directory("fuzz/seeds").join(target), effort);
