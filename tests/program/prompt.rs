@@ -321,8 +321,8 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     // The picture takes 90 columns and 26 rows, with characters of 6 by 12 pixels.
     assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
     // With 256 colors, every dot is near its exact color, and most dots are very near. Blended
-    // colors along edges cover too few dots for palette entries of their own. Without smooth edges,
-    // some dots there would be off by more than 100.
+    // colors along edges cover too few dots for palette entries of their own. If the terminal's
+    // picture were not antialiased, some dots along edges would be off by more than 100.
     let mut apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
     apart.sort_unstable();
     let (most, worst) = (apart[apart.len() * 999 / 1000], apart[apart.len() - 1]);

@@ -50,7 +50,7 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
     assert!(scene.changes("shown", || click(&scene, SWATCH, ROWS[1])) == start);
-    // A key also hides the surface, and that can be undone.
+    // The key 2 hides the surface too, as a click on its swatch does. Undoing this shows it again.
     assert!(scene.changes("by key", || scene.key("2")) == hidden);
     assert!(scene.changes("undo hiding", || scene.key("ctrl+z")) == start);
     // Drag to the middle of the track. The drag is one undo step.

@@ -52,7 +52,7 @@ impl Figure {
 pub struct PlotSeries {
     /// Name in the legend. If empty, the legend does not list the series.
     pub name: String,
-    /// Number of its color.
+    /// Number of the color of the series. Colors repeat after the last.
     pub color: usize,
     /// Shape of the marks.
     pub shape: MarkShape,

@@ -5,7 +5,7 @@ use std::ops::BitOr;
 
 /// Facts that are proven about a function over a box, besides its bounds: a set of three bits.
 ///
-/// A bit that is not set claims nothing. [`Facts::NOWHERE`] excludes the other two bits.
+/// A bit that is not set claims nothing. [`Facts::NOWHERE`] never occurs with another bit.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Facts(u32);
 

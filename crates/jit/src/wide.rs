@@ -233,7 +233,7 @@ struct StackLayout {
 }
 
 impl StackLayout {
-    /// Returns the new offset of a value on the stack.
+    /// Converts an offset on the narrow code's stack to one on the widened code's stack.
     fn moved(&self, offset: i64) -> i64 {
         if offset < self.slots { offset } else { self.slots + self.times * (offset - self.slots) }
     }

@@ -505,7 +505,8 @@ mod tests {
         };
         let changed = live.change_after(work, |state, text| state.request.text = text.into());
         assert!(changed.is_ok());
-        // The moves spoil the first two tries. During the third try, they wait.
+        // The drags change the document during the first two tries. During the third, they are
+        // queued.
         assert_eq!(tries.into_inner(), 3);
         assert_eq!(live.text(), TEXT.replace("r = 0", "r = 3") + "\nz = 0");
         live.drag(&slider, 4.0);

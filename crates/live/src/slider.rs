@@ -23,7 +23,7 @@ pub struct Slider {
     pub low: f64,
     /// Upper end of the range, above the lower end.
     pub high: f64,
-    /// Set for the time `t`, which the clock moves too.
+    /// True for the slider of the time `t`, which the clock also moves.
     pub is_time: bool,
 }
 

@@ -15,7 +15,7 @@ pub struct Look {
     pub ground: f32,
     /// Strength of the key light, which casts shadows.
     pub key: f32,
-    /// Strength of the fill light, which brightens shadows from the other side than the key light.
+    /// Strength of the fill light, which comes from the viewer's right and brightens shadows.
     pub fill: f32,
     /// Strength of the rim light, which comes from behind and shows where a surface turns away.
     pub rim: f32,

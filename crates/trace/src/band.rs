@@ -139,8 +139,9 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add_hit`], for the 4×4 pixels from this column and row on. If a pixel already has
-    /// a result, or brackets are kept, nothing is written and the function returns `false`.
+    /// As [`Band::add_hit`], for a square of 4×4 pixels whose first pixel is in this column and
+    /// row. Writes nothing and returns `false` if one of the pixels already has a result, or if the
+    /// band keeps brackets.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,

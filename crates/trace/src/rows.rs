@@ -124,7 +124,7 @@ impl GBuffer {
 /// Runs `work` on each part of a picture, on all threads. Returns the sum of the results. Threads
 /// take parts from the middle of the picture outward. The outermost parts mostly show little, so
 /// all threads end at about the same time. (On two threads, a sphere takes 0.52 of its time on one
-/// thread. It takes 0.56 if any part may be the last.)
+/// thread. With parts in arbitrary order, it would take 0.56.)
 ///
 /// # Panics
 /// If `work` panics, after the other threads have finished.

@@ -129,8 +129,9 @@ impl<M: Machine> Rule<'_, M> {
         (neg_lo, hi)
     }
 
-    /// The largest of four products. A NaN among the last three stands for 0; `max` drops it, since
-    /// the product with the other end also reaches 0. A NaN in the first becomes +∞.
+    /// The largest of four products. A NaN is 0·∞. If the first product is NaN, the result is +∞. A
+    /// NaN among the others stands for 0, and `max` may drop it, because another product is then at
+    /// least 0.
     fn largest_product(&mut self, pairs: [(M::V, M::V); 4]) -> M::V {
         let [first, rest @ ..] = pairs.map(|(a, b)| self.m.mul(a, b));
         let largest = rest.into_iter().fold(first, |acc, p| self.m.max(p, acc));

@@ -19,7 +19,7 @@ const SLIDERS: usize = 4;
 /// Code is compiled at most this far beyond the shown region, in half extents of that region.
 const FARTHEST: f64 = 64.0;
 
-/// Replaces the clipping plane of `region` by this one, or removes it.
+/// Returns `region` with the clipping plane `clip` in place of its own, or with none.
 ///
 /// # Errors
 /// If the plane has no normal.

@@ -244,7 +244,7 @@ fn points(picture: &GBuffer, holds: impl Fn(usize) -> bool) -> Vec<usize> {
 struct Lines {
     /// Difference in value between adjacent lines.
     step: f64,
-    /// Number of pixels across one pixel of the final picture.
+    /// Width of a pixel of the final picture, in pixels of the picture that is painted.
     side: f64,
 }
 

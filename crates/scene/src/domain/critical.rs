@@ -55,10 +55,12 @@ const DIFFERENCE: f64 = 1e-3;
 /// along two axes at once.
 const STENCIL: usize = 13;
 
-/// A critical point is isolated if the determinant of the second derivatives is at least this. Each
-/// axis is scaled first, so that the largest number of its row is 1.
+/// A critical point is isolated if the matrix of second derivatives, once scaled, has a determinant
+/// of at least this magnitude. Scaling divides each entry by √(r·c): r and c are the largest
+/// magnitudes in the entry's row and column.
 const LEAST_DETERMINANT: f64 = 1e-2;
-/// A second derivative below this share of the largest one counts as 0.
+/// In this scaling, r and c count as at least this share of the largest second derivative. So the
+/// entries of an axis with almost no second derivatives stay near 0.
 const FLATTEST: f64 = 1e-4;
 
 /// A curve of critical points counts as closed if at least `CURVE_POINTS` points are found, all

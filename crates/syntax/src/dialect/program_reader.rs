@@ -74,7 +74,7 @@ pub(crate) struct ProgramReader<'a> {
     pub defined_names: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
-    /// Known values of the names outside functions.
+    /// Variables outside functions whose values are known, with these values.
     pub constants: FxHashMap<String, f64>,
     /// Number of statements and loop iterations that ran.
     pub steps: usize,

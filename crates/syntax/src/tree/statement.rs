@@ -57,7 +57,8 @@ pub(crate) fn lines<'i>(
     if errors.is_empty() { Ok(lines) } else { Err(Errors::new(errors)) }
 }
 
-/// The grammar's rule for a statement, as its first tokens determine.
+/// Returns the grammar's rule for a statement. The first two tokens determine it, unless they are a
+/// setting and an opening bracket: then the other tokens decide.
 fn rule(lexed: &LexedStatement) -> Rule {
     let mut kinds = lexed.tokens.iter().map(|token| token.kind);
     let rule = match kinds.next() {

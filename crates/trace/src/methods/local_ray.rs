@@ -55,8 +55,8 @@ impl LocalRay {
 /// Returns the range of s = t − `start` in which a ray is proven to lie in the region.
 pub(super) fn inside(region: &Region, ray: &Ray, start: f64) -> [f64; 2] {
     let [near, far] = region.inner(ray);
-    // The differences are rounded, so the ends are moved inward. If the eye is inside the region,
-    // the near end is exact.
+    // Rounding may move a difference outward, so it is moved inward by one float. If the eye is
+    // inside the region, `near` is 0, and −`start` is exact.
     [if near == 0.0 { -start } else { (near - start).next_up() }, (far - start).next_down()]
 }
 

@@ -32,7 +32,9 @@ pub(super) struct Level<T: Scalar> {
     waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
-    /// Planes of tiles that are split, and of tiles whose form proves hits.
+    /// For each lane, a plane near which the zeros of its tile lie. Needs the option `contract`.
+    /// Computed if the form of some tile proves hits, or if some tile must be examined in parts or
+    /// ray by ray.
     pub planes: PlaneLanes<T>,
 }
 
